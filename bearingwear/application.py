@@ -30,7 +30,7 @@ class Application(NamedTuple):
 
 @functools.cache
 def applications() -> tuple[Application, ...]:
-    """The applications that are installed, in the order of their folders."""
+    """Returns the applications that are installed, in the order of their folders."""
     folders = sorted(os.listdir(_FOLDER))
     names = [name for name in folders if os.path.isfile(f"{_FOLDER}/{name}/__init__.py")]
     modules = [importlib.import_module(f"bearingwear.applications.{name}") for name in names]
@@ -38,15 +38,15 @@ def applications() -> tuple[Application, ...]:
 
 
 def application_functions() -> dict[str, str]:
-    """Dotted names of the functions of all applications, by their names in `bearingwear`."""
+    """Returns dotted names of all applications' functions, by their names in `bearingwear`."""
     return {name: dotted for one in applications() for name, dotted in one.functions.items()}
 
 
 def application_sheets() -> dict[str, str]:
-    """Dotted names of the sheets of all applications, by the kind of the file."""
+    """Returns dotted names of the sheets of all applications, by the kind of the file."""
     return {kind: dotted for one in applications() for kind, dotted in one.sheets.items()}
 
 
 def application_plots() -> dict[str, str]:
-    """Dotted names of the figures of all applications, by the kind of the file."""
+    """Returns dotted names of the figures of all applications, by the kind of the file."""
     return {kind: dotted for one in applications() for kind, dotted in one.plots.items()}

@@ -28,7 +28,7 @@ class OutputError(OSError):
 
 @contextlib.contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Name to write to; what was written there gets the name `path` if nothing went wrong.
+    """Yields a name to write to; the file there is renamed to `path` if nothing went wrong.
 
     Folders are made. Whatever goes wrong, a file of before is left as it was, and no part of the
     new one stays, unless the process is killed.
@@ -95,7 +95,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 def reason(error: BaseException) -> str:
-    """Why a file could not be read or written, on one line."""
+    """Returns why a file could not be read or written, on one line."""
     if isinstance(error, UnicodeError):
         return "netCDF accepts only UTF-8 names"
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
@@ -111,7 +111,7 @@ def check_output(path: Path, scene: str) -> None:
                 raise OutputError(f"{path}: got a folder or a device, expected a file name")
             if path.samefile(scene):
                 raise OutputError(f"{path}: got the scene itself, expected a different file name")
-            _check_replaced(path)
+            _check_replaceable(path)
             _check_writable(path)
     except OutputError:
         raise
@@ -127,7 +127,7 @@ def check_folder(path: Path) -> None:
         raise OutputError(f"{path}: got more than one new folder, expected at most one")
 
 
-def _check_replaced(path: Path) -> None:
+def _check_replaceable(path: Path) -> None:
     """Refuse to write a result over anything else, above all over a scene."""
     with path.open("rb") as file:
         start = file.read(len(SIGNATURE))

@@ -80,7 +80,7 @@ def _look_for_garbage_rarely() -> None:
 
 def _status(argv: Sequence[str]) -> int:
     try:
-        return _run(_parsed(argv))
+        return _run(_parsed_arguments(argv))
     except SystemExit as stop:
         if isinstance(stop.code, str):  # of a library
             sys.stderr.write(one_line(stop.code))
@@ -92,7 +92,7 @@ def _drop(stream: TextIO) -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def _parsed(argv: Sequence[str]) -> argparse.Namespace:
+def _parsed_arguments(argv: Sequence[str]) -> argparse.Namespace:
     if "_ARGCOMPLETE" in os.environ:  # the shell asks how a line may go on
         import argcomplete
 
@@ -132,20 +132,20 @@ def _check_study(
     """Refuse options of a scene without one, misspelt ones, and a name after other options."""
     from bearingwear.studies.launch import DRY_RUN
 
-    own = [one.option for one in LIMITED.values()] + ["--output", "--jobs"]
+    options = [measure.option for measure in LIMITED.values()] + ["--output", "--jobs"]
     typed = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
     for text in typed:
-        if near := difflib.get_close_matches(text.partition("=")[0], own, n=1, cutoff=0.8):
+        if near := difflib.get_close_matches(text.partition("=")[0], options, n=1, cutoff=0.8):
             parser.error(f"study: got {text!r}; did you mean {near[0]}")
     before = argv[: argv.index(args.name)] if args.name in argv else []
     if first := [text for text in typed if text in before]:
         parser.error(
             f"study: got {args.name} after {first[0]}, expected the name of the study first"
         )
-    given = [one.option for key, one in LIMITED.items() if getattr(args, key) is not None]
-    given += ["--output"] if args.output is not None else []
-    if given and not args.name.endswith(SCENE_SUFFIXES):
-        parser.error(f"study: got {given[0]} without a scene; only allowed with SCENE.yaml")
+    of_a_scene = [m.option for key, m in LIMITED.items() if getattr(args, key) is not None]
+    of_a_scene += ["--output"] if args.output is not None else []
+    if of_a_scene and not args.name.endswith(SCENE_SUFFIXES):
+        parser.error(f"study: got {of_a_scene[0]} without a scene; only allowed with SCENE.yaml")
 
 
 def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:

@@ -301,7 +301,7 @@ def recommend(args: argparse.Namespace) -> int:
         from bearingwear.studies.design.recommend import best_method, recommended
         from bearingwear.studies.sampling import usable_cores
 
-        limits = _limits(args, scene)
+        limits = _design_limits(args, scene)
         recommendation, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
         sheet = preload_document(recommendation, lives)
     if lives is not None and not (lives["status"] == 0).any():
@@ -395,7 +395,7 @@ def study(args: argparse.Namespace) -> int:
         if DRY_RUN & {*args.more} and not folder.exists():  # it makes no folder
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         with ProgressLines(args.name):
-            write_study(file, folder, _limits(args, load_scene(file)))
+            write_study(file, folder, _design_limits(args, load_scene(file)))
         status, page = run_own_study(folder, jobs, args.more)
     if page:
         print_text(f"page: {page}")
@@ -459,7 +459,7 @@ def _trial_lines(path: str) -> list[str]:
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 
 
-def _limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
+def _design_limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
     """Returns the limits that the options give for a scene."""
     from bearingwear.arguments import AS_IN_DUTY
     from bearingwear.studies.design.plan import DesignLimits

@@ -31,12 +31,12 @@ class ProcessEnded(RuntimeError):
 
 
 def printable(text: str) -> str:
-    """A text whose control characters are question marks; a no-break space is none."""
+    """Returns a text whose control characters are question marks; a no-break space is none."""
     return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else "?" for c in text)
 
 
 def one_line(text: str) -> str:
-    """A text as one printable line."""
+    """Returns a text as one printable line."""
     return printable(text) + "\n"
 
 
@@ -73,11 +73,11 @@ class ProgressLines:
         self.running = text.partition(", about ")[0]
         # a run goes on where nobody reads about its progress any more
         with contextlib.suppress(OSError, ValueError):
-            self.line(one_line(f"{self._source}{text}{self._time_left()}"))
+            self.print_line(one_line(f"{self._source}{text}{self._time_left()}"))
 
     @property
     def running(self) -> str:
-        """What runs, in words."""
+        """Returns what runs, in words."""
         return self._running
 
     @running.setter
@@ -85,8 +85,8 @@ class ProgressLines:
         if text != self._running:
             self._running, self._since = text, time.monotonic()
 
-    def line(self, text: str, stream: TextIO | None = None) -> None:
-        """Print a line, which ends by itself."""
+    def print_line(self, text: str, stream: TextIO | None = None) -> None:
+        """Print a text with its line break, in place of the line of progress."""
         with self._lock:
             self._write("")
             stream = stream or sys.stderr

@@ -80,32 +80,32 @@ class Measure:
 
     @property
     def short(self) -> str:
-        """The name in a row of a sheet."""
+        """Returns the name in a row of a sheet."""
         return self.label or self.words
 
     @property
     def key_unit(self) -> str:
-        """The unit of its keys in scenes and limits."""
+        """Returns the unit of its keys in scenes and limits."""
         return "1" if self.unit == "%" else self.unit
 
     @property
     def si_unit(self) -> str:
-        """The unit of its variables in files."""
+        """Returns the unit of its variables in files."""
         return _UNITS[self.unit][0]
 
     @property
     def shown_as(self) -> str:
-        """The display of values in SI units (`Variable.shown`), if the unit does not state it."""
+        """Returns how SI values are shown (`Variable.shown`), if the unit does not state it."""
         return "%" if self.unit == "%" else ""
 
     @property
     def worst_word(self) -> str:
-        """The word for the worse extreme."""
+        """Returns the word for the worse extreme."""
         return "minimum" if self.falls else "maximum"
 
     @property
     def extremes(self) -> tuple[str, ...]:
-        """The variables of a map with the worst values from new to the end of life."""
+        """Returns the variables of a map with the worst values from new to the end of life."""
         return (self.key,) if self.over_preload else self.variables
 
     def extreme(self, values: Any) -> float:

@@ -49,7 +49,7 @@ def add_formats(sub: argparse.ArgumentParser) -> Any:
 
 
 def given_scene(args: argparse.Namespace) -> Scene:
-    """The scene of the arguments, with their changes, in their case; refuses it as the output."""
+    """Reads the scene of the arguments, with their changes and case; refuses it as the output."""
     from bearingwear.atomic import check_output
     from bearingwear.scene.read import load_scene
 
@@ -64,7 +64,7 @@ def given_scene(args: argparse.Namespace) -> Scene:
 
 
 def output_of(args: argparse.Namespace, ending: str) -> Path:
-    """The file to write: that of -o, or one beside the scene, named after it."""
+    """Returns the file to write: that of -o, or one beside the scene, named after it."""
     scene = Path(args.scene)
     args.is_named = args.output is not None
     return Path(args.output or scene.with_name(f"{scene.stem}{ending}"))

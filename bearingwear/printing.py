@@ -27,7 +27,7 @@ def print_sheet(sheet: Document, args: argparse.Namespace) -> None:
 
 
 def print_file(path: str | Path, args: argparse.Namespace, every: bool = False) -> None:
-    """The sheet of a result file of any kind."""
+    """Prints the sheet of a result file of any kind."""
     from bearingwear.document.show import sheet
     from bearingwear.studies import STUDY_SHEETS
 

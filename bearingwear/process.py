@@ -49,7 +49,7 @@ def _can_be_written(folder: str) -> bool:
 
 
 def _private_folder() -> str:
-    """A folder below that for temporary files that is the user's alone; the same one each time."""
+    """Returns a folder for temporary files that is the user's alone; the same one each time."""
     import tempfile
 
     from kerneljit.project import is_private
@@ -70,6 +70,6 @@ def _set_user() -> None:
 
 
 def python_command(module: str, *arguments: str) -> list[str]:
-    """Command that runs a module of this copy of the package in another process."""
+    """Returns the command that runs a module of this copy of the package in another process."""
     script = Path(__file__).with_name("run_module.py")
     return [sys.executable, "-P", str(script), module, *arguments]

@@ -32,7 +32,7 @@ SOLVER = (
 
 @functools.cache
 def sources(*modules: str) -> tuple[Path, ...]:
-    """Our files that modules import, directly or through each other, and their data.
+    """Returns the package's files that modules import, directly or in turn, and their data.
 
     Imports inside functions count, those for the type checker alone do not. A file that is not
     Python (a template, a style) belongs to the module beside it that names it.
@@ -103,7 +103,7 @@ def _imported(path: Path) -> tuple[str, ...]:
 
 
 def contents_hash(paths: Iterable[str | Path]) -> str:
-    """Hash of the contents of files, 16 hexadecimal digits; a missing one counts as empty."""
+    """Returns the hash of the contents of files (16 digits); a missing one counts as empty."""
     digest = hashlib.sha256()
     for path in paths:
         digest.update(_file_hash(os.fspath(path)))
@@ -111,7 +111,7 @@ def contents_hash(paths: Iterable[str | Path]) -> str:
 
 
 def text_hash(text: str) -> str:
-    """Hash of a text, 16 hexadecimal digits."""
+    """Returns the hash of a text, 16 hexadecimal digits."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -122,7 +122,7 @@ def _file_hash(path: str) -> bytes:
 
 @functools.cache
 def sources_hash(*modules: str) -> str:
-    """Hash of the names and contents of `sources`, 16 hexadecimal digits."""
+    """Returns the hash of the names and contents of `sources`, 16 hexadecimal digits."""
     paths = sources(*modules)
     folders = f"{PACKAGE}/", f"{PACKAGE.parent}/"
     names = "\n".join(str(path).removeprefix(folders[0]).removeprefix(folders[1]) for path in paths)
@@ -130,7 +130,7 @@ def sources_hash(*modules: str) -> str:
 
 
 def result_hash(module: str) -> str:
-    """Hash of the sources that decide what a function of a module returns.
+    """Returns the hash of the sources that decide what a function of a module returns.
 
     What solves a scene names the sources of the solver in its result. These count as well, or
     results of one study would name different ones when some of them are made again.
@@ -140,7 +140,7 @@ def result_hash(module: str) -> str:
 
 
 def other_copy() -> Path | None:
-    """The copy of the package that is installed in this environment, if its sources differ."""
+    """Returns the copy of the package installed in this environment, if its sources differ."""
     site = Path(sysconfig.get_path("purelib"))
     copy = site / PACKAGE.name
     if copy == PACKAGE or not (copy / "__init__.py").is_file():
@@ -157,12 +157,12 @@ def other_copy() -> Path | None:
 
 
 def source_hash() -> str:
-    """Hash of the sources between a scene and its result file."""
+    """Returns the hash of the sources between a scene and its result file."""
     return sources_hash(*SOLVER)
 
 
 def kernels_hash() -> str:
-    """Hash of the kernels, and of what compiles them, as they lie on the disk now (16 digits)."""
+    """Returns the hash of the kernels and of `kerneljit` as they are on disk now (16 digits)."""
     _file_hash.cache_clear()  # they may have been edited since
     compiler = (PACKAGE.parent / COMPILER).glob("*.py")
     return contents_hash([*sorted(PACKAGE.glob("kernels/**/*.py")), *sorted(compiler)])

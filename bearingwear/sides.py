@@ -62,5 +62,5 @@ OF_ARRANGEMENT = {
 
 
 def of_bearing(values: Mapping[str, Any], k: int) -> dict[str, Any]:
-    """Values of one bearing of a pair and of both, from those of a result."""
+    """Returns values of one bearing of a pair and of both, from those of a result."""
     return {name: value if name in SHARED else value[k] for name, value in values.items()}

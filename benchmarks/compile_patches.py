@@ -1,10 +1,10 @@
 """What each extension of numba in `kerneljit` saves when the solver is compiled.
 
-`python benchmarks/compile_patches.py [--models steady worn dynamic] [--repeats 2]` compiles the
-kernels of each model into an empty folder, with all extensions, with each of them left out in its
-turn, and by numba's public interface alone, and prints CPU seconds, the least of the repeats, and
-how much longer it takes without the extension. Use an idle machine: CPU time of one core depends on
-what its neighbour does.
+`python benchmarks/compile_patches.py [--models steady worn dynamic] [--only NAME ...]` compiles the
+kernels of each model into an empty folder, with all extensions, with each of them (or each NAME)
+left out in its turn, and by numba's public interface alone. It prints CPU seconds, the least of
+`--repeats`, and how much longer it takes without the extension. Use an idle machine: CPU time of
+one core depends on what its neighbour does.
 """
 
 import argparse
@@ -100,7 +100,9 @@ def seconds(name: str, model: str) -> float:
         environment["BEARINGWEAR_PLAIN_NUMBA"] = "1" if name == PLAIN else ""
         before = cpu_of_children()
         words = [sys.executable, __file__, "--here", "nothing" if name == PLAIN else name, model]
-        subprocess.run(words, env=environment, check=True, capture_output=True)
+        done = subprocess.run(words, env=environment, capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(done.stderr)
         return cpu_of_children() - before
 
 
@@ -108,12 +110,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--models", nargs="+", default=["steady", "worn", "dynamic"])
     parser.add_argument("--repeats", type=int, default=2)
+    names = [*LEFT_OUT, PLAIN]
+    parser.add_argument("--only", nargs="+", choices=names[1:], default=names[1:], metavar="NAME")
     parser.add_argument("--here", nargs=2, metavar=("NAME", "MODEL"), help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.here:
         compile_without(*args.here)
         return
-    names = [*LEFT_OUT, PLAIN]
+    names = ["nothing", *args.only]
     least: dict[tuple[str, str], float] = {}
     for _ in range(args.repeats):  # in turn, so that a slow minute does not hit one of them alone
         for name in names:

@@ -133,7 +133,7 @@ def worn_hours(scene, about: float) -> float:
     first = ways[0].way.sides
     for other in ways[1:]:
         for own, shared in zip(other.way.sides, first, strict=True):
-            own.bearing.lie_on(shared.bearing)
+            own.bearing.take_grids_of(shared.bearing)
     times = np.array([time for _, time in spans])
     times *= about * HOUR / CYCLES / times.sum()
     worn, passed, before = ways[0].way.start, 0.0, {}

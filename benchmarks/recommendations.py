@@ -42,8 +42,8 @@ from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.best import SWEPT_FACTORS
 from bearingwear.studies.design.choice import limit_margins
+from bearingwear.studies.design.condition_extremes import new_states, state_extremes, worn_states
 from bearingwear.studies.design.conditions import as_mounted, at_share, is_warm
-from bearingwear.studies.design.everywhere import new_states, state_extremes, worn_states
 from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import recommendation

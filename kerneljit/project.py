@@ -79,18 +79,18 @@ def private_code_folder(project: Project) -> str:
     when it removes the package, and Python would go on to import that folder.
     """
     name = f"numba-{project.kernels_hash()}" + ("-plain" if project.is_plain else "")
-    given = os.environ.get("NUMBA_CACHE_DIR")
+    asked_for = os.environ.get("NUMBA_CACHE_DIR")
     home = Path(os.path.expanduser("~"))
     caches = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
     # Who can write to these can change what Python itself runs.
     beside = project.folder / "__pycache__"
     trusted = (beside, home.resolve())
     parents = [caches / project.name]
-    if given:
-        parents = [Path(given)]
+    if asked_for:
+        parents = [Path(asked_for)]
     elif project.in_checkout:
         parents.insert(0, beside)
-    folders = [parent.resolve() / name for parent in parents if given or parent.is_absolute()]
+    folders = [parent.resolve() / name for parent in parents if asked_for or parent.is_absolute()]
     temporary = Path(tempfile.gettempdir()).resolve()
     folders.append(temporary / f"{project.name}-{os.geteuid()}-{name}")
     for folder in folders:
@@ -98,10 +98,10 @@ def private_code_folder(project: Project) -> str:
             break
     else:
         folder = Path(tempfile.mkdtemp(prefix=f"{project.name}-numba-"))
-    if given and folder != folders[0]:
+    if asked_for and folder != folders[0]:
         tell(
-            f"NUMBA_CACHE_DIR: {given} is not writable, or is writable by others; compiled code is "
-            f"stored in {folder} instead"
+            f"NUMBA_CACHE_DIR: {asked_for} is not writable, or is writable by others; compiled "
+            f"code is stored in {folder} instead"
         )
     return str(folder)
 
@@ -135,16 +135,17 @@ def is_private(folder: Path, trusted: tuple[Path, ...] = ()) -> bool:
     """
     user = os.geteuid()
     try:
-        own = folder.lstat()
-        if own.st_uid != user or not _is_closed(own.st_mode) or not os.access(folder, os.W_OK):
+        status = folder.lstat()
+        is_own = status.st_uid == user and _is_closed(status.st_mode)
+        if not is_own or not os.access(folder, os.W_OK):
             return False
         for above in folder.parents:
             if above in trusted:
                 break
-            found = above.lstat()
+            status = above.lstat()
             # in a sticky folder, as /tmp, only the owner of an entry may rename or remove it
-            is_sticky = stat.S_ISDIR(found.st_mode) and found.st_mode & stat.S_ISVTX
-            if found.st_uid not in (user, _ROOT) or not (_is_closed(found.st_mode) or is_sticky):
+            is_sticky = stat.S_ISDIR(status.st_mode) and status.st_mode & stat.S_ISVTX
+            if status.st_uid not in (user, _ROOT) or not (_is_closed(status.st_mode) or is_sticky):
                 return False
     except OSError:
         return False

@@ -25,7 +25,7 @@ def scene():
     return bearingwear.load(S1).with_(COARSE)
 
 
-def test_what_the_package_offers():
+def test_public_names_exist_and_have_docstrings():
     assert set(bearingwear.__all__) <= set(dir(bearingwear))
     for name in bearingwear.__all__:
         assert getattr(bearingwear, name).__doc__
@@ -50,7 +50,7 @@ def test_words_that_are_typed_for_others(scene):
         scene.with_(preload_N=3)
 
 
-def test_another_accuracy_sets_its_keys():
+def test_a_change_of_accuracy_changes_the_keys_it_decides():
     """A scene holds what its own accuracy has decided; that shall not count as asked for."""
     fine = bearingwear.example().with_({"model.accuracy": "reference"})
     assert fine == variant(S1, {"model.accuracy": "reference"}) and fine.model.strips == 1000
@@ -151,7 +151,7 @@ def test_files_of_the_command_and_back(command, scene, tmp_path):
     xr.testing.assert_identical(netcdf.load(first), netcdf.load(second))
 
 
-def test_what_is_not_solved_warns(scene):
+def test_an_unsolved_scene_issues_a_warning(scene):
     slippery = scene.with_({"friction.ball_race": 0.0})
     for function in (bearingwear.solve, bearingwear.life):
         with pytest.warns(UserWarning, match="^gyro_s1: undetermined: ") as caught:

@@ -17,12 +17,12 @@ from support import ROOT, numbers_in, only_line, step, without_waits
 from bearingwear import cli, console
 from bearingwear.application import applications
 from bearingwear.arguments import command_parser
-from bearingwear.cli import _parsed, main
+from bearingwear.cli import _parsed_arguments, main
 from bearingwear.kernels import status as code
 from bearingwear.lives import life as life_model
+from bearingwear.lives.ends import NO_CRITERION
 from bearingwear.results.netcdf import load
 from bearingwear.results.warnings import warnings_in
-from bearingwear.scene.blocks import CRITERIA
 from bearingwear.solvers import solve as solve_model
 from bearingwear.solvers.result import Result
 
@@ -116,7 +116,7 @@ __main__.run_program()
         (["solve", str(SCENE)], signal.SIGINT, "interrupted\n"),
     ],
 )
-def test_an_interrupt_at_a_bad_moment(arguments, number, problem, tmp_path):
+def test_an_interrupted_import_or_write_leaves_no_trace(arguments, number, problem, tmp_path):
     """While numba is imported, and while a file is half written."""
     done = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, *arguments, str(int(number))],
@@ -172,7 +172,7 @@ def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
 
 def test_failed_life(tmp_path, monkeypatch):
     def lived(scene, fidelity, progress):
-        return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": len(CRITERIA) - 1})
+        return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": NO_CRITERION})
 
     monkeypatch.setattr(life_model, "life", lived)
     argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc")]
@@ -275,7 +275,7 @@ def test_wrong_arguments(argv, capsys):
 def test_the_name_of_a_study_comes_first(option, capsys):
     assert main(["study", option, "results/a.nc"]) == 2
     assert f"got results/a.nc after {option}" in only_line(capsys)
-    args = _parsed(["study", "all", option, "results/a.nc"])
+    args = _parsed_arguments(["study", "all", option, "results/a.nc"])
     assert (args.name, args.more) == ("all", [option, "results/a.nc"])
 
 
@@ -510,7 +510,7 @@ def test_warnings_are_printed_once(capsys):
     assert output == "" and error.count("warning: ") == 1 and 0.3 in numbers_in(error)
 
 
-def test_a_new_folder_is_told(tmp_path, capsys):
+def test_one_new_folder_is_made_and_reported(tmp_path, capsys):
     where = tmp_path / "new"
     tree = where / "folder" / "case.nc"
     assert main(["solve", str(SCENE), "-o", str(tree)]) == 2 and not where.exists()

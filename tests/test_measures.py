@@ -115,7 +115,7 @@ def test_a_percentage_of_all_has_no_power_of_ten(measure):
         assert measure.text(0.9996) == measure.limit_text(0.9996) == "100 %"
 
 
-def test_margin_and_its_sign():
+def test_margins_are_negative_beyond_the_limit():
     for measure in MEASURES:
         assert measure.falls == (measure.key in WORSE_WHEN_LESS)
         limit = measure.file_limit(LIMIT, 1.0)
@@ -221,7 +221,7 @@ def test_an_end_has_a_row_of_a_life(name):
 
 
 @of_ends
-def test_what_ended_a_life_is_said(name):
+def test_the_criterion_that_ended_a_life_is_stated(name):
     measure = ENDS[name]
     end = measure.file_limit(LIMIT, PRELOAD)
     values = {"history_ball_diameter_loss": np.zeros(1), "end_criterion": CRITERIA.index(name)}
@@ -275,7 +275,8 @@ def test_a_limit_is_in_words_and_letters(name):
 
 @of_limits
 def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
-    monkeypatch.setattr("bearingwear.studies.design.everywhere.lowest_frequency", lambda *_: np.nan)
+    unknown_frequency = "bearingwear.studies.design.condition_extremes.lowest_frequency"
+    monkeypatch.setattr(unknown_frequency, lambda *_: np.nan)
     measure, result = LIMITED[name], ended_by("skid_ratio")
     if measure.of_life:
         assert set(measure.extremes) <= POINT.keys()

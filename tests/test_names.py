@@ -81,7 +81,7 @@ def test_functions_are_short():
     assert long == []
 
 
-def test_a_name_with_two_meanings_is_found(tmp_path):
+def test_names_defined_in_two_modules_are_detected(tmp_path):
     (tmp_path / "a.py").write_text("try:\n    X = Y = 1\nexcept OSError:\n    pass\n_Z: int = 2\n")
     (tmp_path / "b.py").write_text("class Y: ...\nX: int = 2\n_Z = 3\nlocal = lambda: (v := 1)\n")
     (tmp_path / "c.py").write_text("def study(): ...\ndef f():\n    X = 1\n")

@@ -73,7 +73,7 @@ def parsed_imports(path):
     return {name for name in names if name.startswith(OURS)}
 
 
-def test_what_solves_changes_with_all_sources_of_the_solver():
+def test_results_of_solves_depend_on_all_sources_of_the_solver():
     """Its results name them, and results that name different ones are not gathered."""
     for module in ("bearingwear.studies.solve", "bearingwear.studies.grid.life"):
         assert result_hash(module) == sources_hash(module, *SOLVER)

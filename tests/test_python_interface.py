@@ -72,7 +72,7 @@ def named(values):
     return dict(zip(values[values.dims[0]].values.tolist(), values.values.tolist(), strict=True))
 
 
-def test_nothing_else_is_listed():
+def test_tab_lists_only_the_public_names():
     assert dir(bearingwear) == sorted(bearingwear.__all__)
     assert set(dir(bearingwear)) >= {"recommend", "uncertainty", "launch", "margin", "calibrate"}
     for name in bearingwear.__all__:
@@ -167,7 +167,7 @@ def test_margin_is_that_of_the_command(rotor, capsys, tmp_path):
         bearingwear.margin(S1)
 
 
-def test_calibrate_is_that_of_the_command(tmp_path, capsys):
+def test_calibrate_gives_what_its_command_gives(tmp_path, capsys):
     spread = {"wear_coefficient": 3.0, "wear_scatter": 1.3}
     inputs = {
         f"uncertainty.{name}": {"distribution": "lognormal", "factor": factor}

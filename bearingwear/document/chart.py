@@ -49,7 +49,7 @@ class Charts:
 
     @property
     def stored(self) -> str:
-        """The text that `load_charts` reads."""
+        """Returns the text that `load_charts` reads."""
         return json.dumps(asdict(self), ensure_ascii=False, indent=1) + "\n"
 
 

@@ -53,7 +53,7 @@ class Row(NamedTuple):
 
     @property
     def head(self) -> str:
-        """The label, with the unit in brackets."""
+        """Returns the label, with the unit in brackets."""
         label = self.label.strip()
         return f"{label} ({printed_unit(self.unit)})" if self.unit else label
 
@@ -76,14 +76,14 @@ class Block:
 
     @property
     def heads(self) -> tuple[str, ...]:
-        """The heads of the columns; in a table of points, the values that name each point."""
+        """Returns the heads of the columns: in a table of points, the values that name each."""
         if not self.axes:
             return self.columns
         return tuple(", ".join(point) for point in zip(*self.cells[: self.axes], strict=True))
 
     @property
     def cells(self) -> list[list[str]]:
-        """The texts of the values of each row."""
+        """Returns the texts of the values of each row."""
         return [
             [shown_value(value, row.unit, self.given or row.given) for value in row.values]
             for row in self.rows
@@ -91,7 +91,7 @@ class Block:
 
     @property
     def table(self) -> tuple[list[str], list[list[str]]]:
-        """The heads and the lines of the table, for a page or Markdown."""
+        """Returns the heads and the lines of the table, for a page or Markdown."""
         cells = self.cells
         if self.axes:
             heads = [row.head for row in self.rows]
@@ -133,16 +133,16 @@ class Document:
 
     @property
     def title(self) -> str:
-        """The first heading line."""
+        """Returns the first heading line."""
         return self.heading[0] if self.heading else ""
 
-    def placed(self, *places: str) -> list[Block]:
+    def blocks_in(self, *places: str) -> list[Block]:
         """Returns the blocks whose place is one of `places`."""
         return [block for block in self.blocks if block.place in places]
 
     @property
     def stored(self) -> str:
-        """The text that `load_document` and `sheet_in_file` read."""
+        """Returns the text that `load_document` and `sheet_in_file` read."""
         return json.dumps(_encoded(asdict(self)), ensure_ascii=False, indent=1) + "\n"
 
 

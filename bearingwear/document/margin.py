@@ -85,7 +85,7 @@ def margin_block(scene: Scene, corners: Sequence[Corner]) -> Block:
     """Returns a table of torque, required torque and margin in every corner."""
     drive, worst = scene.drive, worst_corner(corners)
     assert drive is not None
-    required = [drive.required(corner.torque) for corner in corners]
+    required = [drive.required_torque(corner.torque) for corner in corners]
     unit = display("N m", [*(corner.torque for corner in corners), *required])
     rows = tuple(
         Row(

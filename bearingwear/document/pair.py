@@ -38,7 +38,7 @@ class BearingView:
 
     @property
     def scene(self) -> str:
-        """The scene of this bearing as JSON; in tandem, with its share of the preload."""
+        """Returns the scene of this bearing as JSON; in tandem, with its share of the preload."""
         scene = json.loads(self._file.scene)
         scene["operation"]["preload_N"] /= scene["arrangement"].get("tandem", (1, 1))[self._k]
         return json.dumps(scene)

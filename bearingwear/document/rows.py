@@ -177,7 +177,7 @@ class _Criterion(NamedTuple):
 
     @property
     def file_limit(self) -> float:
-        """The limit in the unit of the variable in files."""
+        """Returns the limit in the unit of the variable in files."""
         return self.measure.file_limit(self.limit, self.preload_N)
 
     def is_violated(self, numbers: np.ndarray) -> bool:

@@ -104,7 +104,7 @@ class Method:
                 break
         return nodes
 
-    def nodes_kept(self, step: LifeStep) -> Sequence[Node]:
+    def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
         """Returns the nodes of a finished step that its life keeps."""
         return step.nodes
 
@@ -146,7 +146,7 @@ class Life:
 
     @property
     def tried_nodes(self) -> list[Node]:
-        """The nodes, and the one that could not be solved."""
+        """Returns the nodes, and the one that could not be solved."""
         return self.nodes if self.beyond is None else [*self.nodes, self.beyond]
 
     @property
@@ -156,12 +156,12 @@ class Life:
 
     @property
     def bearings(self) -> list[list[State]]:
-        """States along the life, of each bearing."""
+        """Returns the states along the life, of each bearing."""
         return [list(states) for states in zip(*(node.states for node in self.nodes), strict=True)]
 
     @property
     def states(self) -> list[State]:
-        """States along the life of its first bearing."""
+        """Returns the states along the life of its first bearing."""
         return [node.states[0] for node in self.nodes]
 
     def ends_like(self, other: "Life") -> bool:
@@ -260,7 +260,7 @@ def _step_to_zero(life: Life, method: Method, margins: Margins, bound: float) ->
                 bound = zero.x  # up to there and no further
                 if bound < step.end:
                     continue
-        kept = [] if failed or step.is_rough else method.nodes_kept(step)
+        kept = [] if failed or step.is_rough else method.kept_nodes(step)
         failed = failed or _first_failed(kept)
         if failed:
             life.fail(failed)

@@ -31,11 +31,11 @@ EDGE_DEPTH = 1e-2  # of a groove, over its deepest place, at the edges of its wi
 
 
 def wear_over_gap(scene: Scene) -> float:
-    """Returns the loss at the end of life over the gap A a^2 at the edge of the contact.
+    """Returns the loss at the end of life over the gap A a^2 at the edge of the contact [1].
 
-    The contact is static, at the free contact angle, so that nothing is solved. The loss is the
-    limit of the scene, or what takes so much of the preload at fixed position. The ratio is
-    infinite where the scene has no limit of the loss.
+    It is estimated without a solve, from a static contact at the free contact angle. The loss is
+    the smaller of two: the limit of the loss, and the loss at which a fixed position has lost the
+    preload of `preload_fraction`. The ratio is infinite where the scene limits neither.
     """
     g, end, operation = parameters.geometry(scene), scene.wear.end_of_life, scene.operation
     sine = math.sin(g.alpha0)

@@ -153,7 +153,7 @@ class RungeKutta(Method):
         end = self.solver.t
         return LifeStep(end=end, nodes=self.solved_at(start.x + 0.5 * (end - start.x), end))
 
-    def nodes_kept(self, step: LifeStep) -> Sequence[Node]:
+    def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
         start = self.solver.t_old
         nodes = [self.at(start + share * (step.end - start)) for share in self.between]
         if all(node.status == code.OK for node in nodes):
@@ -224,7 +224,7 @@ class Adams(InTime):
     def is_smooth_between(self, before: Node, now: Node) -> bool:
         return super().is_smooth_between(before, now) and not self.wearing.bares(before, now)
 
-    def nodes_kept(self, step: LifeStep) -> Sequence[Node]:
+    def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
         return [self.wearing.completed(node) for node in step.nodes]
 
     def step_to(self, end: float) -> LifeStep:
@@ -285,7 +285,11 @@ class Trapezoid(InTime):
         return node._replace(worn=worn, states=wearing.with_worn(node.states, worn))
 
     def root(self, margin: Callable[[float], float], a: Node, b: Node) -> float:
-        """Returns the root by false position, sufficient for scattered values."""
+        """Returns an end [s] at which a margin is about zero, by false position.
+
+        margin: of a time, negative at that of node b and not at that of a; it scatters from run to
+            run, so that more accuracy than `_END_OF_RUNS` would have no meaning.
+        """
         low, high, best = a.x, b.x, b.x
         low_margin, high_margin = margin(low), margin(high)
         for _ in range(_MOST_TRIALS):

@@ -49,7 +49,7 @@ class Coating:
 
     @property
     def thickness(self) -> np.ndarray:
-        """Unworn thickness of the films that are left; 0 where none is [m]."""
+        """Returns the unworn thickness of the films that are left; 0 where none is [m]."""
         return np.where(self.is_left, self.new_thickness, 0.0)
 
     def share_left(self, depths: np.ndarray) -> np.ndarray:
@@ -81,7 +81,7 @@ class EvenWear:
 
     @property
     def loss_range(self) -> float:
-        """Further loss that can be followed [m]."""
+        """Returns the further loss that can be followed [m]."""
         return self.largest_loss - self.present_loss
 
     def condition(self, worn: np.ndarray) -> Condition:
@@ -181,7 +181,7 @@ class FilmWear(EvenWear):
         )
 
     def loss_rate(self, ball_rate: float, race_rates: np.ndarray) -> float:
-        """Returns the rate of the loss as counted, by those of ball diameter and depths [m/s]."""
+        """Returns `State.rate` by the rates of ball diameter and groove depths [m/s]."""
         return ball_rate + float(race_rates.sum()) if self.scene.wear.counts_races else ball_rate
 
     def rates(self, state: State) -> np.ndarray:
@@ -220,7 +220,7 @@ class Surfaces:
         return np.concatenate([bearing.rates(state) for bearing, state in pairs])
 
     def loss_rate(self, node: Node) -> float:
-        """Returns the sum of the rates at which the bearings lose, as counted [m/s]."""
+        """Returns the sum of `State.rate` of the bearings [m/s]."""
         return sum(state.rate for state in node.states)
 
     def wears(self, node: Node) -> bool:

@@ -174,5 +174,5 @@ class WornParts:
         return rates
 
     def mean_loss_rate(self, rates: np.ndarray) -> float:
-        """Returns the rate of the mean loss of ball diameter as counted [m/s]."""
+        """Returns `State.rate` by the rates of all wearing parts [m/s]."""
         return float(rates[self.layout.diameter].mean()) + self._counted_depth(rates)

@@ -59,13 +59,13 @@ class ChartAxis:
 
     @property
     def ticks(self) -> list[float]:
-        """The numbers with a tick: 1, 2 and 5 times powers of ten, or the latter alone."""
+        """Returns the numbers with a tick: 1, 2 and 5 times powers of ten, or the latter alone."""
         ticks = self._log_ticks if self.log else []
         return ticks if len(ticks) > 1 else self._linear_ticks
 
     @property
     def _log_ticks(self) -> list[float]:
-        """The ticks within a logarithmic axis; those of many decades are powers of ten."""
+        """Returns the ticks within a logarithmic axis; those of many decades are powers of ten."""
         decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)))
         factors = (1, 2, 5) if len(decades) < 4 else (1,)
         ticks = [factor * 10.0**k for k in decades for factor in factors]
@@ -73,7 +73,7 @@ class ChartAxis:
 
     @property
     def _linear_ticks(self) -> list[float]:
-        """The ticks at steps of 1, 2 or 5 times a power of ten, at most five steps."""
+        """Returns the ticks at steps of 1, 2 or 5 times a power of ten, at most five steps."""
         least_step = (self.high - self.low) / 5.0
         power = 10.0 ** math.floor(math.log10(least_step))
         step = next(m * power for m in (1, 2, 5, 10) if m * power >= least_step)

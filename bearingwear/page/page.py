@@ -103,12 +103,12 @@ class PageAnswer:
     def sentence_blocks(self) -> list[Block]:
         """Sentences beside the charts; those of the place `more` only without a question."""
         places = ("lead",) if self.question else ("lead", "more")
-        return [block for block in self.document.placed(*places) if not block.rows]
+        return [block for block in self.document.blocks_in(*places) if not block.rows]
 
     @property
     def leading_tables(self) -> list[Block]:
         """Tables beside the first chart."""
-        return [block for block in self.document.placed("lead") if block.rows]
+        return [block for block in self.document.blocks_in("lead") if block.rows]
 
     @property
     def open_tables(self) -> list[Block]:
@@ -447,12 +447,12 @@ class KeyRow(NamedTuple):
 
     @property
     def block(self) -> str:
-        """The block of the scene that contains the key, in words."""
+        """Returns the block of the scene that contains the key, in words."""
         return self.label.partition(": ")[0]
 
     @property
     def label_in_block(self) -> str:
-        """The label without the block."""
+        """Returns the label without the block."""
         return self.label.partition(": ")[2] or self.label
 
 

@@ -34,7 +34,7 @@ class BearingSection(NamedTuple):
 
     @property
     def normal(self) -> tuple[float, float]:
-        """The unit vector (x, z) from the centre of the ball to the outer contact."""
+        """Returns the unit vector (x, z) from the centre of the ball to the outer contact."""
         return math.sin(self.angle), math.cos(self.angle)
 
     def centre(self, inner: bool) -> tuple[float, float]:

@@ -65,7 +65,7 @@ class Layout(NamedTuple):
 
     @property
     def entries(self) -> dict[str, Entry]:
-        """All variables by name, the coordinates first."""
+        """Returns all variables by name, the coordinates first."""
         return {**self.coordinates, **self.variables}
 
 

@@ -107,9 +107,7 @@ def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
     contents = contents_of(result)
     contents.attrs["wall_time_s"] = float(result.wall_time_s)
     data = {
-        name: named_data(contents.data[name], entry.attrs)[0]
-        if by_name and "flag_meanings" in entry.attrs
-        else contents.data[name]
+        name: _values_and_attrs(entry, contents.data[name], by_name)[0]
         for name, entry in contents.layout.variables.items()
     }
     # a copy with other data: the constructor takes longer than a solve
@@ -153,13 +151,20 @@ def _variables(
 
     variables = {}
     for name, entry in entries.items():
-        values, attrs = data[name], entry.attrs.copy()
-        attrs.pop("coordinates", None)
-        if by_name and "flag_meanings" in attrs:
-            values, attrs = named_data(values, attrs)
+        values, attrs = _values_and_attrs(entry, data[name], by_name)
+        attrs = {key: value for key, value in attrs.items() if key != "coordinates"}
         encoding = {} if entry.fill is None else {"_FillValue": entry.fill}
         variables[name] = xr.Variable(entry.dims, values, attrs, encoding)
     return variables
+
+
+def _values_and_attrs(
+    entry: Entry, values: np.ndarray, by_name: bool
+) -> tuple[np.ndarray, dict[str, Any]]:
+    """Returns the values and attributes of a variable, with names instead of codes if `by_name`."""
+    if by_name and "flag_meanings" in entry.attrs:
+        return named_data(values, entry.attrs)
+    return values, entry.attrs
 
 
 _TEMPLATES: dict[Any, tuple[Layout, xr.Dataset]] = {}

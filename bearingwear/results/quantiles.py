@@ -111,7 +111,7 @@ class Spread(NamedTuple):
 
     @property
     def rows(self) -> dict[str, Interval | float | str]:
-        """The intervals and quantiles by the labels of their rows in a sheet or table."""
+        """Returns the intervals and quantiles by the labels of their rows in a sheet or table."""
         return {
             BEARINGS_BETWEEN: self.bearings,
             WITHIN_BATCH: self.scatter or "none",

@@ -64,7 +64,7 @@ class Display(NamedTuple):
 
     @property
     def printed(self) -> str:
-        """The unit with the characters of figures, tables and the page: `N/µm`."""
+        """Returns the unit with the characters of figures, tables and the page: `N/µm`."""
         return printed_unit(self.unit)
 
     def of(self, values: Any) -> Any:
@@ -131,7 +131,7 @@ class Rough(float):
 
     @property
     def text(self) -> str:
-        """The number with its two digits, however small it is: K_s/H may be 1e-17 m2/N."""
+        """Returns the number with its two digits, however small it is: K_s/H may be 1e-17 m2/N."""
         return f"{float(f'{self:.2g}'):.7g}" if math.isfinite(self) else digits(self)
 
     def in_unit(self, unit: str) -> str:
@@ -144,7 +144,7 @@ class Percent(float):
 
     @property
     def text(self) -> str:
-        """The number with its sign."""
+        """Returns the number with its sign."""
         text = digits(self, "%")
         return text if self < 0.0 or text.startswith("<") else f"+{text}"
 
@@ -157,7 +157,7 @@ class Interval(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The ends with two digits: `0.34 to 5.8`."""
+        """Returns the ends with two digits: `0.34 to 5.8`."""
         return " to ".join(Rough(end).text for end in self)
 
 
@@ -183,7 +183,7 @@ class Estimated(float):
 
     @property
     def text(self) -> str:
-        """The number to the first digit of its error."""
+        """Returns the number to the first digit of its error."""
         text = text_to_error(self, self.error)
         if self.error <= RESOLVED * abs(self) and math.isclose(
             float(text), self, rel_tol=_EQUAL_TO_INPUT

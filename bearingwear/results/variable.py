@@ -40,22 +40,22 @@ class Variable:
 
     @functools.cached_property
     def stored_type(self) -> np.dtype[Any]:
-        """The NumPy type; kept, since to parse its name takes as long as to store a number."""
+        """Returns the NumPy type; cached, as parsing its name is as slow as storing a number."""
         return np.dtype(self.dtype)
 
     @functools.cached_property
     def missing(self) -> np.generic:
-        """The value that marks it as not solved: NaN, or the last flag, whose name is "none"."""
+        """Returns the value that marks it as not solved: NaN, or the last flag, named "none"."""
         return self.stored_type.type(len(self.flags) - 1 if self.flags else np.nan)
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """A new dictionary of its attributes in a file."""
+        """Returns a new dictionary of its attributes in a file."""
         return self._attributes.copy()
 
     @functools.cached_property
     def _attributes(self) -> dict[str, Any]:
-        """The attributes in a file; shared."""
+        """Returns its attributes in a file; callers share the dictionary and must not change it."""
         attributes: dict[str, Any] = {"long_name": self.long_name}
         if self.units:
             attributes["units"] = self.units

@@ -224,7 +224,7 @@ class Model:
 
     @property
     def slip_is_over(self) -> str:
-        """Where slip is evaluated, `line` or `ellipse`: as given, or that of the contact model."""
+        """Returns where slip is evaluated, `line` or `ellipse`; if not given, as `contact` does."""
         return slip_is_over(self.contact, self.slip_over)
 
     @property
@@ -236,7 +236,7 @@ class Model:
 
     @property
     def averaged_turns(self) -> float:
-        """Shaft turns over which a dynamic run is averaged; its second half if not given."""
+        """Returns the turns over which a dynamic run is averaged; its second half if not given."""
         return self.evaluated_turns or 0.5 * self.simulated_turns
 
 

@@ -23,14 +23,14 @@ def assumed_keys(path: str | os.PathLike[str]) -> set[str]:
     *derived, base = scene_files(path)
     text = text_of(base)
     node = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    keys = set(_marked(node, text.splitlines()))
+    keys = set(_assumed_keys_of_block(node, text.splitlines()))
     for file in derived:
         changed = tuple(data_of(text_of(file), file).get("set", {}))
         keys = {key for key in keys if not f"{key}.".startswith(tuple(f"{c}." for c in changed))}
     return keys
 
 
-def _marked(
+def _assumed_keys_of_block(
     node: yaml.MappingNode, lines: Sequence[str], block: str = "", block_is_assumed: bool = False
 ) -> Iterator[str]:
     """Yields the assumed keys of a block."""
@@ -41,6 +41,6 @@ def _marked(
             _ASSUMED.search(lines[line]) or (above.startswith("#") and _ASSUMED.search(above))
         )
         if isinstance(value, yaml.MappingNode):
-            yield from _marked(value, lines, f"{block}{name.value}.", is_marked)
+            yield from _assumed_keys_of_block(value, lines, f"{block}{name.value}.", is_marked)
         elif is_marked:
             yield f"{block}{name.value}"

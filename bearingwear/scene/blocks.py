@@ -166,7 +166,7 @@ class Operation:
 
     @property
     def fastest_rpm(self) -> float:
-        """Speed of the faster race [r/min]."""
+        """Returns the speed of the faster race [r/min]."""
         return max(abs(self.shaft_speed_rpm), abs(self.outer_speed_rpm))
 
     @property
@@ -204,18 +204,18 @@ class EndOfLife(_CRITERIA):
 
     @functools.cached_property
     def criteria(self) -> dict[str, float]:
-        """The given criteria and their values."""
+        """Returns the given criteria and their values."""
         values = {name: getattr(self, name) for name in ENDS}
         return {name: value for name, value in values.items() if value is not None}
 
     @functools.cached_property
     def without_cage(self) -> EndOfLife:
-        """The criteria without those of a cage."""
+        """Returns the criteria without those of a cage."""
         return replace(self, **dict.fromkeys(OF_CAGE))
 
 
 CRITERIA = (*ENDS, "none")
-"""What may end a life, in the order of the flags."""
+"""What may end a life, in the order of the flags; the last one is that nothing does."""
 
 
 @keyed

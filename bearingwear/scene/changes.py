@@ -85,7 +85,7 @@ def error_of_change(
     """Returns the error with the change that caused it as its source, if one did."""
     for faulty_key in (error.key, *error.involved):
         for key in changes:
-            for changed_key in filter(None, (key, _block_made(data, key))):
+            for changed_key in filter(None, (key, _missing_block(data, key))):
                 if faulty_key == changed_key or faulty_key.startswith(
                     (f"{changed_key}.", f"{changed_key}[")
                 ):
@@ -94,7 +94,7 @@ def error_of_change(
     return error
 
 
-def _block_made(data: Any, key: str) -> str | None:
+def _missing_block(data: Any, key: str) -> str | None:
     """Returns the outermost block that the data lack for a key; None if they lack none."""
     *blocks, _ = key.split(".")
     for depth, name in enumerate(blocks, 1):

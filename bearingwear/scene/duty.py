@@ -65,17 +65,17 @@ class Duty:
 
     @property
     def cycle_s(self) -> float:
-        """Time of one cycle [s]."""
+        """Returns the time of one cycle [s]."""
         return sum(map(self.phase_s, self.phases.values()))
 
     @property
     def ramp_s(self) -> float:
-        """Time of one start and one stop [s]."""
+        """Returns the time of one start and one stop [s]."""
         return self.start_s + self.stop_s
 
     @property
     def steady_ramp_s(self) -> float:
-        """Time of those ramps of one start and one stop that are steady at each speed [s]."""
+        """Returns the time of the ramps of a start and a stop that are steady at each speed [s]."""
         return self.stop_s if self.warmup else self.ramp_s
 
     def phase_s(self, phase: Phase) -> float:
@@ -88,7 +88,7 @@ class Duty:
 
     @property
     def starts(self) -> float:
-        """Number of starts in one cycle."""
+        """Returns the number of starts in one cycle."""
         return sum(phase.starts for phase in self.phases.values())
 
     def case_of(self, name: str) -> str:

@@ -113,7 +113,7 @@ class Friction:
 
     @property
     def coefficient(self) -> float:
-        """The single Coulomb coefficient; raises `SceneError` if a film replaces it."""
+        """Returns the single Coulomb coefficient; raises `SceneError` if a film replaces it."""
         if self.ball_race is None:
             raise SceneError(
                 "friction.film", "got a film, expected a single friction.ball_race here"

@@ -87,14 +87,14 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
         _check_spread(plain)
         plain["description"] = " ".join(plain.get("description", "").split())
         regularisation_given = "slip_regularisation_m_s" in plain["friction"]
-        return _marked_as_checked(
+        return _with_checked_cases(
             with_regularisation(build_record(Scene, _with_accuracy(plain)), regularisation_given)
         )
     except SceneError as error:
         raise error.in_source(source) from None
 
 
-def _marked_as_checked(scene: Scene) -> Scene:
+def _with_checked_cases(scene: Scene) -> Scene:
     """Checks the cases and the duty of a scene whose keys were checked, and marks it as checked.
 
     SceneError: a case is no valid scene, or no phase of the duty.
@@ -338,6 +338,6 @@ def _with_new_blocks(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
     regularisation_given = REGULARISATION in changes or regularisation_is_given(scene)
     try:
         changed = replace(scene, **checked_fields(Scene, with_changes(plain, changes)))
-        return _marked_as_checked(with_regularisation(changed, regularisation_given))
+        return _with_checked_cases(with_regularisation(changed, regularisation_given))
     except ValueError:
         return None

@@ -138,14 +138,14 @@ class Drive:
         """Class of resistance of the bearing torque."""
         return self.bearings_as or _BEARINGS.get(self.standard, "")
 
-    def required(self, torque: float) -> float:
+    def required_torque(self, torque: float) -> float:
         """Returns the torque that the drive must have at a torque of the bearings [N m]."""
         others = sum(self.rule[name] * T for name, T in self.resistances_Nm.items())
         return self.rule[self.bearings] * torque + others
 
     def margin(self, torque: float) -> float:
         """Returns the excess of the drive's torque over the required one, relative to it [1]."""
-        needed = self.required(torque)
+        needed = self.required_torque(torque)
         return self.torque_Nm / needed - 1.0 if needed > 0.0 else math.inf
 
     def stalls(self, torque: float) -> bool:

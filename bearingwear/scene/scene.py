@@ -208,32 +208,32 @@ class Scene:
 
     @property
     def pair(self) -> Arrangement | None:
-        """The arrangement of a pair; None for a single bearing."""
+        """Returns the arrangement of a pair; None for a single bearing."""
         return self.arrangement if self.arrangement and self.arrangement.is_pair else None
 
     @property
     def start_s(self) -> float:
-        """Time of a start from rest to full speed [s]: that of its duty, else 0."""
+        """Returns the time of a start from rest to full speed [s]: that of its duty, else 0."""
         return self.duty.start_s if self.duty else 0.0
 
     @functools.cached_property
     def in_cases(self) -> dict[str, Scene]:
-        """The scene as it stands, `nominal`, and in each of its cases."""
+        """Returns the scene as it stands, `nominal`, and in each of its cases."""
         return scenes_of_cases(self)
 
     @functools.cached_property
     def sides(self) -> tuple[Scene, ...]:
-        """Each bearing of the arrangement as a single one."""
+        """Returns each bearing of the arrangement as a single one."""
         return sides_of(self)
 
     @property
     def one_of_alike(self) -> Scene:
-        """The first bearing of a symmetric pair; any other scene as it is."""
+        """Returns the first bearing of a symmetric pair; any other scene as it is."""
         return self.sides[0] if self.pair is not None and self.pair.is_symmetric else self
 
     @functools.cached_property
     def without_cage(self) -> Scene:
-        """The scene without its cage, the cage's results and the limits of its wear."""
+        """Returns the scene without its cage, the cage's results and the limits of its wear."""
         end = self.wear.end_of_life
         wear = replace(self.wear, end_of_life=end and end.without_cage)
         model = replace(self.model, cage_results=False)
@@ -287,17 +287,17 @@ class Scene:
 
     @property
     def plain(self) -> Mapping[str, Any]:
-        """The same data as `to_dict`; other scenes share parts of it, so do not write to it."""
+        """Returns the data of `to_dict`; other scenes share parts of it, so do not write to it."""
         return self._shared[0]
 
     @property
     def json(self) -> str:
-        """`to_dict` as JSON: the attribute `scene` of a result."""
+        """Returns `to_dict` as JSON: the attribute `scene` of a result."""
         return self._shared[1]
 
     @functools.cached_property
     def _shared(self) -> tuple[dict[str, Any], str]:
-        """Plain data and JSON of the scene, with blocks that other scenes share."""
+        """Returns plain data and JSON of the scene, with blocks that other scenes share."""
         field_values = {name: getattr(self, name) for name in _field_names(Scene)}
         return _mapping_and_json({k: part for k, part in field_values.items() if part is not None})
 

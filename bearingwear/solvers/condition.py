@@ -109,7 +109,9 @@ class Solver(Protocol):
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         """Returns the bearing without friction, its balls orbiting freely or at `Omega` [rad/s]."""
 
-    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
+    def with_motion_of_case(
+        self, solution: SolvedBearing, values: dict[str, Any]
+    ) -> SolvedBearing | None:
         """Returns the solution with another motion that the case took; None if it kept this one."""
 
     def at(self, scene: Scene) -> "Solver": ...  # at other temperatures, those of the scene
@@ -141,8 +143,10 @@ class Wrapper:
     def case(self, solution: SolvedBearing) -> CaseValues:
         return self.solver.case(solution)
 
-    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
-        return self.solver.moved(solution, values)
+    def with_motion_of_case(
+        self, solution: SolvedBearing, values: dict[str, Any]
+    ) -> SolvedBearing | None:
+        return self.solver.with_motion_of_case(solution, values)
 
 
 def innermost(solver: Any) -> Any:

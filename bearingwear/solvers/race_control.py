@@ -123,7 +123,9 @@ class RaceControl:
         values, attrs = solution.answer
         return dict(values), dict(attrs)
 
-    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
+    def with_motion_of_case(
+        self, solution: SolvedBearing, values: dict[str, Any]
+    ) -> SolvedBearing | None:
         return None  # there is one solution
 
 

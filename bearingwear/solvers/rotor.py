@@ -187,8 +187,8 @@ class OnRotor:
         if self.scene.operation.preload_N == 0.0:
             return RotorState(code.PRELOAD_GONE)
         if not any(isinstance(side, Warm) for side in self.sides):
-            return self._balanced(self.sides, conditions, tolerance)
-        rough = self._balanced(self.sides, conditions, max(tolerance, WARM_BALANCED))
+            return self._balance(self.sides, conditions, tolerance)
+        rough = self._balance(self.sides, conditions, max(tolerance, WARM_BALANCED))
         if rough.status not in USABLE:
             return rough
         # the last steps, at temperatures that are accurate enough
@@ -196,9 +196,9 @@ class OnRotor:
             Warm(side.solver, solution.warmed) if isinstance(side, Warm) else side
             for side, solution in zip(self.sides, rough.sides, strict=True)
         )
-        return self._balanced(warm_sides, conditions, tolerance)
+        return self._balance(warm_sides, conditions, tolerance)
 
-    def _balanced(
+    def _balance(
         self, sides: tuple[Solver, ...], conditions: Conditions, tolerance: float
     ) -> RotorState:
         """Returns the balance of the sides in their conditions."""
@@ -240,11 +240,11 @@ class OnRotor:
             )
 
         start = functools.partial(self._first_place, losses, F_ext)
-        return self._balance_from_nearby(trial_at, losses, start, self._rounded, tolerance)
+        return self._balance_from_nearby(trial_at, losses, start, self._negligible_step, tolerance)
 
     @functools.cached_property
-    def _rounded(self) -> float:
-        """Returns the step of the rotor that changes nothing [m]."""
+    def _negligible_step(self) -> float:
+        """Returns the step of the rotor below which its balance does not change [m]."""
         return _ROUNDED * self.sides[0].mechanics(0.0).g.BD
 
     def _spring(
@@ -380,7 +380,7 @@ class OnRotor:
             cases, has_moved = [], False
             for k, (side, solution) in enumerate(zip(self.sides, state.sides, strict=True)):
                 cases.append(bearing_case(side, solution))
-                if (moved := side.moved(solution, cases[-1][0])) is not None:
+                if (moved := side.with_motion_of_case(solution, cases[-1][0])) is not None:
                     self.near[k], has_moved = moved, True
             if not has_moved:
                 break

@@ -40,7 +40,7 @@ def start_of(scene: Scene, bare: Bare = COVERED) -> Start:
         D = float(parameters.ball_diameters(scene).mean())
         case = problem.solve(D)
         if case.status in USABLE:
-            scales = time_scale_values(problem.time_scales(D, case))
+            scales = time_scale_values(problem.decay_rates(D, case))
             return Start(
                 u=case.u,
                 kind="the steady state under pure thrust",

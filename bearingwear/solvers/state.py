@@ -61,12 +61,15 @@ class State:
 
     @property
     def loss(self) -> float:
-        """Returns the loss of ball diameter, as counted [m]."""
+        """Returns the loss of ball diameter, which includes that of the races if it counts [m].
+
+        `wear.counts` of the scene says whether it does.
+        """
         return self.values["ball_diameter_loss"]
 
     @property
     def rate(self) -> float:
-        """Returns the rate of the loss, as counted [m/s]."""
+        """Returns the rate at which `loss` grows [m/s]."""
         return self.values["ball_diameter_loss_rate"]
 
     def __getitem__(self, name: str) -> Any:
@@ -78,7 +81,7 @@ class State:
 
 
 def case_state(loss: float, values: Mapping[str, Any]) -> State:
-    """Returns the state of a solved case at a loss of ball diameter, as counted [m].
+    """Returns the state of a solved case at a loss of ball diameter, as in `State.loss` [m].
 
     Its values are means over the balls, and the worst of those that may end a life.
     """

@@ -170,15 +170,15 @@ class Steady:
             return values, {"residual": "not solved"}
         attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
         if case.status in USABLE:
-            scales = problem.time_scales(D, case)
-            is_stable = {id(case): problem.stable(D, case, scales)}
+            decay_rates = problem.decay_rates(D, case)
+            is_stable = {id(case): problem.stable(D, case, decay_rates)}
             others = problem.other_states(D, case, is_stable[id(case)], scene.model.steady_starts)
             is_stable |= {id(state): problem.stable(D, state) for state in others}
             # the one reached first, if it is stable
             states = sorted([case, *others], key=lambda state: not is_stable[id(state)])
             if states[0] is not case:
                 case = states[0]
-                scales = problem.time_scales(D, case)
+                decay_rates = problem.decay_rates(D, case)
             attrs["residual"] = residual_sentence(case)
             values |= error_estimates(scene, problem, D, case)
             values |= steady_torque_loss(problem, D, case)
@@ -187,8 +187,8 @@ class Steady:
                     "gauss (fixed points), because no solution was found with the split rule"
                 )
             values |= {"status": case.status} | steady_values(scene, problem, D, case)
-            values |= time_scale_values(scales) | {
-                "stiffness_transition_frequency": np.abs(scales.real).min() / TURN,
+            values |= time_scale_values(decay_rates) | {
+                "stiffness_transition_frequency": np.abs(decay_rates.real).min() / TURN,
                 "stable": int(is_stable[id(case)]),
                 "steady_state_count": len(states),
                 "steady_state_orbit_speed": np.array([state.u[3] for state in states]),
@@ -201,7 +201,9 @@ class Steady:
                 values["status"] = code.NO_STEADY_STATE
         return values, attrs
 
-    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
+    def with_motion_of_case(
+        self, solution: SolvedBearing, values: dict[str, Any]
+    ) -> SolvedBearing | None:
         if "orbit_speed" not in values:
             return None
         u = np.array([*values["ball_angular_velocity"][0], values["orbit_speed"][0]])

@@ -47,12 +47,12 @@ class Steps:
 
     @property
     def count(self) -> int:
-        """Number of values."""
+        """Returns the number of values."""
         return round((self.last - self.first) / self.step) + 1
 
     @property
     def values(self) -> list[float]:
-        """The values, rounded to nine decimals."""
+        """Returns the values, rounded to nine decimals."""
         return [round(self.first + k * self.step, 9) for k in range(self.count)]
 
 

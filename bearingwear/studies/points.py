@@ -80,7 +80,7 @@ class SweepPoints:
 
     @property
     def json(self) -> str:
-        """The points as text."""
+        """Returns the points as text."""
         return json.dumps(asdict(self))
 
     def __iter__(self) -> Iterator[ScenePoint]:

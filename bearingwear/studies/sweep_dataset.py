@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.lives.ends import NO_CRITERION
 from bearingwear.results.kinds import ONLY_IN_CASES, SWEEP_KIND
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.results.warnings import WARNING, merged_warnings, warning_lines
-from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.answers import PROBLEM, REFUSED, Answer, answer_values
@@ -146,7 +146,7 @@ def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Datas
 
     refused: dict[str, Any] = {"status": REFUSED}
     if kept.what == "life":
-        refused["end_criterion"] = len(CRITERIA) - 1
+        refused["end_criterion"] = NO_CRITERION
     first_layout = next(answer["scene"] for answer in answers if "scene" in answer)
     phases = {answer["attrs"].get("phases") for answer in answers if "attrs" in answer}
     same = {"phases": name} if len(phases) == 1 and (name := phases.pop()) else {}

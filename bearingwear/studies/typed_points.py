@@ -29,14 +29,14 @@ def typed_points(axes: Sequence[str], rows: Path | None) -> Any:
         if not equals:
             problem = f"got {text}, expected KEY=VALUES such as operation.preload_N=5,7,9"
             raise SceneError("", problem, source="--axis")
-        texts.append(f"{key}={_listed(key, values)}")
+        texts.append(f"{key}={_yaml_list(key, values)}")
     try:
         return changes_of(texts)
     except SceneError as error:
         raise error.in_source(error.source.replace("--set", "--axis")) from None
 
 
-def _listed(key: str, text: str) -> str:
+def _yaml_list(key: str, text: str) -> str:
     """Writes typed values, or LOW:HIGH:COUNT, as a list in YAML."""
     if text.count(":") != 2:
         return f"[{text}]"

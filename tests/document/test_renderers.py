@@ -125,12 +125,12 @@ def test_every_locale_prints_the_same_json_and_csv(encoding, tmp_path, monkeypat
     assert printed().decode(encoding).startswith("2.78 um ")
 
 
-def test_what_is_stored_comes_back(tmp_path):
+def test_a_stored_document_is_read_without_loss(tmp_path):
     path = tmp_path / "answer.json"
     path.write_text(DOCUMENT.stored, encoding="utf-8")
     read = load_document(path)
     assert as_text(read) == as_text(DOCUMENT) and as_html(read) == as_html(DOCUMENT)
-    assert read.figures == ("design",) and read.placed("charted")[0].title == "map"
+    assert read.figures == ("design",) and read.blocks_in("charted")[0].title == "map"
 
 
 def test_an_axis_without_entries_has_no_names():

@@ -76,7 +76,7 @@ def test_interrupted_while_llvm_works(tmp_path):
 
 
 def test_one_process_compiles_and_the_others_wait(tmp_path):
-    """Whoever holds the lock; and nothing is said where all is there."""
+    """Only the one that holds the lock compiles; where all is on disk, nothing is printed."""
     first = started(tmp_path, "-c", SMALL)
     numbers, output = first.communicate(timeout=60)
     assert output == LINE

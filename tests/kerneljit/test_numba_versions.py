@@ -76,7 +76,7 @@ def test_kernels_give_the_same_numbers_by_the_public_interface_alone():
 
 @pytest.mark.long
 @pytest.mark.parametrize("fidelity", ["race_control", "steady", "dynamic"])
-def test_the_same_numbers_by_the_public_interface_alone(fidelity):
+def test_the_public_interface_of_numba_gives_the_same_numbers(fidelity):
     arguments = (SOLVE, fidelity, scene_file("gyro_s1"))
     scene = load_scene(scene_file("gyro_s1"))
     builds_on_internals, numbers = json.loads(run(*arguments, **{SWITCH: ""}))
@@ -101,7 +101,7 @@ def test_the_same_numbers_by_the_public_interface_alone(fidelity):
         np.testing.assert_allclose(other, first, rtol=0, atol=atol, err_msg=name)
 
 
-def test_another_version_is_used_by_its_public_interface():
+def test_untested_versions_of_numba_compile_by_the_public_interface():
     for version in ("0.62.1", "0.69.0", "0.69.0rc1", "1.0.0", "0.100.0dev0+12.gab"):
         assert not is_tested(version)
     assert run(OTHER_VERSION, "0.69.0rc1").startswith("numba.")
@@ -114,7 +114,7 @@ def test_a_tested_version(monkeypatch):
         assert dataclasses.replace(PROJECT).is_plain == plain
 
 
-def test_what_is_installed():
+def test_the_pinned_numba_is_the_newest_tested_one():
     """pyproject.toml allows older versions than those tested; constraints.txt pins one of those."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     (allowed,) = (line for line in project["dependencies"] if line.startswith("numba"))

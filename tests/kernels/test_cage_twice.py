@@ -70,8 +70,8 @@ def put(system, y):
 
 
 @pytest.mark.parametrize(("name", "k"), CASES)
-def test_stored_states(systems, name, k):
-    """The plain program with the laws of then: all numbers stored, to 1e-8."""
+def test_the_plain_program_repeats_stored_cage_states(systems, name, k):
+    """With the laws of that time, it gives all stored numbers to 1e-8."""
     stored = STATES["states"][name][k]
     rates = np.array(stored["dy"])
     then, delta = solve(*put(systems(name, 0.0), np.array(stored["y"])), STORED)

@@ -52,8 +52,8 @@ def test_line_with_traction_sums_as_the_steady_rule(c):
 
 
 @pytest.mark.parametrize("c", SLIPS)
-def test_many_points_are_right(c):
-    """Against many fixed points, and slopes against differences: both to what V_R leaves."""
+def test_friction_at_many_points_agrees_with_fixed_points(c):
+    """Sums agree with those at many fixed points, and slopes with finite differences."""
     many, hessian = friction(FINE, c)
     right = ellipse_sums(CONTACT, c, MU, V_R, placed(ellipse_rule("split", 200, 64), c))
     assert_allclose(many[:5] / SCALE, np.array(right[:5]) / SCALE, atol=1e-6 * MU * CONTACT.Q)

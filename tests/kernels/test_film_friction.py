@@ -167,7 +167,7 @@ def test_power_at_the_same_motion(solved):
     assert_allclose(out[0, :, QV], out[1, :, QV], rtol=1e-15)  # wear counts |v| dQ as before
 
 
-def test_the_check_says_no_to_the_spread_of_hertz(solved):
+def test_the_check_rejects_film_friction_spread_as_the_pressure_of_hertz(solved):
     """A state in balance with the same mean coefficients, but spread as Hertz' pressure."""
     _, problem = solved
     bearing, state, u, law = in_balance_with_means(problem)

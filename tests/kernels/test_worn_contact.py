@@ -104,7 +104,7 @@ def test_the_check_finds_balance_and_the_same_load(cells, name):
     assert check.load == pytest.approx(pressure.sum() * cells.area, rel=1e-12)
 
 
-def test_the_check_says_no(cells):
+def test_the_contact_check_rejects_wrong_depths_and_pressures(cells):
     wear = PROFILES["skew"](cells.X)
     pressure = solved(cells, wear)
     assert contact_check(cells, check_influence(cells), wear + 1e-6, pressure).gap > 0.9e-6

@@ -551,7 +551,7 @@ def test_shares_of_wear_and_time_are_whole(lived, contact, kind):
     assert values["life_error_estimate"] < 0.02
 
 
-def test_what_miner_leaves_out(lived):
+def test_the_error_of_palmgren_miner_is_that_of_interacting_phases(lived):
     """Phases that end at the loss alone, with rates that hardly change, are as Miner has them; a
     phase that ends the life of all by the preload that others took away is not."""
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.02}}
@@ -659,9 +659,9 @@ def test_the_page_has_the_phases_and_their_figure(scene, tmp_path):
     answer = load_document(tmp_path / "duty.json")
     assert answer.facts["scene"] == made.name and "in phase idle" in answer.title
     assert {"phases of the duty", "each phase alone, without starts"} <= {
-        block.title for block in answer.placed("open")
+        block.title for block in answer.blocks_in("open")
     }
-    assert "phase idle meets its criterion" in str(answer.placed("lead"))
+    assert "phase idle meets its criterion" in str(answer.blocks_in("lead"))
     assert float(lived["life_cycles"]) > 0.0 and len(figure.axes) == 2
     bare = {"cases": {"bare": {"friction.ball_race": 0.0}}}
     phases = duty({"still": {"hours": 1.0, "case": "bare"}})

@@ -61,7 +61,7 @@ SHARE = {"wear.end_of_life": {"film_worn_share": 0.5}}
     ],
     ids=["pressed, ball", "on balls", "running in", "depth"],
 )
-def test_where_balls_move_alike_the_life_is_the_steady_one(scene, changes):
+def test_a_dynamic_life_with_equal_balls_agrees_with_the_steady_one(scene, changes):
     s = scene("gyro_s1", ALONE | changes)
     v, steady = life(s, "dynamic").values, life(s, "steady").values
     assert v["status"] == code.OK and v["end_criterion"] == steady["end_criterion"]

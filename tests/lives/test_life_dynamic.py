@@ -184,7 +184,7 @@ def test_wear_opens_pockets_and_land(scene):
     assert after.cage.pocket_clearance_mm + 0.5e-3 == pytest.approx(0.1602)
 
 
-def test_what_cannot_be_solved_ends_the_life_and_is_named(scene, tmp_path):
+def test_a_state_without_solution_ends_a_dynamic_life(scene, tmp_path):
     """Worn far beyond where the balls lose the inner race, in one step."""
     changes = ALONE | {"wear.end_of_life": {"ball_diameter_loss_um": 90.0}, "model.life_steps": 2}
     result = life(scene("gyro_s1", changes), "dynamic")

@@ -27,11 +27,11 @@ def trials():
         yield pytest.param(result, marks=marks, id=f"trial-{result['trial']}")
 
 
-@pytest.mark.parametrize("found", trials())
-def test_a_life_found_at_random_ends_by_its_criterion(found):
+@pytest.mark.parametrize("trial", trials())
+def test_a_life_found_at_random_ends_by_its_criterion(trial):
     """At the loss that ends it, of the worse bearing of a pair."""
-    scene = LIGHT.drawn_scene(found["draw"]).one_of_alike
-    for way in found["once"]:
+    scene = LIGHT.drawn_scene(trial["draw"]).one_of_alike
+    for way in trial["once"]:
         wearing = Grooves(scene, QUICK_GROOVES if way == "quick" else EXACT_GROOVES)
         life = follow_grooves(wearing)
         assert STATUS_NAMES[life.status] == "ok", way

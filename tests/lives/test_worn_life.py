@@ -283,7 +283,7 @@ def test_a_pressure_that_is_there_from_the_start_ends_hertzian_lives_too():
     assert v["life"] == 0.0
 
 
-def test_what_cannot_follow_grooves_says_so():
+def test_scenes_that_cannot_follow_grooves_are_refused():
     scene = scene_of()
     for changed in (
         replace(scene, wear=replace(scene.wear, counts="ball")),
@@ -293,7 +293,7 @@ def test_what_cannot_follow_grooves_says_so():
             life(changed)
 
 
-def test_a_criterion_met_at_the_start_is_a_life_of_nothing():
+def test_a_criterion_met_at_the_start_gives_a_life_of_zero():
     scene = scene_of("fixed_position", end_of_life=EndOfLife(preload_fraction=0.999))
     loose = replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=(0.5,)))
     v = life(loose).values

@@ -122,7 +122,7 @@ def unfold(page):
 
 
 @pytest.mark.parametrize("size", [DESK, PHONE])
-def test_nothing_is_cut_and_nothing_fails(opened, size):
+def test_no_element_is_cut_off_and_the_console_is_empty(opened, size):
     """Folded and unfolded, on a desk and on a phone; the console stays empty."""
     page, messages = opened(size)
     assert messages == []
@@ -308,7 +308,7 @@ def test_everything_is_there_without_the_script(opened):
     assert page.locator(".chart .star").count() and page.locator(".sketch svg").is_visible()
 
 
-def test_it_prints_on_a_few_pages(opened):
+def test_the_page_prints_on_a_few_sheets(opened):
     page, _ = opened()
     printed = page.pdf(prefer_css_page_size=True)
     pages = len(re.findall(rb"/Type\s*/Page\b", printed))

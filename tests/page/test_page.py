@@ -132,7 +132,7 @@ def test_every_link_to_a_file_leads_there(small_project, whole_page, own, tmp_pa
     assert own_page(tmp_path) is None
 
 
-def test_the_same_bytes_twice(page_of):
+def test_a_page_made_twice_has_the_same_bytes(page_of):
     assert page_of() == page_of()
 
 
@@ -274,7 +274,7 @@ def test_charts_carry_the_numbers_of_the_map(small_project, whole):
         assert [result[p] for p in design["preload"].values] == pytest.approx(list(values))
 
 
-def test_where_a_limit_is_passed_is_shaded(small_project):
+def test_ranges_beyond_a_limit_are_shaded(small_project):
     """Points within all limits lie outside of the shaded ranges, the others inside."""
     for chart in load_charts(small_project / f"{CHOICE}/charts.json").charts:
         for line in chart.lines:
@@ -316,7 +316,7 @@ def test_the_page_of_a_study_without_answers_counts_its_cases(page_of):
     assert "8 of 8 cases" in said_by(page_of([f"{FOLDER}/study.nc"], (), ()))
 
 
-def test_what_was_not_solved_comes_first(small_project, tmp_path, page_of):
+def test_unsolved_cases_come_first_on_the_page(small_project, tmp_path, page_of):
     lives = load(small_project / f"{FOLDER}/wear_life.nc")
     lives["status"][0, 0] = 1
     lives.to_netcdf(tmp_path / "wear_life.nc")

@@ -33,7 +33,7 @@ def test_there_and_back(of_files):
     xr.testing.assert_identical(labelled(labelled(of_files)), labelled(of_files))
 
 
-def test_a_code_that_stands_for_nothing(of_files):
+def test_the_code_minus_one_is_called_none(of_files):
     """Of a recommendation without a preload within the limits: there was none to solve."""
     of_files["held"][1] = -1
     labelled_dataset = labelled(of_files)
@@ -41,7 +41,7 @@ def test_a_code_that_stands_for_nothing(of_files):
     xr.testing.assert_identical(coded(labelled_dataset), of_files)
 
 
-def test_what_stands_in_memory_alone_goes(of_files):
+def test_attributes_of_memory_alone_are_not_written(of_files):
     labelled_dataset = labelled(of_files).assign_attrs(
         wall_time_s=1.0, message="solved and verified"
     )

@@ -92,7 +92,7 @@ def test_file_and_dataset_are_the_same(result, tmp_path):
     }
 
 
-def test_what_is_done_to_a_dataset_stays_there(case):
+def test_changes_of_a_dataset_do_not_reach_others(case):
     """Datasets of like cases share their indexes, and nothing else."""
     spoilt, other = dataset(case, by_name=True), dataset(case, by_name=True)
     before = other.copy(deep=True)
@@ -170,7 +170,7 @@ def test_cf_rules(result, tmp_path):
             assert ("_FillValue" in attrs) == (variable.dtype.kind == "f" and not is_coordinate)
 
 
-def test_what_was_not_solved_is_fill(tmp_path):
+def test_the_file_of_an_unsolved_case_contains_fill_values(tmp_path):
     write_result(Result({"status": code.NOT_CONVERGED}, attributes()), tmp_path / "x.nc")
     with netCDF4.Dataset(tmp_path / "x.nc") as file:
         for name, variable in variables.CASE.items():

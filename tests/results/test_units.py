@@ -59,7 +59,7 @@ def test_the_unit_is_scaled(units, values, unit, text):
         (4.59e-12, "s/Pa", "4.59e-12"),
     ],
 )
-def test_what_rounding_leaves_of_zero_is_shown_as_zero(value, unit, text):
+def test_rounding_errors_of_zero_are_shown_as_zero(value, unit, text):
     assert digits(value, unit) == text
 
 

@@ -51,7 +51,7 @@ def test_a_scene_of_cases_is_a_value(scene, tmp_path):
         ({"cold": {"friction.ball_rase": 0.1}}, "cases.cold.friction.ball_rase: got an unknown"),
     ],
 )
-def test_what_is_no_case_takes_a_line(changes, problem):
+def test_wrong_cases_are_refused_in_one_line(changes, problem):
     plain = load_scene(scene_file("gyro_s1")).to_dict()
     with pytest.raises(SceneError, match=problem):
         scene_from_dict(plain | {"cases": changes})

@@ -191,11 +191,11 @@ def test_grooves_of_gmn_give_its_dynamic_ratings(identify, series, rms):
     assert np.sqrt(np.mean((np.array(ratios) - 1.0) ** 2)) < rms
 
 
-def test_unclear_rows_are_said():
+def test_unclear_catalogue_rows_are_marked():
     assert [e.designation for e in bearings() if e.source == "unclear"] == ["S 606 C", "SM 606 C"]
 
 
-def test_bearings_of_one_name_differ_by_their_angle():
+def test_bearings_with_the_same_name_differ_by_their_angle():
     assert [entry_of("SNFA", "SEA 60", angle)[0].angle for angle in (None, 15, 25)] == [15, 15, 25]
 
 

@@ -60,7 +60,7 @@ def test_each_row_has_a_source_and_a_number(name):
         ("steel cage", "turbine", "cage_steel"),
     ],
 )
-def test_what_no_source_has_is_called_assumed(surface, name, material):
+def test_coefficients_without_a_source_are_listed_as_assumed(surface, name, material):
     """Each stands in the list with what its scenes take, and no row of the table claims it."""
     (one,) = (item for item in coefficients_page.ASSUMED if item.surface == surface)
     taken = load_scene(scene_file(name)).materials[material]
@@ -113,7 +113,7 @@ def test_ninety_percent_lie_between_the_rows():
     assert_allclose(ends, MOS2_WEAR, rtol=1e-6)
 
 
-def test_what_has_no_source_is_refused():
+def test_a_lubrication_without_measured_coefficients_is_refused():
     speed = {"operation.shaft_speed_rpm": 9000.0}
     with pytest.raises(SceneError, match="--ball-material: got silicon_nitride, expected bearing"):
         scene_text("a", 40, 68, speed, "silicon_nitride", lubrication="dry")

@@ -116,6 +116,6 @@ def test_contradictions_are_refused_in_one_line():
         ({f"{STEEL}.running_in": {"wear_coefficient": 1e-5, "depth_um": 0.1}}, False, True),
     ],
 )
-def test_what_wears_through(scene, changes, thick, changing):
+def test_films_and_running_in_have_a_thickness_or_change_with_wear(scene, changes, thick, changing):
     changed_scene = scene("gyro_s1", changes)
     assert (has_thickness(changed_scene), changes_as_it_wears(changed_scene)) == (thick, changing)

@@ -244,7 +244,7 @@ def test_the_nearest_bearings_of_gmn_are_named(text, expected):
 
 
 @pytest.mark.parametrize(("text", "is_there"), [("SM 6205 C", False), ("S 6205 C", True)])
-def test_a_bearing_that_gmn_does_not_list_is_told(text, is_there):
+def test_a_bearing_not_in_the_gmn_catalogue_is_reported(text, is_there):
     """Size and angle follow from its rules, balls and grooves are assumed."""
     written, assumptions = scene_text("a", None, None, {}, designation=text)
     assert any("not in GMN's catalogue" in line for line in assumptions) == (not is_there)
@@ -273,7 +273,7 @@ def test_another_makers_name():
      "ABC7008C", "7008-P4-C", "7008F", "S6005", "6005C", "6204DDUCM", "6204ZZC4", "16008",
      "7" * 500, "7008\0", "608B", "6204C4", "KH608C", "608ETXM", "S 608 E"],
 )  # fmt: skip
-def test_what_is_not_known_takes_one_line(text):
+def test_unknown_designations_are_refused_in_one_line(text):
     with pytest.raises(ValueError, match="designation: got .*, expected ") as error:
         designation_of(text)
     assert "\n" not in str(error.value) and len(str(error.value)) < 360

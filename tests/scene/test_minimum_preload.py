@@ -66,7 +66,7 @@ def test_a_factor_that_is_missing_is_named(designation):
 
 @pytest.mark.parametrize("known", [{"designation": "7010C", "maker": "NSK"}, {"designation": "608"},
                                    {"bore": 40.0, "outside": 68.0}])  # fmt: skip
-def test_nothing_is_said_where_no_number_is_known(known):
+def test_no_line_without_a_known_minimum_preload(known):
     assert minimum_preload_lines(bearingwear.new(**known, preload=50.0).plain) == []
 
 
@@ -87,7 +87,7 @@ launch: {axial_g: 5.0}
         "uncertainty a.yaml --samples 8 -j 1 -o u.nc",
     ],
 )
-def test_it_stands_on_the_sheet(command, tmp_path, capsys, monkeypatch):
+def test_the_minimum_preload_is_on_the_sheet(command, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     argv = ["new", "a.yaml", "S 6007 E", "--preload", "140", "--speed", "15000", "--maker", "GMN"]
     assert main(argv) == 0
@@ -101,7 +101,7 @@ def test_it_stands_on_the_sheet(command, tmp_path, capsys, monkeypatch):
     assert line in " ".join(capsys.readouterr().out.split())
 
 
-def test_it_stands_on_the_line_of_pages_and_answers():
+def test_the_minimum_preload_is_on_the_line_of_the_bearing():
     """At the largest speed of the cases; a study's scene has no preload of its own."""
     data = bearingwear.new(**GMN, speed=15000.0).to_dict()
     del data["operation"]["preload_N"]

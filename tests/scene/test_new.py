@@ -42,7 +42,7 @@ def test_rules_give_the_size_of_real_bearings(bore, outside, ball, pitch, tmp_pa
 
 
 @pytest.mark.parametrize("size", [(40, 68), (100, 150), (0.6, 2)])
-def test_what_is_written_solves(size, tmp_path):
+def test_the_scene_of_new_solves_with_about_one_gpa(size, tmp_path):
     scene = tmp_path / "some_bearing.yaml"
     assert new(scene, "--bore", size[0], "--outside", size[1]) == 0
     assert main(["check", str(scene)]) == 0
@@ -70,12 +70,12 @@ def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("name", ["7008", "true", "null", "1e-5", "1e5", "my-spindle"])
-def test_names_that_yaml_takes_for_something_else(name, tmp_path):
+def test_file_names_that_yaml_reads_as_other_types_stay_names(name, tmp_path):
     assert new(tmp_path / f"{name}.yaml", *SIZE) == 0
     assert load_scene(tmp_path / f"{name}.yaml").name == name
 
 
-def test_nothing_is_replaced(tmp_path, capsys):
+def test_new_does_not_replace_a_file(tmp_path, capsys):
     path = tmp_path / "a.yaml"
     path.write_text("mine", encoding="utf-8")
     assert new(path, *SIZE) == 2
@@ -194,7 +194,7 @@ def test_preload_classes_meet_a_catalogue_within_30_percent(
 
 
 @pytest.mark.long  # sampled lives and a recommendation with grooves as they wear
-def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path, capsys):
+def test_new_solves_its_scene_and_prints_commands_that_work(tmp_path, capsys):
     path = tmp_path / "my-spindle.yaml"
     assert new(path, "7008C") == 0
     lines = output_of(capsys).splitlines()
@@ -209,7 +209,7 @@ def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path,
     assert "undetermined" in output_of(capsys)
 
 
-def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
+def test_new_compiles_no_kernel(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(PROJECT.__dict__, "code_folder", str(tmp_path / "empty"))
     assert new(tmp_path / "a.yaml", "608") == 0
     assert "not solved" in output_of(capsys) and not (tmp_path / "empty").exists()

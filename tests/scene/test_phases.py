@@ -74,7 +74,7 @@ def test_a_case_of_it_is_one_condition(scene):
         ),
     ],
 )
-def test_what_is_no_duty_takes_a_line(scene, changes, problem):
+def test_wrong_duties_are_refused_in_one_line(scene, changes, problem):
     with pytest.raises(SceneError, match=problem) as raised:
         scene.with_(changes)
     assert "\n" not in str(raised.value)

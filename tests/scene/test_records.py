@@ -102,7 +102,7 @@ def test_data_become_records():
         ({"aim": -1}, "aim: got -1, expected low, high or a number >= 0"),
     ],
 )
-def test_first_fault_takes_one_line(changes, message):
+def test_the_first_fault_of_a_record_is_refused_in_one_line(changes, message):
     with pytest.raises(SceneError) as caught:
         record(Plan, plan(**changes), "plan.yaml")
     assert str(caught.value).startswith(f"plan.yaml: {message}")
@@ -123,7 +123,7 @@ def test_files_may_hold_anchors(tmp_path):
         read_record(Plan, path)
 
 
-def test_parts_are_found_by_path():
+def test_part_at_finds_fields_by_their_path():
     assert part_at(file_part(Plan), "sweeps.one.title").key.meaning == "Heading"
     assert part_at(file_part(Plan), "sampling.seed").unit == "1"
     assert part_at(file_part(Plan), "scenes[0]").allowed == "a or b"

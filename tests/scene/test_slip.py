@@ -68,7 +68,7 @@ def test_the_estimated_slip_is_that_of_the_solve():
 
 
 @pytest.mark.parametrize("name", sorted(NAMED_PRESETS))
-def test_it_is_the_presets_at_speed_and_at_rest(spindle, name):
+def test_the_default_regularisation_is_that_of_the_preset_at_speed_and_at_rest(spindle, name):
     scene = variant(spindle, {"model.accuracy": name})
     preset = NAMED_PRESETS[name].slip_regularisation_m_s
     assert scene.friction.slip_regularisation_m_s == preset
@@ -77,7 +77,7 @@ def test_it_is_the_presets_at_speed_and_at_rest(spindle, name):
     assert slow == default_regularisation(scene.with_({SPEED: 60.0})) < 0.05 * preset
 
 
-def test_it_follows_the_speed_of_a_variant_and_of_a_case(spindle):
+def test_the_default_regularisation_follows_the_speed_of_variants_and_cases(spindle):
     slow = spindle.with_({SPEED: 60.0})
     assert slow.with_({SPEED: 18_000.0}).friction.slip_regularisation_m_s == STANDARD
     with_cases = spindle.with_({"cases": {"slow": {SPEED: 60.0}}})
@@ -85,7 +85,7 @@ def test_it_follows_the_speed_of_a_variant_and_of_a_case(spindle):
     assert v_r == slow.friction.slip_regularisation_m_s < STANDARD
 
 
-def test_a_given_one_stays(spindle, tmp_path):
+def test_a_given_regularisation_is_kept(spindle, tmp_path):
     """Even if it is what the default was where it was given."""
     for v_r in (STANDARD, 1e-3, 1e-6):
         scene = spindle.with_({KEY: v_r})

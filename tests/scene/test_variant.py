@@ -50,7 +50,7 @@ def test_new_blocks_of_a_checked_scene_are_those_of_its_file(changes):
     assert scene == expected and scene.json == expected.json
 
 
-def test_fault_of_a_change_is_told_as_its_own():
+def test_a_faulty_change_is_named_in_its_error():
     with pytest.raises(SceneError, match="^--set bearing.ball_count: got 30 balls"):
         variant(S1, {"bearing.ball_count": 30})
     with pytest.raises(SceneError, match="^--set bearing.ball_count.x: got a key under bearing.b"):

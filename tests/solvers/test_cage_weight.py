@@ -122,7 +122,7 @@ def test_resting_on_a_displaced_inner_land(scene, load):
         assert abs(sums[LAND_DAMPING]) < allowed * seen
 
 
-def test_when_a_cage_meets_its_land():
+def test_turns_until_a_drifting_cage_meets_its_land():
     """A drift in a noise; one that is none; a cage that rides on its land."""
 
     def turns(rooms):

@@ -137,7 +137,7 @@ def test_the_page_has_these_totals(catalogues, groups):
     assert catalogues.row_table(catalogues.makers.misprint_rows()) in page
 
 
-def test_misprints_are_found(catalogues):
+def test_misprinted_catalogue_rows_are_not_kept(catalogues):
     rows = catalogues.makers.misprint_rows()
     assert len(rows) == 5 and not any(row.kept for row in rows)
 

@@ -53,7 +53,7 @@ def test_returns_to_the_steady_state(scene, changes):
     """
     s = scene("gyro_s1", changes)
     problem, case = steady(s)
-    decay_rates = np.sort(-problem.time_scales(problem.g.D0, case).real)  # [1/s]
+    decay_rates = np.sort(-problem.decay_rates(problem.g.D0, case).real)  # [1/s]
     slow_time = 1.0 / decay_rates[0]
     disturbed = case.u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0]
     motion = DynamicSystem.of(dataclasses.replace(s, cage=None), disturbed)

@@ -130,7 +130,7 @@ def test_histories(case):
         assert file["edge"].flag_meanings == "at_negative_x at_positive_x"
 
 
-def test_averages_say_so(case, tmp_path):
+def test_averaged_variables_have_cell_methods(case, tmp_path):
     with netCDF4.Dataset(case) as file:
         for name in ("contact_load", "total_qv", "cage_wear_rate", "mean_land_torque"):
             assert file[name].cell_methods == "time: mean", name
@@ -180,7 +180,7 @@ def test_nobody_reads_about_progress(solver, tmp_path, monkeypatch):
     assert int(load(tmp_path / "x.nc")["status"]) == code.OK
 
 
-def test_the_time_left_is_told_from_the_recent_rate(monkeypatch):
+def test_the_remaining_time_follows_the_recent_rate(monkeypatch):
     """Turns that come to cost ten times as much: the first ones do not flatter the rest."""
     now, lines = [0.0], []
     monkeypatch.setattr(time_run, "clock", SimpleNamespace(monotonic=lambda: now[0]))
@@ -342,7 +342,7 @@ def test_the_cage_is_solved_where_it_is_asked_for(settings, fidelity, cage):
         (["operation.shaft_speed_rpm=0"], "dynamic", "operation.shaft_speed_rpm: got 0"),
     ],
 )
-def test_what_does_not_apply(settings, fidelity, problem):
+def test_models_that_cannot_solve_a_scene_are_refused(settings, fidelity, problem):
     with pytest.raises(NotAvailable, match=f"^gyro_s1: {problem}.*, expected"):
         choice(load_scene(S1, settings), fidelity)
 

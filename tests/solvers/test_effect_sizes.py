@@ -61,7 +61,7 @@ def test_the_table_says_whether_a_life_follows_grooves(changes):
         ("lubricant drag", [], ["lubricant.drag_density_kg_m3=100"], None),
     ],
 )
-def test_what_turns_an_effect_on(name, off, on, fidelity):
+def test_a_key_of_the_scene_turns_an_effect_on(name, off, on, fidelity):
     assert not sizes(HELD, *off, fidelity=fidelity)[name].is_on
     assert sizes(HELD, *on, fidelity=fidelity)[name].is_on
 

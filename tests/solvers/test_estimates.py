@@ -61,7 +61,7 @@ def test_no_estimate_without_an_answer(scene):
 # the dial
 
 
-def test_the_dial_sets_what_the_scene_leaves_open(scene):
+def test_the_accuracy_sets_keys_that_the_scene_omits(scene):
     bare = scene("gyro_s1", {"model.accuracy": "draft"})
     assert bare.model.dynamic_tolerance == NAMED_PRESETS["draft"].dynamic_tolerance
     assert bare.model.strips == NAMED_PRESETS["draft"].strips

@@ -94,7 +94,7 @@ def test_beyond_the_rows_the_coefficient_is_that_of_the_nearest():
          f"{SET}: got 2 rows for 8 MPa at 2 degC, expected one"),
     ],
 )  # fmt: skip
-def test_what_is_no_table_takes_a_line(rows, problem, capsys):
+def test_wrong_wear_tables_are_refused_in_one_line(rows, problem, capsys):
     assert main(["check", str(scene_file("mos2_gyro")), "--set", f"{SET}={rows}"]) == 2
     error = capsys.readouterr().err
     assert problem in error and error.count("\n") == 1

@@ -117,8 +117,8 @@ def solved(scene, request):
 
 @pytest.mark.parametrize("race", ["law_i", "law_o"])
 @pytest.mark.parametrize("name", ["S", "mu"])
-def test_check_says_no_to_another_law(solved, race, name):
-    """Its own formula for mu: one part in 1e4 of either side's law, and the balance is gone."""
+def test_the_check_rejects_another_friction_law(solved, race, name):
+    """It has its own formula for mu: with a law 1 % off at one race, the balance is lost."""
     p, seat, u = solved
     op = p.bearing.op
     law = getattr(op, race)

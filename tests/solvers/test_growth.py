@@ -109,7 +109,7 @@ def track(scene, side):
 
 
 @pytest.mark.parametrize("hole", [0.0, 1.5, 3.0])
-def test_two_rings_of_one_material(scene, hole):
+def test_fit_of_a_ring_on_a_hollow_shaft_of_the_same_material(scene, hole):
     """p = E I (b^2 - a^2)(a^2 - c^2)/(4 a^3 (b^2 - c^2)), at rest."""
     still = {"operation.shaft_speed_rpm": 0.0, "fits.shaft_bore_mm": hole}
     still |= SEATED | {"fits.shaft_interference_um": 2.0}
@@ -163,7 +163,7 @@ def test_a_fit_follows_the_warmth_of_shaft_and_housing(scene):
     assert_allclose(alike, fitted(scene, shaft_interference_um=2.0).inner.pressure, rtol=1e-12)
 
 
-def test_nothing_given_changes_no_bit(scene):
+def test_geometry_without_growth_is_bit_for_bit_the_mounted_one(scene):
     for name in ("gyro_s1", "turbopump", "turbine", "bearing218"):
         changed_scene = scene(name)
         assert parameters.geometry(changed_scene) == mounted_geometry(changed_scene)

@@ -229,7 +229,7 @@ def test_a_bearing_pushed_through_its_gap_has_not_kept_contact(pair):
     assert not any("no gap" in line for line in heading)
 
 
-def test_a_soft_pair_that_gaps_is_told_of_higher_loads(pair):
+def test_a_soft_pair_that_gaps_is_warned_of_higher_loads(pair):
     """Not a hard pair, nor a soft one that stays loaded; in recommendations as on the sheet."""
     soft = SPRING | {"arrangement.spring_stiffness_N_um": 0.9, "launch.axial_density_g2_Hz": 0.1}
     for changes, is_told in (
@@ -256,7 +256,7 @@ def test_warmth_changes_what_a_rigid_pair_holds(pair):
     assert spring.opening_g == pytest.approx(launch_result(pair.with_(SPRING)).opening_g, rel=1e-9)
 
 
-def test_what_limits_look_at(pair):
+def test_values_that_launch_requirements_limit(pair):
     assert launch_values(bearingwear.example()) == {}
     launch = launch_values(pair.with_({"launch.axial_g": 100.0, "launch.radial_g": 20.0}))
     assert launch["opening_acceleration"] == pytest.approx(228.9157064 / 3.0, rel=1e-7)
@@ -321,7 +321,7 @@ def test_a_required_acceleration_at_launch_holds_worn():
     assert launch_result(worn.with_({"wear.ball_diameter_loss_um": 0.0})).opening_g > 45.0
 
 
-def test_what_is_missing_takes_a_line(pair, tmp_path, capsys):
+def test_missing_keys_of_a_launch_are_refused_in_one_line(pair, tmp_path, capsys):
     for key in ("rotor_mass_kg", "span_mm"):
         without = pair.with_({f"arrangement.{key}": None, "launch.radial_g": 10.0})
         with pytest.raises(SceneError, match=rf"^a.yaml: arrangement.{key}: got nothing"):

@@ -59,7 +59,7 @@ def test_of_all_instants(scene, solved):
     assert np.all(v["contact_load"] < v["maximum_contact_load"])
 
 
-def test_the_same_without_histories(scene, solved):
+def test_load_ranges_are_the_same_without_histories(scene, solved):
     none = {"model.history_points_per_turn": 0, "model.dynamic_solution": "march"}
     bare = solve(scene("gyro_s1", LOADED | none)).values
     assert "history_contact_load" not in bare
@@ -67,7 +67,7 @@ def test_the_same_without_histories(scene, solved):
         assert_array_equal(bare[name], solved.values[name])
 
 
-def test_where_nothing_changes_it_is_the_mean(scene):
+def test_without_varying_loads_the_range_is_the_mean(scene):
     v = solve(scene("gyro_s1", LOADED | {"operation.radial_load_N": [0.0, 0.0]}), "dynamic").values
     steady = solve(scene("gyro_s1", LOADED | {"operation.radial_load_N": [0.0, 0.0]})).values
     assert_allclose(v["maximum_pressure"], np.tile(steady["maximum_pressure"], (9, 1)), rtol=1e-4)

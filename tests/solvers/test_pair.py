@@ -177,7 +177,7 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
     assert_allclose(2.0 * h / (ends[1] - ends[0]), v["system_axial_stiffness"], rtol=1e-3)
 
 
-def test_check_of_the_rotor_says_no(scene):
+def test_the_rotor_check_rejects_another_place_or_force(scene):
     """Another place or force by a millionth is seen."""
     changed_scene = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
     pair = solver_of(changed_scene, "steady", Accuracy.CHECKED).bearings

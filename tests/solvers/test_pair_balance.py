@@ -33,7 +33,7 @@ def search(left, start=0.0, nearby=None):
 
 
 @pytest.mark.parametrize("steeper", [0.2, 0.9, 1.0, 2.0, 3.5, 40.0])
-def test_steeper_and_flatter_than_at_held_orbits(steeper):
+def test_balance_where_forces_are_steeper_or_flatter_than_expected(steeper):
     """Also where each step by the slope at held orbits leads farther away: 2 times and more."""
 
     def left(x):
@@ -63,7 +63,7 @@ def test_rotor_that_leaves_a_bearing():
     assert search(lambda x: HELD * x - 5e3)[1] == code.LIFTED_OFF
 
 
-def test_what_was_found_leads_to_the_next():
+def test_earlier_balances_predict_the_next_one():
     """A place linear in the losses is known after two of them, and its steepness."""
     nearby = Nearby()
     trials = []

@@ -42,7 +42,7 @@ def test_1_holds(hertz):
 
 
 @pytest.mark.parametrize("mu, inside", [(0.02, 1), (0.08, 2)])
-def test_2_hangs_on_the_line_at_low_friction(hertz, mu, inside):
+def test_finding_2_needs_the_line_contact_at_low_friction(hertz, mu, inside):
     slip = hertz(mu=mu)["rolling_slip"][0]
     assert [(np.diff(np.sign(s)) != 0).sum() for s in slip] == [inside, 1]
 
@@ -65,8 +65,8 @@ def test_5_holds(hertz):
     assert qv[POSITION][2] < 0.4 * qv[POSITION][0]
 
 
-def test_7_hangs_on_the_line(hertz, values):
-    """At 0.5 um and fixed position spin is shared out, where the line leaves it outside."""
+def test_finding_7_needs_the_line_contact(hertz, values):
+    """After 0.5 um in a fixed position, the races share QV on the ellipse, not on the line."""
     inside = hertz(POSITION, 0.08, 0.5)["qv"][0]
     assert 0.4 < inside[INNER] / inside.sum() < 0.6
     on_line = values(POSITION, 0.08, 0.5)["qv"][0]

@@ -52,7 +52,7 @@ def test_as_a_settled_march(scene, result_of, changes):
     assert direct["simulated_turns"] < 1.0
 
 
-def test_every_ball_does_the_same(result_of):
+def test_all_balls_have_the_same_periodic_motion(result_of):
     values = result_of(RADIAL).values
     for name in ("qv", "maximum_contact_load", "minimum_contact_load", "orbit_speed"):
         each = values[name]
@@ -81,7 +81,7 @@ def test_the_estimate_covers_what_tight_steps_change(result_of, name, load):
         ({"operation.radial_load_N": [0.0, 0.0], "model.fidelity": "dynamic"}, "pure thrust"),
     ],
 )
-def test_where_there_is_none(scene, changes, why):
+def test_scenes_without_a_periodic_motion_are_refused(scene, changes, why):
     asked = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"} | changes)
     if not asked.model.cage_results:
         asked = asked.without_cage
@@ -89,7 +89,7 @@ def test_where_there_is_none(scene, changes, why):
         solve(asked)
 
 
-def test_where_none_is_found(scene, monkeypatch):
+def test_an_undetected_periodic_motion_is_reported_or_marched(scene, monkeypatch):
     monkeypatch.setattr(periodic, "ACCEPTED", 0.0)
     monkeypatch.setattr(periodic, "MARCHED", (0.0, 1.0))
     asked = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}).without_cage
@@ -110,7 +110,7 @@ def test_a_run_goes_on_from_a_periodic_motion(scene, result_of):
     assert again["final_time"] == pytest.approx(2.0 * first["final_time"], rel=1e-5)
 
 
-def test_lives_use_it(scene):
+def test_dynamic_lives_use_the_periodic_motion(scene):
     worn = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}, "model.life_steps": 2}
     asked = scene("gyro_s1", RADIAL | worn).without_cage
     direct = life(asked).values

@@ -33,7 +33,7 @@ def test_each_value_of_a_case_is_looked_at(scene):
             assert not_finite(result.values | {name: spoilt}, result.scene) == [name]
 
 
-def test_what_may_be_unknown(scene):
+def test_values_that_may_be_infinite_or_unknown(scene):
     result = solve(scene("gyro_s1"), "steady")
     for name, value, allowed in (
         ("friction_used_by_gyroscopic_moment", [math.inf], True),  # a ball without load

@@ -161,7 +161,7 @@ def decaying(few, D, case, within):
     rates = []
     for points in (512, 1024):
         many = replace(few, rule=ellipse_rule("split", points))
-        rates.append(np.sort(many.time_scales(D, many.solve(D, start=case.u)).real))
+        rates.append(np.sort(many.decay_rates(D, many.solve(D, start=case.u)).real))
     assert np.all(rates[1] < 0.0)
     assert_allclose(*rates, rtol=within)
     return rates[1]
@@ -183,7 +183,7 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
     D = float(ball_diameters(changed_scene)[0])
     few = ThrustProblem.of(changed_scene)
     case = few.solve(D)
-    slowest = few.time_scales(D, case).real.max()
+    slowest = few.decay_rates(D, case).real.max()
     rates = decaying(few, D, case, within=0.1)
     assert 5e-3 * rates.max() < slowest < 0.0
     assert few.stable(D, case) and solve(changed_scene).values["status"] == code.OK
@@ -208,7 +208,7 @@ def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, 
     D = float(ball_diameters(changed_scene)[0])
     few = ThrustProblem.of(changed_scene)
     case = few.solve(D)
-    assert case.status == code.OK and few.time_scales(D, case).real.max() > 0.0
+    assert case.status == code.OK and few.decay_rates(D, case).real.max() > 0.0
     decaying(few, D, case, within=1e-3)
     assert few.stable(D, case) and solve(changed_scene).values["stable"] == 1
 
@@ -232,7 +232,7 @@ def test_both_races_turning_together(scene):
     assert_allclose(v["total_qv"], 0.0, atol=1e-9)
 
 
-def test_contact_lost_is_said(scene):
+def test_a_lost_contact_has_its_status(scene):
     """Fixed position, worn far beyond the preload, at speed: the ball leaves the inner race."""
     changes = {"operation.preload_method": "fixed_position", "wear.ball_diameter_loss_um": 60.0}
     assert solve(scene("gyro_s1", changes)).status == "contact_lost"

@@ -38,7 +38,7 @@ def both(values, names=AXIAL):
     ("speed", "dynamic", "quasistatic"),
     [(100.0, 25.36, 25.36), (9000.0, 13.42, 13.63), (18000.0, 6.32, 7.64), (25000.0, 7.64, 9.79)],
 )
-def test_spindle_bearing(speed, dynamic, quasistatic):
+def test_stiffness_of_a_spindle_bearing_over_speed(speed, dynamic, quasistatic):
     scene = new(designation="7008C", speed=speed, preload=140.0, friction=0.08)
     assert_allclose(both(solve(scene).values), [dynamic, quasistatic], atol=6e-3)
 

@@ -60,7 +60,7 @@ def test_no_heat_flows_from_shaft_to_housing():
     assert alike.inner_ring_C == alike.balls_C == alike.outer_ring_C == 30.0
 
 
-def test_the_check_of_heat_flows_says_no():
+def test_the_heat_flow_check_rejects_other_heats_and_networks():
     thermal, heat = three(), HeatFlow(inner=1.0, outer=2.0, drag=0.5)
     t = network_temperatures(thermal, heat)
     assert heat_flow_residual(thermal, t, heat) < 1e-14
@@ -88,7 +88,7 @@ def test_heat_flows_balance(scene, fidelity, changes):
     )
 
 
-def test_what_is_found_is_what_is_given(scene):
+def test_computed_temperatures_given_as_input_change_nothing(scene):
     """The found temperatures, given, make the same bearing; its scene stays the user's."""
     result = solve(scene("gyro_s1", HELD | POOR))
     names = ("inner_ring", "balls", "outer_ring", "shaft", "housing")

@@ -175,7 +175,7 @@ def test_ball_and_race_are_found_together(solved):
     assert joined_equilibrium(*args, far)[1].status == code.NOT_CONVERGED
 
 
-def test_check_says_no_to_another_traction(solved):
+def test_the_check_rejects_another_traction(solved):
     """Friction has to give what the balance of normal forces was solved with."""
     p, seat, u, _ = solved
     b = p.bearing

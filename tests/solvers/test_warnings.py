@@ -225,7 +225,7 @@ def test_sane_scenes(spindle, shoulders):
         assert result.status == "ok" and ids(result) == set()
 
 
-def test_what_nobody_would_build(spindle):
+def test_an_impractical_preload_has_a_warning(spindle):
     for changes, expected in (
         ({"operation.preload_N": 10}, ["inner_load_lost"]),
         ({"operation.preload_N": 20_000}, []),
@@ -249,7 +249,7 @@ def test_a_cage_of_phenolic_bears_no_heat(scene):
         assert not expected or "phenolic" in sentences["temperature_beyond_practice"]
 
 
-def test_nothing_skids_at_rest(spindle):
+def test_no_warning_of_skidding_at_rest(spindle):
     at_rest = {"operation.shaft_speed_rpm": 0.0, "operation.radial_load_N": [0.0, -600.0]}
     assert "inner_load_lost" not in ids(solve(variant(spindle, at_rest)))
 

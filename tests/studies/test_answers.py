@@ -84,7 +84,7 @@ def test_a_command_says_in_one_line_that_a_process_ended(monkeypatch, capsys):
     assert only_line(capsys).startswith("uncertainty: a process ended unexpectedly")
 
 
-def test_who_needs_no_more_waits_for_no_process():
+def test_closing_early_does_not_wait_for_running_processes():
     answers = answers_at(slept, [0.0, 0.0, 60.0, 60.0], 2, progress=False)
     assert [next(answers), next(answers)] == [{"seconds": 0.0}] * 2
     started = time.monotonic()

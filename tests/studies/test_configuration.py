@@ -114,7 +114,7 @@ def test_a_faulty_configuration_is_refused_in_one_line(keys, value, problem):
         (["studies", 0, "scenes"], ["../a"], "studies[0].scenes[0]: '../a' does not match"),
     ],
 )
-def test_what_the_schema_refuses_takes_one_line(keys, value, problem, tmp_path):
+def test_configurations_against_the_schema_are_refused_in_one_line(keys, value, problem, tmp_path):
     path = tmp_path / "config.yaml"
     path.write_text(yaml.safe_dump(faulty(keys, value)), encoding="utf-8")
     with pytest.raises(UsageError, match="^[^\n]*$") as error:
@@ -122,7 +122,7 @@ def test_what_the_schema_refuses_takes_one_line(keys, value, problem, tmp_path):
     assert str(error.value).startswith(f"{path}: {problem}")
 
 
-def test_the_configurations_of_the_project_are_right():
+def test_the_configurations_of_the_project_pass_their_checks():
     read = {name: configuration.read_config(f"config/{name}.yaml") for name in ("design", "lives")}
     configuration.check_lives(
         {"lives": {name: {"set": {}, **life} for name, life in read["lives"]["lives"].items()}}

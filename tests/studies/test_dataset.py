@@ -34,7 +34,7 @@ def test_rows_along_axes():
     assert dataset.attrs["title"] == "sides" and dataset.attrs["source"].startswith("bearingwear")
 
 
-def test_what_a_row_lacks_is_missing(tmp_path):
+def test_values_that_a_row_omits_are_nan(tmp_path):
     dataset = dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{"side": 1}, {}])
     assert np.isnan(dataset["shear"].values).all() and dataset["shear"].shape == (2, 2)
     np.testing.assert_array_equal(dataset["side"], [1.0, np.nan])

@@ -156,7 +156,7 @@ def test_same_command_writes_nothing_and_an_edit_of_the_scene_renews_the_copy(mi
 
 
 @pytest.mark.parametrize("name", ["scenes/mine.yaml", "scenes/base.yaml", "design.yaml"])
-def test_what_was_edited_there_is_not_replaced(mine, tmp_path, name):
+def test_an_edited_file_of_a_study_is_not_replaced(mine, tmp_path, name):
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     edited = folder / "config" / name
@@ -184,7 +184,7 @@ def test_a_folder_of_something_else_is_left_alone(mine, tmp_path):
         write_study(mine, mine, LIMITS)
 
 
-def test_a_scene_of_the_dynamic_model_is_told_what_is_possible(mine, tmp_path):
+def test_a_scene_of_the_dynamic_model_is_refused_with_an_alternative(mine, tmp_path):
     mine.write_text(mine.read_text().replace("null}", "null, operation.rotating_load_N: 1}"))
     with pytest.raises(SceneError) as error:
         write_study(mine, tmp_path / "study", LIMITS)

@@ -105,7 +105,7 @@ def test_a_point_that_fails(coarse):
         ({PRELOAD: [5], "wear.end_of_life": [None]}, "wear.end_of_life: got no criterion"),
     ],
 )
-def test_nothing_is_solved_before_all_is_checked(coarse, changes, problem, monkeypatch):
+def test_all_points_are_checked_before_any_is_solved(coarse, changes, problem, monkeypatch):
     monkeypatch.setattr("bearingwear.studies.sweep._result", not_to_be_solved)
     with pytest.raises(SceneError) as error:
         bearingwear.sweep(coarse, changes, what="life", workers=1)
@@ -180,7 +180,7 @@ def test_several_scenes_lie_side_by_side(coarse):
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_a_function_is_asked_at_each_point(coarse, workers):
+def test_a_function_is_evaluated_at_each_point(coarse, workers):
     axes = {PRELOAD: [5, 7], FRICTION: [0.05, 0.1]}
     dataset = bearingwear.sweep(coarse, axes, product_of_numbers, workers=workers)
     np.testing.assert_allclose(dataset["product"], [[0.25, 0.5], [0.35, 0.7]])
@@ -303,7 +303,7 @@ def run_script(folder, text):
 
 
 @pytest.mark.long
-def test_where_processes_start_anew(tmp_path):
+def test_a_sweep_works_with_spawned_processes(tmp_path):
     guard = "if __name__ == '__main__':\n    multiprocessing.set_start_method('spawn')\n    main()"
     done = run_script(tmp_path, SCRIPT + guard)
     assert done.stdout == "ok ok ok ok\n", done.stderr
@@ -318,7 +318,7 @@ list(answers_at(len, [[], []], 2))
 """
 
 
-def test_a_script_without_its_guard_is_told(tmp_path):
+def test_a_script_without_main_guard_is_refused(tmp_path):
     done = run_script(tmp_path, UNGUARDED)
     last = done.stderr.rstrip().splitlines()[-1]
     assert "ProcessEnded: sweep: " in last and "if __name__ == '__main__':" in last

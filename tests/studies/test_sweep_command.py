@@ -66,7 +66,7 @@ def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, m
     assert not list(tmp_path.iterdir())
 
 
-def test_points_that_fail_are_said_and_recorded(tmp_path, capsys):
+def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
     typed = [*COARSE, "-j", 1, "-o", tmp_path / "x.nc"]
     assert sweep(*typed, "--axis", "friction.ball_race=0,0.08") == 0
     *_, line = capsys.readouterr().err.splitlines()
@@ -100,7 +100,7 @@ def test_points_that_fail_are_said_and_recorded(tmp_path, capsys):
         (["-n", "--rows", "twice.csv"], "twice.csv: got no header of different keys, expected one"),
     ],
 )
-def test_errors_are_one_line(words, line, tmp_path, monkeypatch, capsys):
+def test_wrong_axes_and_rows_are_refused_in_one_line(words, line, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("short.csv").write_text("operation.preload_N,friction.ball_race\n5,0.05\n7\n")
     Path("twice.csv").write_text("operation.preload_N,operation.preload_N\n5,6\n")

@@ -53,7 +53,7 @@ SHOWN = {
         "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
     ),
     r"bearingwear study mine\.yaml( --\w+ [\d.]+)+$": (
-        "tests/workflow/test_own.py::test_from_a_scene_to_its_page"
+        "tests/workflow/test_own.py::test_a_study_of_one_scene_ends_with_its_page"
     ),
     r"(snakemake|bearingwear study) --unlock": (
         "tests/workflow/test_faults.py::test_everything_is_killed"
@@ -241,7 +241,7 @@ def test_lines_stand_in_a_page_that_is_run(page, other):
     assert set(shown) <= set(typed)
 
 
-def test_no_line_overwrites_what_another_one_made():
+def test_documented_commands_write_different_files():
     for page in PAGES:
         outputs = re.findall(r" -o (\S+)", "\n".join(commands(page)))
         assert len(outputs) == len(set(outputs)), page

@@ -51,7 +51,7 @@ def rules(output):
 
 
 @pytest.mark.long
-def test_from_a_scene_to_its_page(study, tmp_path):
+def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
     folder = tmp_path / "folder"
     status, output = study("-j2", "--stiffness", "3")
     assert status == 0, output
@@ -138,7 +138,7 @@ def test_a_closed_pipe_ends_the_study(elsewhere):
     assert done.stdout.count("\n") == 1 and "Traceback" not in done.stderr
 
 
-def test_what_is_refused_takes_one_line(study, tmp_path):
+def test_wrong_arguments_of_study_are_refused_in_one_line(study, tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "notes.txt").touch()
     for arguments, expected in (

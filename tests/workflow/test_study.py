@@ -73,7 +73,7 @@ def test_lint(repository):
 
 
 @pytest.mark.parametrize("option", ["--list", "--unlock", "--summary", "--rulegraph"])
-def test_what_runs_no_job_needs_no_number_of_jobs(repository, option):
+def test_options_that_run_no_job_need_no_jobs(repository, option):
     run = repository.run(option, jobs=None)
     assert run.status == 0, run.text
 
@@ -119,7 +119,7 @@ def test_the_notebook_runs_on_a_study_and_draws_the_figures(solved):
 
 
 @pytest.mark.long
-def test_the_same_bytes_twice(first_run, solved):
+def test_a_forced_run_writes_the_same_bytes(first_run, solved):
     before = first_run[0].results()
     run = solved.run("--forceall")
     assert run.status == 0 and run.jobs["solve"] == 5
@@ -216,7 +216,7 @@ def test_chunks_of_several_lines(first_run, solved):
         assert after[f"gyro_s1/{name}"] == before[f"gyro_s1/{name}"]
 
 
-def test_what_changes_no_result_makes_nothing_anew(solved):
+def test_edits_without_effect_run_no_job(solved):
     """Dates, comments, texts of help, how a configuration is written, a value that no job reads."""
     scene = "config/scenes/gyro_s1.yaml"
     with (solved.root / scene).open("a") as file:
@@ -280,7 +280,7 @@ def test_one_value_of_friction_edited(solved):
     assert planned.jobs["solve"] == 2 and planned.jobs["gather"] == 1
 
 
-def test_what_of_a_scene_no_case_is_made_of(solved):
+def test_edits_that_the_grid_replaces_solve_no_case(solved):
     """Neither what the grid replaces nor a description solves a case again."""
     solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.08", "ball_race: 0.09")
     assert "solve" not in solved.run("-n").jobs

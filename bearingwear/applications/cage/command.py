@@ -54,7 +54,7 @@ def cage(
     least_turns: int = 30,
     turns: int = 150,
 ) -> xr.Dataset:
-    """Cage motion and cage wear from an ensemble of runs, like `bearingwear cage`.
+    """Computes cage motion and cage wear from an ensemble of runs, like `bearingwear cage`.
 
     Parameters
     ----------

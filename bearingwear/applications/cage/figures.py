@@ -16,8 +16,8 @@ from bearingwear.applications.cage.tables import (
     DESIGN,
     MOSTLY,
     QUIET,
+    cage_choice_sentence,
     in_design_words,
-    recommended_cage,
 )
 from bearingwear.plotting.drawing import (
     Figure,
@@ -73,7 +73,7 @@ def shares_and_work(motions: xr.Dataset) -> Figure:
         for code in np.flatnonzero(occurs).tolist()
     ]
     handles.append(key(f"quiet; numbers: work per turn ({unit.printed})", color="black"))
-    frame(figure, f"{scene_of(motions)['name']}: {recommended_cage(motions)}", handles, 3)
+    frame(figure, f"{scene_of(motions)['name']}: {cage_choice_sentence(motions)}", handles, 3)
     return figure
 
 

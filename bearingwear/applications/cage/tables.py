@@ -46,7 +46,7 @@ def cage_document(path: Path) -> Document:
     scene = scene_of(motions)
     choice = Block(
         "Choice of a cage",
-        lines=(f"{recommended_cage(motions)}.", f"{quiet_region(motions)}."),
+        lines=(f"{cage_choice_sentence(motions)}.", f"{quiet_region(motions)}."),
         place="lead",
     )
     return Document(
@@ -224,7 +224,7 @@ def _friction_range(quiet: list[float], mapped: list[float]) -> str:
     return ", ".join(map(digits, quiet))
 
 
-def recommended_cage(motions: xr.Dataset) -> str:
+def cage_choice_sentence(motions: xr.Dataset) -> str:
     """States which cage of a map to choose, in words."""
     cages = mapped_cages(motions)
     present = present_cage(motions, cages)

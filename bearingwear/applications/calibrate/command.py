@@ -34,7 +34,7 @@ def calibrate_command(args: argparse.Namespace) -> int:
 
 
 def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration:
-    """A scene calibrated with bearing tests, like `bearingwear calibrate`.
+    """Calibrates a scene with bearing tests, like `bearingwear calibrate`.
 
     Parameters
     ----------

@@ -205,8 +205,8 @@ def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
         density = np.exp(log - log.max())
         result = Posterior(*grids, density / (density.sum() * (grids[1][1] - grids[1][0])))
         grids = (
-            _narrowed(grids[0], density.max(axis=1), _FRICTIONS),
-            _narrowed(grids[1], density.max(axis=0), _WEARS),
+            _dense_part(grids[0], density.max(axis=1), _FRICTIONS),
+            _dense_part(grids[1], density.max(axis=0), _WEARS),
         )
     return result
 
@@ -230,7 +230,7 @@ def _axis(normal: Normal, wide: float, points: int) -> np.ndarray:
     return np.linspace(normal.mean - half, normal.mean + half, points)
 
 
-def _narrowed(grid: np.ndarray, density: np.ndarray, points: int) -> np.ndarray:
+def _dense_part(grid: np.ndarray, density: np.ndarray, points: int) -> np.ndarray:
     """Returns new points over the part of a grid with some density."""
     if len(grid) == 1:
         return grid

@@ -167,7 +167,7 @@ def to_ross(
     tilt: str = "held",
     damping: float = 0.0,
 ) -> Any:
-    """A bearing of a scene as a bearing element of ROSS, which must be installed.
+    """Makes a bearing of a scene into a bearing element of ROSS, which must be installed.
 
     Parameters
     ----------

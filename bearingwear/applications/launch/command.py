@@ -32,7 +32,7 @@ def launch_command(args: argparse.Namespace) -> int:
 
 
 def launch(scene: Source, axial: float | None = None, radial: float | None = None) -> xr.Dataset:
-    """Gaps and pressures of the bearings of a rotor at launch, like `bearingwear launch`.
+    """Computes gaps and pressures of the bearings of a rotor at launch, like `bearingwear launch`.
 
     Parameters
     ----------

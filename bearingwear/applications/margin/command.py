@@ -40,7 +40,7 @@ def margin(
     standard: str | None = None,
     data: str | None = None,
 ) -> xr.Dataset:
-    """The torque margin of a drive in every case, state of wear and friction.
+    """Computes the torque margin of a drive in every case, state of wear and friction.
 
     Like `bearingwear margin`.
 

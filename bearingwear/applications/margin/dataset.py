@@ -38,7 +38,7 @@ def margin_dataset(scene: Scene, corners: Sequence[Corner]) -> xr.Dataset:
             "wear": corner.wear,
             "friction": corner.friction,
             "torque": corner.torque,
-            "required_torque": drive.required(corner.torque),
+            "required_torque": drive.required_torque(corner.torque),
             "torque_margin": corner.margin,
             "stalls": int(corner.stalls),
             "problem": corner.why,

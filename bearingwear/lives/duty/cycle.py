@@ -131,8 +131,8 @@ def at_speed(scene: Scene, share: float) -> Scene:
     slower = at_share(scene, share)
     if not regularisation_is_given(scene):
         return slower
-    given = max(share * scene.friction.slip_regularisation_m_s, LEAST_REGULARISATION)
-    friction = replace(slower.friction, slip_regularisation_m_s=given)
+    v_r = max(share * scene.friction.slip_regularisation_m_s, LEAST_REGULARISATION)
+    friction = replace(slower.friction, slip_regularisation_m_s=v_r)
     return with_regularisation(replace(slower, friction=friction), is_given=True)
 
 

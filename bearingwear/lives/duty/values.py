@@ -15,7 +15,7 @@ from bearingwear.lives.follow import Life
 from bearingwear.lives.history import joined
 from bearingwear.lives.many import worse_states
 from bearingwear.lives.methods import QUARTERS
-from bearingwear.measures import WORST
+from bearingwear.measures import WORST, Measure
 from bearingwear.scene.duty import Duty
 from bearingwear.solvers.state import State
 
@@ -81,15 +81,19 @@ def worst_by_case(over_duty: DutyLife) -> dict[str, np.ndarray]:
             for states in states_of_cases
         ]
         if all(extremes):
-            # what is not known between is what is known
-            known = [
-                [of_life[0], *(v for v in of_life[1:-1] if v == v), of_life[-1]]
-                for of_life in extremes
-            ]
-            values[f"worst_{name}"] = np.array([measure.extreme(np.array(of)) for of in known])
+            worst = [_worst_along_life(measure, of_life) for of_life in extremes]
+            values[f"worst_{name}"] = np.array(worst)
     preloads = [[state["residual_preload"] for state in states] for states in states_of_cases]
     values["history_phase_residual_preload"] = np.array(preloads).T
     return values
+
+
+def _worst_along_life(measure: Measure, extremes: Sequence[float]) -> float:
+    """Returns the worst extreme of a life; between its ends, values that are not known (NaN) are
+    left out.
+    """
+    between = [extreme for extreme in extremes[1:-1] if not math.isnan(extreme)]
+    return measure.extreme(np.array([extremes[0], *between, extremes[-1]]))
 
 
 def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:

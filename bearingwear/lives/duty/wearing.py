@@ -102,7 +102,7 @@ class DutySurfaces(_DutyWear):
         return rates
 
     def loss_rate(self, node: Node) -> float:
-        """Returns the sum of the mean rates at which the bearings lose, as counted [m/s]."""
+        """Returns the sum of the mean `State.rate` of the bearings [m/s]."""
         return float(sum(w.share * w.way.loss_rate(w.node) for w in self.weighted(node)))
 
     def wears(self, node: Node) -> bool:
@@ -139,7 +139,7 @@ class DutyGrooves(_DutyWear, Grooves):
             for way in self.ways:
                 if way is not widest:
                     for side, shared in zip(way.sides, widest.sides, strict=True):
-                        side.bearing.lie_on(shared.bearing)
+                        side.bearing.take_grids_of(shared.bearing)
             self.start = widest.start
 
     @property

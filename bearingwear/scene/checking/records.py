@@ -63,13 +63,13 @@ class Key:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Least and largest number."""
+        """Returns the least and largest number."""
         low, high = map(float, (self.within[1:-1] or "-inf, inf").split(","))
         return low, high
 
     @functools.cached_property
     def bounds(self) -> dict[str, float]:
-        """The finite ends, under the names of the JSON schema."""
+        """Returns the finite ends, under the names of the JSON schema."""
         low, high = self.ends
         bounds = {
             "minimum" if self.within.startswith("[") else "exclusiveMinimum": low,
@@ -129,7 +129,7 @@ class Part:
 
     @functools.cached_property
     def allowed(self) -> str:
-        """Permitted values in words."""
+        """Returns the permitted values in words."""
         return self.key.allowed or _in_words(self)
 
     @property
@@ -142,7 +142,7 @@ class Part:
 
     @property
     def unit(self) -> str:
-        """Unit of a value; `-` for what has none."""
+        """Returns the unit of a value; `-` for what has none."""
         return self.key.unit or ("1" if self.kind in ("integer", "number") else "-")
 
 

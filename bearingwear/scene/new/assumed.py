@@ -105,7 +105,7 @@ class Origin:
 
     @property
     def note(self) -> str:
-        """The comment beside it."""
+        """Returns the comment beside it."""
         if not self.rule:
             return "# given"
         return f"# assumed: {self.rule}" if self.assumed else f"# {self.rule}"

@@ -91,7 +91,7 @@ class CatalogueBearing(NamedTuple):
 
     @property
     def rated(self) -> float:
-        """Balls' part of the axial rigidity at equal preload: Z^(2/3) D^(1/3), Palmgren."""
+        """Returns the factor Z^(2/3) D^(1/3) of the axial rigidity (Palmgren), with D in mm."""
         return float(self.balls ** (2.0 / 3.0) * self.ball ** (1.0 / 3.0))
 
     def speed_factor(self, method: str, preload: float) -> tuple[float, str]:

@@ -89,7 +89,7 @@ def minimum_preload_words(scenes: Iterable[Mapping[str, Any]]) -> str:
 
 
 def minimum_preload_lines(scene: Mapping[str, Any]) -> list[str]:
-    """The least preload by the maker beside that of a scene: a line, none if none is prescribed.
+    """Compares the maker's least preload with that of a scene, in a line; empty without one.
 
     scene: its plain data.
     """

@@ -70,11 +70,11 @@ class RestingSide(NamedTuple):
 
     @property
     def touch(self) -> float:
-        """Returns the axial displacement at which its last ball comes off, without radial load."""
+        """Returns the axial displacement [m] at which the last ball loses its load."""
         return self._displacement_at(0.0)
 
-    def dented(self, pressure: float) -> float:
-        """Returns the axial displacement at which a ball first has this peak pressure [Pa] [m]."""
+    def denting_displacement(self, pressure: float) -> float:
+        """Returns the axial displacement [m] at which a ball first has this peak pressure [Pa]."""
         return self._displacement_at(
             (pressure / self.peak.max(axis=1)) ** 2 / self.factor ** (2.0 / 3.0)
         )
@@ -283,7 +283,7 @@ class RotorAtRest:
 
     def denting_force(self, pressure: float) -> float:
         """Returns the least axial force, in either direction, that causes a peak pressure [Pa]."""
-        first, second = (seat.dented(pressure) for seat in self.seats)
+        first, second = (seat.denting_displacement(pressure) for seat in self.seats)
         return max(
             min(self.axial_rotor.external(0, first), -self.axial_rotor.external(1, second)), 0.0
         )
@@ -473,7 +473,7 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
     axial_g = random["axial"].largest_g if "axial" in random else launch.axial_g
     radial_g = random["radial"].largest_g if "radial" in random else launch.radial_g
     forces = launch_forces(axial_g * weight, radial_g * weight)
-    limit = min((yield_pressure(side) for side in scene.sides), key=lambda limit: limit.GPa)
+    weakest = min(map(yield_pressure, scene.sides), key=lambda limit: limit.GPa)
     return LaunchResult(
         loads=tuple(LaunchLoad(name, *F, rest.under(*F)) for name, F in forces.items()),
         axial_g=axial_g,
@@ -481,9 +481,9 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
         random=random,
         frequencies=frequencies,
         opening_g=rest.axial_rotor.opening_force / weight,
-        denting_g=rest.denting_force(limit.GPa * GPA) / weight,
-        pressure=limit.GPa * GPA,
-        source=limit.source,
+        denting_g=rest.denting_force(weakest.GPa * GPA) / weight,
+        pressure=weakest.GPa * GPA,
+        source=weakest.source,
     )
 
 

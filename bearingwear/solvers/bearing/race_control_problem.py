@@ -82,6 +82,7 @@ class RaceControlProblem:
         loads = np.zeros((len(self.D), race.LOAD_FIELDS))
         loads[:, race.MODEL], loads[:, race.ORBIT_RATE] = models, Omega
         loads[:, race.OMEGA_I], loads[:, race.OMEGA_O] = op.omega_i, op.omega_o
+        # `race_equilibrium` moves the race in `delta`, and writes the balls into `packed_states`
         packed_states = np.empty((len(self.D), race.PACKED))
         delta = np.array([self.delta_a, 0.0, 0.0])
         if self.constant_force and self.F[0] > 0.0:

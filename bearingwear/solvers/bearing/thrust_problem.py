@@ -126,27 +126,27 @@ class ThrustProblem:
             return code.PRELOAD_GONE
         return code.OK
 
-    def time_scales(self, D: float, case: ThrustCase) -> np.ndarray:
+    def decay_rates(self, D: float, case: ThrustCase) -> np.ndarray:
         """Returns the eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
         m = ball_mass(self.g.rho, D)
         inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
         return np.linalg.eigvals(case.jacobian / inertia[:, None])
 
-    def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
+    def stable(self, D: float, case: ThrustCase, rates: np.ndarray | None = None) -> bool:
         """Returns whether a small disturbance of the state decays.
 
         With a tiny v_r the slowest motions are damped in narrow places where the slip reverses,
         which few points may miss. A state that seems unstable is checked again with many.
 
-        scales: its `time_scales`, if they are known.
+        rates: its `decay_rates`, if they are known.
         """
-        if (self.time_scales(D, case) if scales is None else scales).real.max() < 0.0:
+        if (self.decay_rates(D, case) if rates is None else rates).real.max() < 0.0:
             return True
         many = parameters.ellipse_rule("split", STABILITY_POINTS, self.rule.across.size)
         again = replace(self, rule=many, fine_rule=many).solve(D, start=case.motion)
         is_same = np.abs(again.u - case.u).max() <= LIKE_STATE * np.abs(case.u).max()
         return bool(
-            again.status == code.OK and is_same and self.time_scales(D, again).real.max() < 0.0
+            again.status == code.OK and is_same and self.decay_rates(D, again).real.max() < 0.0
         )
 
     def other_states(self, D: float, case: ThrustCase, stable: bool, most: int) -> list[ThrustCase]:
@@ -174,11 +174,11 @@ class ThrustProblem:
         return others
 
 
-def time_scale_values(scales: np.ndarray) -> dict[str, float]:
-    """Returns result variables of the `time_scales` of a state."""
+def time_scale_values(rates: np.ndarray) -> dict[str, float]:
+    """Returns the time scales [s] of a state as result variables, from its `decay_rates`."""
     return {
-        "fast_time_scale": 1.0 / np.abs(scales).max(),
-        "slow_time_scale": 1.0 / np.abs(scales.real).min(),
+        "fast_time_scale": 1.0 / np.abs(rates).max(),
+        "slow_time_scale": 1.0 / np.abs(rates.real).min(),
     }
 
 

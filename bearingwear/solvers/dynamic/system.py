@@ -279,13 +279,15 @@ class DynamicSystem:
         """Moves the state on from this instant; time and first step stay as they are."""
         grid = record.TimeGrid(origin=self.time, dt=duration, first=0)
         model = (self.y, self.bearing, self.buffers, self.stages)
-        return record.advance_and_record(control, grid, 0, intervals, self.h, *model, self._unread)
+        return record.advance_and_record(
+            control, grid, 0, intervals, self.h, *model, self._idle_recorder
+        )
 
     @functools.cached_property
-    def _unread(self) -> record.Recorder:
-        """Returns a recorder that nobody reads.
+    def _idle_recorder(self) -> record.Recorder:
+        """Returns a recorder whose values are not used, for the kernel that runs need anyway.
 
-        One kernel, which takes half a minute to compile, so serves all runs.
+        A kernel without a recorder would take another half minute to compile.
         """
         n, integrals = len(self.bearing.D), self.layout.size - self.layout.qv
         sums = record.empty_sums(n, self.bearing.rule, np.zeros(1), integrals)

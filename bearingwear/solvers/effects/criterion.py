@@ -15,16 +15,16 @@ from bearingwear.sides import OF_ARRANGEMENT, SHARED
 def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
     """Returns the measure [SI] and the variable of each criterion of a scene that a case holds."""
     end, preload = scene.wear.end_of_life, scene.operation.preload_N
-    known = dict(case)
+    values = dict(case)
     for system_name, bearing_name in OF_ARRANGEMENT.items():
-        if system_name not in known and bearing_name in known:
+        if system_name not in values and bearing_name in values:
             holding = bearings_holding(scene.operation.preload_method)
-            known[system_name] = holding * np.asarray(known[bearing_name])
+            values[system_name] = holding * np.asarray(values[bearing_name])
     measures = {name: ENDS[name] for name in (end.criteria if end else ())}
     return {
-        name: measure.critical(lambda variable: known.get(variable, np.nan), preload)
+        name: measure.critical(lambda variable: values.get(variable, np.nan), preload)
         for name, measure in measures.items()
-        if known.keys() & {*measure.variables} and (preload or not measure.over_preload)
+        if values.keys() & {*measure.variables} and (preload or not measure.over_preload)
     }
 
 

@@ -84,10 +84,10 @@ def film_beyond_tests(e: Evidence) -> Finding | None:
         low, high = table.temperature[[0, -1]].tolist()
         excess = 1.0 + (max(celsius - high, low - celsius) - NEAR_TESTS_K) / 100.0
         findings.append((excess, f"temperature of {plain(celsius)} degC", celsius > high))
-    known = [finding for finding in findings if not math.isnan(finding[0])]
-    if not known:
+    with_load = [finding for finding in findings if not math.isnan(finding[0])]
+    if not with_load:
         return None
-    excess, quantity, is_above = max(known)
+    excess, quantity, is_above = max(with_load)
     advice = "expect a shorter life than computed" if is_above else "the life computed is cautious"
     return {"what": quantity, "range": _table_range(table), "advice": advice, "excess": excess}
 

@@ -323,7 +323,7 @@ def _growth_finding(e: Evidence, change: float) -> Finding:
 
 
 def thermal_margin_low(e: Evidence) -> Finding | None:
-    """A thermal network near the point from which on its temperatures run away."""
+    """Finds a thermal network near the point from which on its temperatures run away."""
     margin = e.state.values.get("thermal_margin")
     if margin is None:
         return None

@@ -110,7 +110,7 @@ class WornBearing:
         self.rows_added = np.zeros(2, dtype=int)  # to the cells on each side of the major axes
         self.loaded: list[np.ndarray] = []  # first and last loaded cell of each contact, over a
         self.reference = np.zeros(2)
-        self.races = tuple(self._race(k) for k in range(2))
+        self.races = tuple(self._unworn_race(k) for k in range(2))
         self.starts: dict[float, _Start] = {}  # at other speeds, by these [rad/s]
         self.even = code.OK  # status of a bearing evenly worn, where a solve had to start from that
         self.seat = seat_of_case(case, problem.g, self.D, 0.0)
@@ -119,8 +119,8 @@ class WornBearing:
         self._work: tuple[tuple[int, ...], FrictionWork] | None = None
         self.check = WornCheck()
 
-    def _race(self, k: int) -> WornRace:
-        """Race k with cells for its present length of contact, unworn."""
+    def _unworn_race(self, k: int) -> WornRace:
+        """Returns race k without wear, with cells for the present length of its contact."""
         n, m = self.cell_numbers
         n = 2 * round(0.5 * n * self.ends[k] / CELLS_END)
         rows = m + int(self.rows_added[k])
@@ -145,8 +145,8 @@ class WornBearing:
             without=AS_WITH_FILM,
         )
 
-    def lie_on(self, other: "WornBearing") -> None:
-        """Count depths on the grids of this bearing in another condition, whose wear it shares."""
+    def take_grids_of(self, other: "WornBearing") -> None:
+        """Counts depths on the grids of the same bearing in another condition."""
         self.major, self.angle = other.major, other.angle
         self.arc_step, self.arc = other.arc_step, other.arc
         self.races = tuple(
@@ -158,32 +158,39 @@ class WornBearing:
         return WornDepths(0.0, np.zeros_like(self.arc))
 
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
-        """Steady state with some wear, from the last one solved; on the way a rough one."""
+        """Returns the steady state with some wear, solved from the last state.
+
+        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried.
+        """
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
         starts: tuple[Callable[[int, ThrustProblem, float, WornDepths], bool], ...]
         if self.wears:
-            starts = self._on_other_motion, self._counted_anew, self._after_less_grip
+            starts = (
+                self._start_from_even_wear,
+                self._start_at_present_loads,
+                self._start_with_less_friction,
+            )
         else:
             self._start_from_nearest(p, wear)
-            starts = (self._led_to,)
+            starts = (self._start_through_grooves,)
         kept = self.seat, self.u, self.reference
         cells = self.races, self.ends, self.rows_added
-        seat, u, races, work = self._settled(p, D, wear)
+        seat, u, races, work = self._state_in_cells(p, D, wear)
         for start in starts:
             if seat.status not in _FAR:
                 break
             self.seat, self.u = kept[:2]
             self.races, self.ends, self.rows_added = cells
             if start(seat.status, p, D, wear):
-                seat, u, races, work = self._settled(p, D, wear)
+                seat, u, races, work = self._state_in_cells(p, D, wear)
         status = seat.status
         if status in _FAR and self.even not in (code.OK, code.NOT_CONVERGED):
             status = self.even  # nothing holds the balls, however they are worn
         if status != code.OK:
             self.seat, self.u, self.reference = kept
             self.races, self.ends, self.rows_added = cells  # those added in vain would be slow
-            self._forget()
+            self._reset_pressures()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
         self._keep_start(p)
@@ -191,7 +198,7 @@ class WornBearing:
         forces = (seat.inner, seat.outer)
         if self.wears and max(seat.inner.Q, seat.outer.Q) < self.least_load:
             return WornPoint(code.PRELOAD_GONE, wear, p)
-        if self.wears and not self._within(seat):
+        if self.wears and not self._is_on_grids(seat):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
         bare = [
             self.at_cells(self.bare(wear, k), k, races[k].x, force.alpha, p.g)
@@ -219,65 +226,71 @@ class WornBearing:
             D=D,
         )
 
-    def _on_other_motion(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
-        """Start from the even state, where the last state has none nearby."""
+    def _start_from_even_wear(
+        self, status: int, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> bool:
+        """Sets the state with evenly worn balls as the start; returns whether there is one."""
         if status != code.NOT_CONVERGED:
             return False
         return self._start_evenly(p, D).status == code.OK
 
-    def _counted_anew(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
-        """Count depths so that the contacts of the start give way as under their loads.
+    def _start_at_present_loads(
+        self, status: int, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> bool:
+        """Counts depths so that the contacts of the start approach as under their loads.
 
-        They were counted from those of another state, maybe farther worn, and scale the cells.
+        They were counted from another state, maybe with more wear, and scale the cells. Returns
+        whether both contacts carry load.
         """
         forces = self.seat.inner, self.seat.outer
         if not all(force.Q > 0.0 for force in forces):
             return False
-        given = [contact_approach(force.hertz.K, force.Q) for force in forces]
-        self.reference = self._lengths(self.seat, p.g, D) - given
-        self._forget()
+        approaches = [contact_approach(force.hertz.K, force.Q) for force in forces]
+        self.reference = self._lengths(self.seat, p.g, D) - approaches
+        self._reset_pressures()
         return True
 
-    def _after_less_grip(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
-        """Start where the state goes as friction grips ever faster, from hardly any.
+    def _start_with_less_friction(
+        self, status: int, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> bool:
+        """Sets as the start the state to which less and less regularised friction leads.
 
         Friction decides which of several states there are: past a fold the next one lies far off.
         """
-        self._forget()
+        self._reset_pressures()
         for level in range(_GRIPS, 0, -1):
             less = replace(p, op=p.op._replace(v_r=p.op.v_r * _LESS_GRIP**level))
-            seat, u, _, _ = self._settled(less, D, wear)
-            if seat.status in (code.OK, code.NOT_CONVERGED):  # that is on its way
+            seat, u, _, _ = self._state_in_cells(less, D, wear)
+            if seat.status in (code.OK, code.NOT_CONVERGED):  # the latter is nearer, too
                 self.seat, self.u = seat, u
             if seat.status == code.NOT_CONVERGED:  # the last place tried may lie beyond the cells
-                self._widened(seat.status)
+                self._widen_cells(seat.status)
         return True
 
-    def _forget(self) -> None:
-        """Keep nothing of a solve that failed."""
+    def _reset_pressures(self) -> None:
+        """Resets pressures and slopes, which a failed solve has changed."""
         for race in self.races:
             np.copyto(race.pressure, race.cells.fresh)
         self.state.slope.fill(0.0)
 
-    def leave_wear(self) -> None:
-        """Let the next solves be of the bearing as it is worn now, at any speeds."""
+    def stop_wear(self) -> None:
+        """Keeps the present wear in the next solves, which may be at any speed."""
         if self.wears:
             self.wears = False
             self._keep_start(self.problem)
 
     def _keep_start(self, p: ThrustProblem) -> None:
-        """Keep the last state, if nothing wears, as a start at speeds near its own."""
+        """Keeps the last state as a start at nearby speeds, if nothing wears."""
         if not self.wears:
-            self.starts[p.op.omega_i - p.op.omega_o] = self._start()
+            self.starts[p.op.omega_i - p.op.omega_o] = self._present_start()
 
-    def _start(self) -> "_Start":
-        """What the next solve starts from; later ones leave it as it is."""
+    def _present_start(self) -> "_Start":
+        """Returns a copy of what the next solve starts from."""
         races = tuple(race._replace(pressure=race.pressure.copy()) for race in self.races)
         return _Start(self.seat, self.u.copy(), self.reference, races, self.ends, self.rows_added)
 
     def _start_from_nearest(self, p: ThrustProblem, wear: WornDepths) -> None:
-        """Let the next solve start from the state at the nearest speed, with its motion as much
-        faster.
+        """Sets the state at the nearest speed as the start, with its motion scaled by the speeds.
 
         A race that is held and comes to rest starts where its grooves are even: its contacts lose
         most of their load there, far from any other state.
@@ -297,20 +310,23 @@ class WornBearing:
             if not then:
                 self.seat, self.reference = near.seat, near.reference
 
-    def _led_to(self, status: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
-        """Start where grooves lead that differ from even ones by more and more."""
+    def _start_through_grooves(
+        self, status: int, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> bool:
+        """Sets as the start the state reached through grooves from even to worn ones."""
         self.even = self._start_where_worn(p, wear)
-        self._forget()
+        self._reset_pressures()
         mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
         for _ in range(_MOST_ON_THE_WAY):
-            to = min(share + step, 1.0)
+            next_share = min(share + step, 1.0)
             pressures = [race.pressure.copy() for race in self.races]
-            found = self._settled(p, D, replace(wear, grooves=mean + to * (wear.grooves - mean)))
-            if found[0].status not in _FAR:
-                self.seat, self.u, share, step = *found[:2], to, 2.0 * step
+            grooves = mean + next_share * (wear.grooves - mean)
+            seat, u, _, _ = self._state_in_cells(p, D, replace(wear, grooves=grooves))
+            if seat.status not in _FAR:
+                self.seat, self.u, share, step = seat, u, next_share, 2.0 * step
                 if share == 1.0:
                     break
-                self._counted_anew(code.OK, p, D, wear)
+                self._start_at_present_loads(code.OK, p, D, wear)
                 continue
             step *= 0.5
             if step < _LEAST_ON_THE_WAY:
@@ -321,17 +337,17 @@ class WornBearing:
         return True
 
     def _start_evenly(self, p: ThrustProblem, D: float) -> ThrustCase:
-        """State of balls that have lost as much evenly, from which the next solve starts."""
+        """Solves a bearing with the same wear, but even, and sets its state as the start."""
         even = p.solve(D - self.reference.sum())
         if even.status == code.OK:
             self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
         return even
 
     def _start_where_worn(self, p: ThrustProblem, wear: WornDepths) -> int:
-        """Let the next solve start from grooves that are everywhere as deep as they are in the mean
-        where the contacts run, with the load of Hertz; a status.
+        """Sets as the start the state in even grooves; returns the status of its solve.
 
-        Where nothing holds the balls of such a bearing, it starts from grooves half as deep.
+        The even grooves have the mean depth of the worn ones over the contacts, by the load of
+        Hertz. Where such a bearing has no state, they are half as deep.
         """
         D, arcs, depths = p.g.D0 - self.loss - wear.ball, self._arcs(wear), np.zeros(2)
         self.reference, status = depths, code.OK
@@ -352,13 +368,13 @@ class WornBearing:
     def _mean_depth(
         self, p: ThrustProblem, arcs: tuple[Arc, Arc], even: ThrustCase, k: int
     ) -> float:
-        """Depth of groove k in a contact, by the load of Hertz [m]."""
+        """Returns the mean depth of groove k over a contact, by the load of Hertz [m]."""
         major, angle = even.contacts[k, [MAJOR, ANGLE]].tolist()
         places = major * _ACROSS + self.shift(k, angle, p.g)
         return float(_SHAPE @ arc_values(arcs[k], places))
 
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
-        """Let the next solve start where the way of two states leads, by a share of it."""
+        """Sets the start by extrapolation from two states, by a share of their difference."""
         if share <= LONGEST_AHEAD:
             old, new = before.seat, now.seat
             self.seat = new._replace(
@@ -368,10 +384,10 @@ class WornBearing:
             )
             self.u = now.u + share * (now.u - before.u)
 
-    def _settled(
+    def _state_in_cells(
         self, p: ThrustProblem, D: float, wear: WornDepths
     ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
-        """Seat and motion, and the contacts there, with as many cells as these need."""
+        """Returns seat, motion, races and friction buffers, with the cells that the state needs."""
         arcs, bare = self._arcs(wear), [UNWORN_ARC, UNWORN_ARC]
         without = AS_WITH_FILM if self.films is None else self.films.without
         if without >= 0.0:
@@ -383,18 +399,21 @@ class WornBearing:
                 for k, race in enumerate(self.races)
             )
             work = self._friction_work(p, races)
-            seat, u = self._moved(p, D, races, work)
+            seat, u = self._state(p, D, races, work)
             self.loaded = [race.cells.X[loaded_ends(race.pressure)] for race in races]
-            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widened(seat.status):
+            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widen_cells(
+                seat.status
+            ):
                 break
         return seat, u, races, work
 
-    def _moved(
+    def _state(
         self, p: ThrustProblem, D: float, races: tuple[WornRace, ...], work: FrictionWork
     ) -> tuple[WornSeat, np.ndarray]:
-        """Seat and motion from the last ones; where the race is far from there, in several moves.
+        """Returns seat and motion, solved from the last ones.
 
-        In each the ball goes half of the way of the race.
+        Where the race is held too far from there, it moves in several steps, in each of which the
+        ball moves half as far.
         """
         held = not p.preload.constant_force
         state = self.state._replace(balance=ROUGH) if self.on_the_way else self.state
@@ -418,8 +437,8 @@ class WornBearing:
                 break
         return seat, u
 
-    def _within(self, seat: WornSeat) -> bool:
-        """Whether all that wears lies on the grids."""
+    def _is_on_grids(self, seat: WornSeat) -> bool:
+        """Whether both loaded contacts lie on the grids of depths."""
         for k, (ends, force) in enumerate(zip(self.loaded, (seat.inner, seat.outer), strict=True)):
             reach = force.a * ends
             if np.abs(reach + self.shift(k, force.alpha, self.problem.g)).max() > self.arc[k, -1]:
@@ -441,18 +460,18 @@ class WornBearing:
 
     @property
     def spread(self) -> float:
-        """rms of the track's places over the edge of a film, in steps of the arcs."""
+        """Returns the rms wander of the track over the edge of a film, in steps of the arcs."""
         return max(self.wander, LEAST_WANDER) / ARC_STEP
 
     def bare(self, wear: WornDepths, k: int) -> np.ndarray:
-        """Share of groove k on which no film is left (arcs,); with films alone [1]."""
+        """Returns the shares (arcs,) of groove k on which no film is left [1]; only with films."""
         assert self.films is not None
         return self.films.bare(wear.grooves[k], 0.5 * wear.ball, self.spread)
 
     def at_cells(
         self, values: np.ndarray, k: int, x: np.ndarray, alpha: float, g: Geometry
     ) -> np.ndarray:
-        """Shares over the arc of groove k at places along its contact under an angle.
+        """Returns shares given over the arc of groove k at places x along its contact [1].
 
         The geometry is that of the state, which may be warmer than the start.
         """
@@ -460,11 +479,11 @@ class WornBearing:
         return np.clip(arc_values(arc, x + self.shift(k, alpha, g)), 0.0, 1.0)
 
     def shift(self, k: int, alpha: float, g: Geometry) -> float:
-        """S - x of groove k at a contact angle [m], as `arc_shift`: no call of compiled code."""
+        """Returns S - x of groove k at a contact angle [m]: `arc_shift` in plain Python."""
         return SIDES[k] * (g.r_i, g.r_o)[k] * (alpha - float(self.angle[k]))
 
     def count_from(self, point: WornPoint) -> None:
-        """Count the depths of the next states from what the contacts of this one gave way.
+        """Counts the depths of the next states from the approaches of the contacts in this one.
 
         The cells then lie as the contacts are loaded.
         """
@@ -476,10 +495,10 @@ class WornBearing:
         )
 
     def rate(self, point: WornPoint, ball: float, race: float, scene: Scene) -> WornDepths:
-        """Wear per second in a state (theory.md Eqs. 73-74).
+        """Returns the wear per second in a state (theory.md Eqs. 73-74).
 
-        By K_s/H of ball and race [1/Pa], where films and running in do not decide them; the scene
-        has the temperatures of the state.
+        ball, race: K_s/H [1/Pa], where films and running in do not determine them.
+        scene: with the temperatures of the state.
         """
         g, D = point.problem.g, point.D
         grooves, off_ball = np.zeros_like(self.arc), point.slip[:, 0].copy()
@@ -505,7 +524,7 @@ class WornBearing:
         return WornDepths(float(2.0 * ball * off_ball.sum() / (np.pi * D * D)), grooves)
 
     def lengths(self, point: WornPoint) -> np.ndarray:
-        """Approaches of both contacts, (2,): of ball and groove as they were when new [m]."""
+        """Returns the approaches (2,) of ball and grooves as they were when new [m]."""
         return self._lengths(point.seat, point.problem.g, point.D)
 
     @staticmethod
@@ -516,7 +535,7 @@ class WornBearing:
         return np.array([inner, np.hypot(seat.X1, seat.X2) - (g.r_o - R)])
 
     def gap_at_edge(self, point: WornPoint) -> np.ndarray:
-        """A a^2 of both contacts, (2,): gap of the unworn bodies at the edge of the ellipse [m]."""
+        """Returns the gaps A a^2 (2,) of the unworn bodies at the edge of each ellipse [m]."""
         gaps = []
         for race, force in zip(self.races, point.forces, strict=True):
             s = elliptic_integrals(float(np.exp(-race.cells.log_kappa)))[2]
@@ -524,10 +543,11 @@ class WornBearing:
         return np.array(gaps)
 
     def axial_stiffnesses(self, point: WornPoint) -> np.ndarray:
-        """Stiffnesses of all balls in the last state, dynamic and quasi-static (2,) [N/m].
+        """Returns dynamic and quasi-static stiffness of all balls in the last state (2,) [N/m].
 
-        Differences along the ways that small moves of the places lead to; longer ones, in which the
-        cells that come into contact do not show. NaN where a place nearby has no state.
+        Small moves of the places give the direction in which the balls follow the race; longer
+        ones, in which single cells that come into contact do not show, give the stiffness. NaN
+        where a place nearby has no state.
         """
         seat = point.seat
         size = max(seat.inner.approach, seat.outer.approach)
@@ -543,7 +563,7 @@ class WornBearing:
         return point.problem.g.n_balls * axial
 
     def _force_changes(self, point: WornPoint, moves: np.ndarray) -> np.ndarray:
-        """What moves (n, 3) of the places of a state do to its forces, (n, 2, 3)."""
+        """Returns the changes (n, 2, 3) of the forces of a state by moves (n, 3) of its places."""
         p, changes = point.problem, np.empty((len(moves), 2, 3))
         work = self._friction_work(p, self.worn_races)
         seat = worn_state(
@@ -552,8 +572,8 @@ class WornBearing:
         )  # fmt: skip
         return changes if seat.status == code.OK else np.full_like(changes, np.nan)
 
-    def _widened(self, status: int) -> bool:
-        """Add cells to contacts that have grown to the ends of theirs, or past their edges."""
+    def _widen_cells(self, status: int) -> bool:
+        """Adds cells where a contact has grown to the ends or edges of its own; returns whether."""
         races, self.ends, self.rows_added = [], self.ends.copy(), self.rows_added.copy()
         for k, (race, ends) in enumerate(zip(self.races, self.loaded, strict=True)):
             X = race.cells.X
@@ -567,18 +587,18 @@ class WornBearing:
                 self.ends[k] *= WIDER
             if is_wide:
                 self.rows_added[k] += ROWS
-            races.append(self._race(k) if is_long or is_wide else race)
+            races.append(self._unworn_race(k) if is_long or is_wide else race)
         is_wider = any(new is not old for new, old in zip(races, self.races, strict=True))
         self.races = tuple(races)
         return is_wider
 
 
 def loaded_ends(pressure: np.ndarray) -> np.ndarray:
-    """Columns of the first and the last cell with pressure along a contact; none without any."""
+    """Returns the columns of the first and last cell with pressure; empty if there is none."""
     columns = np.flatnonzero(pressure.any(axis=0))
     return columns[[0, -1]] if columns.size else columns
 
 
 def _solutions(A: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Of n systems of equations, (n, k, k) and (n, k)."""
+    """Returns the solutions (n, k) of n systems of equations, A (n, k, k) and b (n, k)."""
     return np.linalg.solve(A, b[..., None])[..., 0]

@@ -64,7 +64,7 @@ class Worn(Steady):
         moved = copy.copy(self)
         moved.scene, moved.problem = scene, self.problem.of(scene).without_finer
         moved.mounted = moved.problem.preload.delta_a
-        moved.bearing.leave_wear()
+        moved.bearing.stop_wear()
         return moved
 
     @property

@@ -141,7 +141,7 @@ def speed_words(speed: float) -> str:
     return f"{speed:.0f} r/min" if speed >= 100.0 else f"{speed:.3g} r/min"
 
 
-def warm_up_time(where: Mapping[str, Any]) -> str:
+def warm_up_time_words(where: Mapping[str, Any]) -> str:
     """Returns the time of an instant of a warm-up as text."""
     return f"{where['time_s']:.3g} s"
 
@@ -153,7 +153,7 @@ def condition_words(where: Mapping[str, Any], has_cases: bool = False) -> str:
     if where["temperature"] == MOUNTING:
         words += " and mounting temperature"
     if where["temperature"] == WARMING:
-        words += f", {warm_up_time(where)} into the warm-up"
+        words += f", {warm_up_time_words(where)} into the warm-up"
     wear_words = {NEW: "new", AT_END_OF_LIFE: "at the end of life", BETWEEN: "during the life"}
     if where.get("wear"):
         words += f", {wear_words[where['wear']]}"

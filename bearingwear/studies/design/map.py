@@ -44,8 +44,7 @@ from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.state import State, history_values
 from bearingwear.studies.dataset import dataset_of_rows
-from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
-from bearingwear.studies.design.everywhere import (
+from bearingwear.studies.design.condition_extremes import (
     Extremes,
     OtherConditions,
     Solve,
@@ -56,8 +55,9 @@ from bearingwear.studies.design.everywhere import (
     worn_states,
     worst_extremes,
 )
+from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW, OperatingCondition
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.design.warming import warm_up_extremes
+from bearingwear.studies.design.warm_up_extremes import warm_up_extremes
 from bearingwear.studies.solve import life_scene
 
 SLIP_SHARE = "gyroscopic_slip_share"
@@ -65,7 +65,11 @@ SLIP_SHARE = "gyroscopic_slip_share"
 GROOVE_SHAPES = ("hertzian", "worn")
 HERTZIAN_GROOVE, WORN_GROOVE = range(len(GROOVE_SHAPES))
 
-IMPRACTICAL = tuple(warning.id for warning in WARNINGS if warning.impractical)
+NOT_IMPRACTICAL = "none"
+IMPRACTICAL_FLAGS = (
+    NOT_IMPRACTICAL,
+    *(warning.id for warning in WARNINGS if warning.impractical),
+)
 """Warnings of a bearing that nobody would build or run; a limit of every recommendation."""
 
 MAP_AXES = table(
@@ -117,7 +121,7 @@ POINT = table(
     *_start_and_end_variables(),
     *_extreme_variables(),
     Variable("impractical", (), "", "first warning of an impractical design, new or worn",
-        dtype="i1", flags=("none", *IMPRACTICAL)),
+        dtype="i1", flags=IMPRACTICAL_FLAGS),
     Variable("groove", (), "", "groove model used in the life calculation", dtype="i1",
         flags=GROOVE_SHAPES, 
         comment="worn if the scene requires worn grooves for the life calculation"),
@@ -145,7 +149,7 @@ NO_VARIABLES = (POINT_WARNINGS, DECIDING, NOT_SOLVED_AT, CASE_POINTS)
 """Keys of points that are no variables of a file."""
 
 NO_LIFE: PointValues = dict.fromkeys(("solves", "failed_solves", "impractical", "groove"), 0)
-NO_LIFE |= {"status": -1, "end_criterion": len(CRITERIA) - 1}
+NO_LIFE |= {"status": -1, "end_criterion": NO_CRITERION}
 """Whole numbers of a point before any solve."""
 
 END_WHEN_NEW = EndOfLife(maximum_pressure_GPa=1e-9)
@@ -447,7 +451,7 @@ def values_of_states(scene: Scene, states: Sequence[State]) -> PointValues:
         "residual_preload_at_start": new["residual_preload"],
         "residual_preload_at_end": worn["residual_preload"],
         "loss_at_end": worn.loss,
-        "impractical": _impractical_flag(scene, [new, worn]),
+        "impractical": _first_impractical(scene, [new, worn]),
     }
     for measure in LIMITED.values():
         for name in measure.extremes if measure.brief else ():
@@ -482,16 +486,16 @@ def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     return worst
 
 
-def _impractical_flag(scene: Scene, states: Sequence[State]) -> int:
-    """Returns one plus the index of the first warning of `IMPRACTICAL`; zero without any.
+def _first_impractical(scene: Scene, states: Sequence[State]) -> int:
+    """Returns the flag of the variable `impractical`: the first such warning, or 0 for none.
 
     States of a pair stand for its worse bearing.
     """
     bearing = scene.sides[0]
-    values = {"end_criterion": len(CRITERIA) - 1, **history_values(list(states))}
+    values = {"end_criterion": NO_CRITERION, **history_values(list(states))}
     warnings = warnings_of(bearing, choice_for_life(bearing), values)
-    flags = (IMPRACTICAL.index(w["id"]) + 1 for w in warnings if w["impractical"])
-    return next(flags, 0)
+    ids = [warning["id"] for warning in warnings if warning["impractical"]]
+    return IMPRACTICAL_FLAGS.index(ids[0] if ids else NOT_IMPRACTICAL)
 
 
 def _life_warnings(scene: Scene, life: Life) -> list[dict[str, Any]]:

@@ -109,7 +109,7 @@ def test_work_that_rises_as_the_clearance_opens(monkeypatch):
     assert float(film["film_gone"][1]) == float(film["cage_life"]) < exact
 
 
-def test_another_motion_on_the_way():
+def test_wear_at_which_the_motion_changes_is_reported():
     limit = {"wear.end_of_life": {"guide_clearance_mm": 0.3}}
 
     def changing(number, depth):
@@ -136,7 +136,7 @@ def test_balls_and_races_beside_it():
     assert low < 1.3265 < high and high / low == pytest.approx(3.0 ** (2 * 1.6449), rel=0.03)
 
 
-def test_nothing_that_ends_it_is_refused():
+def test_a_cage_life_requires_a_criterion_that_can_end_it():
     with pytest.raises(SceneError, match="expected one of them to define the end of life"):
         with_cage_end(variant(S1, {}))
     with pytest.raises(SceneError, match="got 0.1, expected a number > 0.2, the initial value"):

@@ -20,11 +20,11 @@ from bearingwear.applications.cage.motion import (
 from bearingwear.applications.cage.plan import Ensemble, cage_axes, cage_points, check_cage
 from bearingwear.applications.cage.tables import (
     cage_answer,
+    cage_choice_sentence,
     cage_document,
     cage_table,
     mapped_cages,
     quiet_region,
-    recommended_cage,
 )
 from bearingwear.console import UsageError
 from bearingwear.page.page import page
@@ -103,7 +103,7 @@ def test_motions(place, power, motion, whirl, turned):
     assert path_of_cage.offset == pytest.approx(1e-6 * np.abs(place).mean())
 
 
-def test_what_drifts():
+def test_a_torque_that_rises_or_falls_steadily_drifts():
     assert is_drifting([1.0, 1.02, 1.06], 0.05) and is_drifting([1.06, 1.02, 1.0], 0.05)
     assert not is_drifting([1.0, 1.02, 1.04], 0.05) and not is_drifting([1.0, 1.2, 1.1], 0.05)
 
@@ -158,7 +158,7 @@ def test_the_quiet_cage_of_a_map_is_recommended(small):
     works = [cage.work for cage in mapped_cages(motions)]
     assert works == pytest.approx([0.1981e-4, 1.981e-4, 3.962e-4], rel=0.01)
     assert numbers_in(quiet_region(motions)) == [90.0, 0.02]  # % of the runs, friction
-    friction, now, *shares, factor, low, high = numbers_in(recommended_cage(motions))
+    friction, now, *shares, factor, low, high = numbers_in(cage_choice_sentence(motions))
     assert (friction, now, shares) == (0.02, 0.05, [100.0, 100.0])
     assert (factor, low, high) == (10.0, 10.0, 10.0)
 
@@ -166,17 +166,17 @@ def test_the_quiet_cage_of_a_map_is_recommended(small):
 def test_a_cage_is_kept_if_no_quieter_one_is_in_the_map(small):
     _, motions = small
     less = motions.sel(cage_friction=[0.05, 0.1])
-    assert recommended_cage(less).startswith("Keep ")
+    assert cage_choice_sentence(less).startswith("Keep ")
     assert numbers_in(quiet_region(less)) == []
     failed = motions.map(lambda values: values * np.nan).assign_attrs(motions.attrs)
-    assert mapped_cages(failed) == [] and numbers_in(recommended_cage(failed)) == []
+    assert mapped_cages(failed) == [] and numbers_in(cage_choice_sentence(failed)) == []
 
 
 def test_figure_table_and_page_show_a_map(small, tmp_path):
     path, motions = small
     save(cage_figure(path), [tmp_path / "cage.svg", tmp_path / "cage.png"])
     text = cage_table(path)
-    assert recommended_cage(motions) in text and quiet_region(motions) in text
+    assert cage_choice_sentence(motions) in text and quiet_region(motions) in text
     (tmp_path / "answer.json").write_text(cage_answer(path), encoding="utf-8")
     shown = page(answers=[tmp_path / "answer.json"])
     assert shown.count('id="answer-1"') == 1

@@ -48,7 +48,7 @@ def test_draws_depend_on_seed_and_number_alone(scene):
     assert np.mean([item.offset**2 for item in starts]) == pytest.approx(0.5 * CLOSE**2, rel=0.1)
 
 
-def test_what_is_drawn_follows_its_distribution(scene):
+def test_drawn_values_follow_their_distributions(scene):
     inputs = {
         "cage_uncertainty.cage": {"distribution": "uniform", "low": 0.02, "high": 0.06},
         "cage_uncertainty.gravity_angle_deg": {
@@ -86,7 +86,7 @@ def test_the_mean_lies_in_its_interval_as_often_as_it_says(scene, monkeypatch):
     assert abs(held - 180) <= 2.5 * np.sqrt(200 * 0.9 * 0.1)
 
 
-def test_it_stops_where_the_interval_is_met(scene, monkeypatch):
+def test_an_ensemble_stops_once_its_interval_is_narrow_enough(scene, monkeypatch):
     monkeypatch.setattr(ensemble, "cage_run", noisy_run)
     s = scene("gyro_s1", NOTHING)
     loose, tight = (ensemble_of(s, Ensemble(within=w, runs=120)) for w in (0.15, 0.05))
@@ -106,7 +106,7 @@ def test_share_intervals():
     assert share_interval(0, 20) == pytest.approx((0.0, 0.1192), abs=1e-4)
 
 
-def test_what_jams_and_what_has_no_motion_are_counted(scene, monkeypatch):
+def test_jammed_and_unsolved_runs_are_counted(scene, monkeypatch):
     def ends(scene, start, least, most):
         return {"status": CAGE_JAMMED, "motion": JAMS} if start.whirl < 0.5 else {"status": 5}
 
@@ -198,7 +198,7 @@ def test_a_killed_ensemble_goes_on_to_the_same_bytes(scene, tmp_path, monkeypatc
         assert more.sizes["run"] == 22 and (more["work"][:20] == result["work"]).all()
 
 
-def test_what_is_refused_takes_one_line(tmp_path, capsys):
+def test_wrong_options_of_cage_are_refused_in_one_line(tmp_path, capsys):
     out = ["-o", str(tmp_path / "cage.nc")]
     for options, expected in (
         (["--runs", "5"], "runs: got 5, expected a whole number >= 20"),

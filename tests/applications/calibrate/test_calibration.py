@@ -101,7 +101,7 @@ def test_a_table_of_excel_in_europe(tmp_path):
     assert [item.value for item in expected] == [4.5, 150.0]
 
 
-def test_semicolons_and_tabs_part_columns_too(tmp_path):
+def test_columns_may_be_separated_by_semicolons_or_tabs(tmp_path):
     rows = ("operation.preload_N,life_h", "7,5")
     each = [
         bearing_tests(written(tmp_path, *[row.replace(",", apart) for row in rows]), with_spread())
@@ -163,7 +163,7 @@ def test_each_kind_of_test_finds_what_made_it(tmp_path):
 
 @pytest.mark.long  # of a model in closed form: test_posterior.py
 def test_two_lives_of_a_sampled_batch(tmp_path):
-    """The interval of L10 shrinks from sixtyfold and more to what two lives leave."""
+    """The interval of L10 shrinks to that of the mean of two lives."""
     scene = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.35})
     random, K = np.random.default_rng(3), 1.7
     batch = replace(scene_with_values(scene, {"ball_race": 0.074}), uncertainty=None)

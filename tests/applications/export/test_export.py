@@ -97,7 +97,7 @@ def test_a_run_in_time_has_no_stiffness_to_export(pair):
         StiffnessOverSpeed.of(pair.with_(loaded), [1000.0])
 
 
-def test_what_cannot_be_exported_takes_a_line(pair, files, capsys):
+def test_wrong_arguments_of_an_export_are_refused_in_one_line(pair, files, capsys):
     with pytest.raises(SceneError, match=r"^speeds: .* 1000.0\], expected increasing numbers"):
         StiffnessOverSpeed.of(pair, [3000.0, 1000.0])
     few = StiffnessOverSpeed.of(pair, [1000.0, 2000.0])
@@ -155,7 +155,7 @@ def jeffcott(ross, bearings, stiff=False):
     return ross.Rotor(shaft, [disk], bearings)
 
 
-def test_axes_by_a_radial_load_in_one_direction(ross, pair):
+def test_a_radial_load_shows_which_axis_of_ross_is_which(ross, pair):
     """ROSS's x is Y here: a bearing softer along Y moves more under a force along ROSS's x."""
     loaded = {"operation.radial_load_N": [0.0, 60.0], "arrangement.kind": "single"}
     unlike = pair.with_(loaded | {"model.fidelity": "race_control"})

@@ -312,14 +312,17 @@ def test_agreement_within_the_tolerance(plan):
         ("–", "–"),
         ("5", "10"),
     ):
-        assert error.holds(old, new) and error.holds(new, old)
+        assert error.is_met(old, new) and error.is_met(new, old)
     for old, new in (("0.1", "0.22"), ("–", "1"), ("5", "11"), ("< 0.001", "0.22")):
-        assert not error.holds(old, new) and not error.holds(new, old)
-    assert Agreement(2.1).holds("< 0.001", "0.002") and not Agreement(2.1).holds(
+        assert not error.is_met(old, new) and not error.is_met(new, old)
+    assert Agreement(2.1).is_met("< 0.001", "0.002") and not Agreement(2.1).is_met(
         "< 0.001", "0.0032"
     )
-    assert exact.holds("5", "5") and not exact.holds("5", "6")
-    assert exact.holds("yes", "yes") and not exact.holds("yes", "no")
+    for old, new in (("-5", "-11"), ("-5", "5"), ("-5", "0"), ("-2", "< 0.5")):
+        assert not error.is_met(old, new) and not error.is_met(new, old)
+    assert error.is_met("-5", "-10") and error.is_met("-0.05", "0.1")
+    assert exact.is_met("5", "5") and not exact.is_met("5", "6")
+    assert exact.is_met("yes", "yes") and not exact.is_met("yes", "no")
 
 
 def test_the_docs_hold_every_row_of_the_plan(plan):
@@ -337,7 +340,7 @@ def test_the_docs_hold_every_row_of_a_run(trade, cages):
         assert numerical and not [line for line in numerical if line.endswith("missing")]
 
 
-def test_cells_have_the_digits_that_are_known():
+def test_table_cells_have_only_significant_digits():
     row = ["a", "b", 1.23456, 0.0, math.nan, Rough(1.2345), Rough(7.77), 0.00012, "yes"]
     units = ["", "", "", "", "", "%", ""]
     columns = {f"{k}": Agreement(unit=unit) for k, unit in enumerate(units)}

@@ -75,7 +75,7 @@ def test_the_fit_moves_the_answer_a_little(scene):
 
 
 @pytest.mark.parametrize("method", ["fixed_position", "constant_force"])
-def test_what_stands_on_the_rotor(scene, method):
+def test_scenes_of_each_machine_on_the_rotor(scene, method):
     held = scene("gyro_s1", {"operation.preload_method": method})
     alone, alike, pushed, apart = (scene_on_rotor(held, machine) for machine in MACHINES)
     assert alone is held and alike.pair.is_symmetric and pushed.pair.external_axial_N == 3.5
@@ -88,7 +88,7 @@ def test_what_stands_on_the_rotor(scene, method):
     assert rows[2]["life"] < 0.8 * rows[0]["life"] and rows[3]["life"] < rows[0]["life"]
 
 
-def test_what_has_grown_is_a_step_further_each_time(scene):
+def test_each_kind_of_growth_raises_the_preload(scene):
     held = scene("gyro_s1", {"operation.preload_method": "fixed_position"})
     mounted, turning, warm, network = (scene_with_growth(held, warmth) for warmth in WARMTHS)
     assert mounted is held and turning.bearing.bore_mm == pytest.approx(4.0)

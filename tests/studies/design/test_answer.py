@@ -211,7 +211,7 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     }
 
 
-def test_where_no_preload_is_taken_no_life_is_sampled(files, small_project, tmp_path):
+def test_without_a_recommendation_no_life_is_sampled(files, small_project, tmp_path):
     """A study whose limits nothing keeps to still ends with its answer."""
     none, path, answer = (tmp_path / name for name in ("none.nc", "spread.nc", "answer.json"))
     dataset = load(files["recommendation"])

@@ -142,7 +142,7 @@ def test_a_preload_may_be_set_where_the_life_is_similar(scene):
     assert similar[-1] > 1.05 * best.preload
 
 
-def test_what_nobody_would_build_is_not_recommended(scene):
+def test_an_impractical_preload_is_not_recommended(scene):
     made_up = MadeUp(scene, falling, practical=lambda p: p > 251.3)
     best = made_up.best_point()
     assert 251.3 < best.preload < 1.01 * 251.3
@@ -252,7 +252,7 @@ def test_the_recommendation_is_at_the_end_of_a_steep_rise():
 
 
 def test_a_required_life_decides_what_is_feasible():
-    """It is 1.4 h at best with the stiffness that is required; 0.2 h: test_everywhere.py."""
+    """It is 1.4 h at best with the stiffness that is required."""
     scene = bearingwear.new(designation="7008C", speed=18000.0).with_({"model.contact": "hertz"})
     recommended = recommendation(scene, DesignLimits(system_axial_stiffness_N_um=20.0, life_h=1e4))
     assert recommended["life"].isnull().all()

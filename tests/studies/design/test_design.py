@@ -106,7 +106,7 @@ def test_choice_and_what_holds_it(line, limits, index, active):
     assert ACTIVE[int(held)] == active
 
 
-def test_front_leaves_out_what_is_beaten_or_unsolved():
+def test_the_pareto_front_omits_dominated_and_unsolved_points():
     line = made_up([9, 8, 7, 6, 5], [1, 3, 2, 4, 5], [0, 0, 0, NOT_CONVERGED, 0])
     assert pareto_front(line).values.tolist() == [True, True, False, False, True]
 

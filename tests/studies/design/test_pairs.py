@@ -69,7 +69,7 @@ def test_spring_pair_against_rigid_pair(scene, tmp_path):
     recommended.to_netcdf(tmp_path / "recommendation.nc")
     with open_result(tmp_path / "recommendation.nc") as file:
         sheet = recommendation_sheet(file)
-    (table,) = (block for block in sheet.placed("open") if block.rows)
+    (table,) = (block for block in sheet.blocks_in("open") if block.rows)
     assert table.columns == ("spring pair", "rigid pair")
     (frequency,) = (text for text in sheet.facts["limits"] if "frequency" in text)
     assert numbers_in(frequency) == [2100.0]

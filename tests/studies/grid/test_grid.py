@@ -23,7 +23,7 @@ def test_id_of_a_case():
     mus=st.lists(st.integers(0, 2000), min_size=1, max_size=5, unique=True),
     losses=st.lists(st.integers(0, 5000), min_size=1, max_size=5, unique=True),
 )
-def test_ids_are_unique_and_say_the_case(mus, losses):
+def test_case_ids_are_unique_and_contain_the_values(mus, losses):
     grid = Grid.from_lists(PRELOAD_METHODS, [k / 1e4 for k in mus], [k / 1e3 for k in losses])
     cases = grid.cases()
     assert len(cases) == 2 * len(mus) * len(losses)

@@ -25,7 +25,7 @@ def test_a_life_with_worn_grooves_has_their_depth_in_sheet_figure_and_file(tmp_p
     assert dataset["groove_depth"].sizes["groove_state"] >= 3  # of as few steps as a short life has
 
 
-def test_what_cannot_follow_grooves_is_refused_in_one_line(tmp_path, capsys):
+def test_a_life_that_cannot_follow_grooves_is_refused_in_one_line(tmp_path, capsys):
     sets = ["--set=model.contact=worn", "--set=wear.counts=ball"]
     out = str(tmp_path / "life.nc")
     assert main(["life", str(scene_file("gyro_s1")), "-o", out, *sets]) == 2

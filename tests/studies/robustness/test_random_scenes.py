@@ -90,7 +90,7 @@ def test_random_lives_with_worn_grooves_are_never_wrong():
     assert sum(end["status"] == code.OK for end in ends) >= 9
 
 
-def test_what_is_wrong_with_a_life_is_said():
+def test_violations_of_a_wrong_life_are_reported():
     draw = draws(draw_blocks(PLAN, "worn_life"))
     (values,) = drawn_values(draw, 1, 1)
     scene = drawn_scene(BASE, values)

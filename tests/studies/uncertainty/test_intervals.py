@@ -122,7 +122,7 @@ def test_quantiles_leave_out_lives_that_were_not_solved():
     assert np.isnan(few.low) and few.high > few.value
 
 
-def test_how_often_a_method_lives_longest():
+def test_shares_in_which_a_method_has_the_longest_life():
     """By counting pairs one after the other; unsolved lives are left out."""
     rng, n = np.random.default_rng(3), 400
     first, second = rng.lognormal(0.3, 1.0, n), rng.lognormal(0.0, 1.0, n)

@@ -215,7 +215,7 @@ def test_lives_that_fail_are_counted(tmp_path, capsys):
     assert "beyond groove" in capsys.readouterr().out
 
 
-def test_a_scene_that_no_model_takes_is_refused_in_one_line(tmp_path, capsys):
+def test_a_scene_that_no_model_solves_is_refused_in_one_line(tmp_path, capsys):
     path, out = tmp_path / "mine.yaml", tmp_path / "uncertainty.nc"
     settings = ["model.contact=worn", "model.slip_over=line"]
     bearingwear.save(load_scene(scene_file("gyro_s1"), settings), path)

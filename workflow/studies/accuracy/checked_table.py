@@ -27,11 +27,11 @@ class Agreement(NamedTuple):
     floor: float = 0.0
     unit: str = ""
 
-    def holds(self, old: str, new: str) -> bool:
+    def is_met(self, old: str, new: str) -> bool:
         """Whether two cells agree; words must be the same.
 
-        A cell "< x" gives only an upper bound, and numbers below the floor do not matter: both
-        numbers are raised to the largest of bounds and floor before they are compared.
+        A cell "< x" gives only an upper bound, and numbers below the floor do not matter: the sizes
+        of both numbers are raised to the largest of bounds and floor before they are compared.
         """
         cells = old, new
         try:
@@ -40,7 +40,11 @@ class Agreement(NamedTuple):
             return old == new
         bounds = [number for number, cell in zip(numbers, cells, strict=True) if "<" in cell]
         least = max([self.floor, *bounds])
-        low, high = sorted(max(number, least) for number in numbers)
+        smaller, larger = sorted(numbers, key=abs)
+        if abs(larger) <= least:
+            return True
+        # negative where the two numbers have different signs
+        low, high = max(smaller * math.copysign(1.0, larger), least), abs(larger)
         return high <= self.factor * low or math.isclose(low, high, abs_tol=_ROUNDING)
 
 
@@ -55,7 +59,7 @@ class CheckedTable:
 
     @property
     def block(self) -> Block:
-        """The table as a block of a document."""
+        """Returns the table as a block of a document."""
         column_units = {name: agreement.unit for name, agreement in self.columns.items()}
         units = dict.fromkeys(self.axes, "") | column_units
         title = self.title[0].upper() + self.title[1:]
@@ -63,7 +67,7 @@ class CheckedTable:
 
     @property
     def text(self) -> str:
-        """The table as Markdown, for a larger text."""
+        """Returns the table as Markdown, for a larger text."""
         return block_markdown(self.block, "**{}**")
 
     def differences(self, text: str) -> Iterator[str]:
@@ -77,7 +81,7 @@ class CheckedTable:
             for (name, agreement), old_cell, new_cell in zip(
                 self.columns.items(), old_rows[row], new_cells, strict=True
             ):
-                if not agreement.holds(old_cell, new_cell):
+                if not agreement.is_met(old_cell, new_cell):
                     problem = f"the table contains {old_cell}, the run gives {new_cell}"
                     yield f"{place}: {name}: {problem}"
 

@@ -110,5 +110,5 @@ def distinct_texts(trade: xr.Dataset, variable: str) -> list[str]:
 
 def reduce_known(reduce: Any, values: np.ndarray) -> float:
     """Reduces the known values to a number, such as their median; NaN if none is known."""
-    known = values[np.isfinite(values)]
-    return float(reduce(known)) if known.size else np.nan
+    finite_values = values[np.isfinite(values)]
+    return float(reduce(finite_values)) if finite_values.size else np.nan

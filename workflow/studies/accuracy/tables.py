@@ -201,11 +201,11 @@ def estimates_table(trade: xr.Dataset) -> CheckedTable:
             }
             estimate = points[f"estimate_{name}"].values
             least_error = error - [uncertainty[s] for s in points["scene"].values]
-            known = np.isfinite(error) & np.isfinite(estimate)
-            error, estimate, least_error = error[known], estimate[known], least_error[known]
-            share = 100.0 * np.mean(estimate >= least_error) if known.any() else math.nan
-            ratio = reduce_known(np.median, estimate / np.maximum(error, 1e-9))
-            rows.append([text, solve, int(known.sum()), float(share), ratio])
+            is_known = np.isfinite(error) & np.isfinite(estimate)
+            is_covered = (estimate >= least_error)[is_known]
+            share = 100.0 * np.mean(is_covered) if is_known.any() else math.nan
+            ratio = reduce_known(np.median, (estimate / np.maximum(error, 1e-9))[is_known])
+            rows.append([text, solve, int(is_known.sum()), float(share), ratio])
     title, axes = "Estimated and true errors", ("estimate of", "solve")
     return CheckedTable(title=title, axes=axes, columns=columns, rows=rows)
 

@@ -130,7 +130,7 @@ class KeyAxis:
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The points."""
+        """Returns the points."""
         shares = [k / (self.points - 1) for k in range(self.points)]
         if self.log is not None:
             low, high = self.log

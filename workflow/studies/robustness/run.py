@@ -90,7 +90,7 @@ def outcome_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str
 
 
 def solved_values(scene: Scene, fidelity: str) -> dict[str, Any]:
-    """Values of a solve, as `bearingwear.solve` finds them."""
+    """Returns values of a solve, as `bearingwear.solve` finds them."""
     return case_values(scene, fidelity, None, None)[0]
 
 

@@ -74,7 +74,7 @@ from bearingwear.studies.design.document.worst_conditions import (
     stated_warnings,
 )
 from bearingwear.studies.design.machine import machine_blocks
-from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES
+from bearingwear.studies.design.map import IMPRACTICAL_FLAGS, MAP_AXES
 from bearingwear.studies.design.sampled import sampled_blocks
 
 SHORT_TABLE = [measure for measure in LIMITED.values() if measure.brief]
@@ -398,8 +398,8 @@ def violated_words(point: xr.Dataset) -> str:
     limits = limits_of(point)
     margins = zip(limits.effective, limit_margins(point, limits), strict=True)
     violated = [LIMITED[name].words for name, margin in margins if not margin >= -SAME]
-    if number := int(point["impractical"]):
-        violated.append(f"impractical design: {name_in_words(IMPRACTICAL[number - 1])}")
+    if flag := int(point["impractical"]):
+        violated.append(f"impractical design: {name_in_words(IMPRACTICAL_FLAGS[flag])}")
     return ", ".join(violated) or NONE_VIOLATED
 
 

@@ -28,7 +28,7 @@ from bearingwear.studies.design.conditions import (
     WARMING,
     condition_words,
     speed_words,
-    warm_up_time,
+    warm_up_time_words,
 )
 
 _JUST_MET = 0.01
@@ -136,7 +136,7 @@ def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme
         if where["temperature"] == MOUNTING:
             words.append("mounting temperature")
         if where["temperature"] == WARMING:
-            words.append(f"{warm_up_time(where)} into the warm-up")
+            words.append(f"{warm_up_time_words(where)} into the warm-up")
         wear_words = {NEW: "new", AT_END_OF_LIFE: "worn", BETWEEN: "during the life"}
         words.append(wear_words.get(where.get("wear", ""), ""))
         words.append(f"bearing {where['bearing']}" if where.get("bearing") else "")

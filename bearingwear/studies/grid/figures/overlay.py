@@ -127,12 +127,12 @@ def _qv_of_a_life(
         return float("nan")
     time = life["history_time"].values
     qv, loss = life["history_total_qv"].values, 1e6 * life["history_ball_diameter_loss"].values
-    known = np.isfinite(qv) & np.isfinite(time)
-    if not known.any():
+    is_solved = np.isfinite(qv) & np.isfinite(time)
+    if not is_solved.any():
         return float("nan")
     for axes, abscissa in zip(column, (loss, time), strict=True):
-        axes.plot(abscissa[known], power.of(qv[known]), **look, markevery=[-1])
-    return float(qv[known][-1] / qv[known][0])
+        axes.plot(abscissa[is_solved], power.of(qv[is_solved]), **look, markevery=[-1])
+    return float(qv[is_solved][-1] / qv[is_solved][0])
 
 
 def scene_labels(scenes: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -8,8 +8,12 @@ from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
 from bearingwear.solvers.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
+from bearingwear.studies.design.condition_extremes import (
+    ConditionExtremes,
+    state_extremes,
+    worst_extremes,
+)
 from bearingwear.studies.design.conditions import NEW, WARMING, OperatingCondition
-from bearingwear.studies.design.everywhere import ConditionExtremes, state_extremes, worst_extremes
 
 
 @functools.lru_cache(maxsize=64)  # new bearings are looked at by several kinds of lives

@@ -18,6 +18,13 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.scene.slip import at_share
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.choice import limit_margins
+from bearingwear.studies.design.condition_extremes import (
+    SPEED_FOUND_TO,
+    OtherConditions,
+    new_states,
+    state_extremes,
+    worn_states,
+)
 from bearingwear.studies.design.conditions import (
     AT_SPEED_ONLY,
     CONDITIONS,
@@ -29,13 +36,6 @@ from bearingwear.studies.design.conditions import (
     conditions_of,
 )
 from bearingwear.studies.design.document.sheets import preload_document
-from bearingwear.studies.design.everywhere import (
-    SPEED_FOUND_TO,
-    OtherConditions,
-    new_states,
-    state_extremes,
-    worn_states,
-)
 from bearingwear.studies.design.map import NOT_SOLVED_AT, design_point, new_point
 from bearingwear.studies.design.plan import LEAST_KEPT, DesignLimits
 from bearingwear.studies.design.recommend import recommendation
@@ -118,7 +118,7 @@ def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
     )
 
 
-def test_what_decides_is_where_it_is_the_worst(spindle):
+def test_the_deciding_condition_is_the_worst_one(spindle):
     """Against speeds 1 % apart, new; what is said of the place is what a solve finds there."""
     held = held_by(spindle, "fixed_position", 60.0)
     point = new_point(held, DesignLimits(system_axial_stiffness_N_um=36.0))
@@ -301,7 +301,7 @@ def test_lives_with_hertzian_contacts_end_worn_at_other_speeds(spindle):
     assert LIMITED["preload_kept"].extremes == ("preload_kept",)
 
 
-def test_where_nothing_is_solved_says_so(spindle):
+def test_a_point_without_a_state_names_the_unsolved_condition(spindle):
     bad = held_by(spindle, "fixed_position", 0.001)
     point = design_point(bad, STIFF)
     assert point["status"] == OK or point[NOT_SOLVED_AT]["status"]
