@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtri
 
+from bearingwear import Scene
 from bearingwear.applications.calibrate.bearing_tests import BearingTest
 from bearingwear.applications.calibrate.posterior import (
     LogModel,
@@ -19,7 +20,6 @@ from bearingwear.applications.calibrate.posterior import (
 )
 from bearingwear.applications.calibrate.seen import SEEN, SEEN_TORQUE
 from bearingwear.results.variable import Variable, table
-from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import dataset_of_rows
 
 CALIBRATION_KIND = "calibration"
