@@ -140,15 +140,16 @@ def _stage_values(
     """Returns intervals of friction, K_s/H and life, before and after."""
     log_L10 = float(ndtri(0.1)) * scatter
 
-    def carried(axis: str) -> np.ndarray:
+    def carried_interval(axis: str) -> np.ndarray:
+        """Returns the interval in the calibrated scene, which carries a normal distribution on."""
         normal = stages[-1].normal(axis)
         return np.exp(normal.mean + ndtri(_ENDS) * normal.deviation)
 
     return {
         "friction_interval": np.exp([stage.ends("x", _ENDS) for stage in stages]),
-        "friction_carried": carried("x"),
+        "friction_carried": carried_interval("x"),
         "wear_over_hardness_interval": unit * np.exp([stage.ends("y", _ENDS) for stage in stages]),
-        "wear_over_hardness_carried": unit * carried("y"),
+        "wear_over_hardness_carried": unit * carried_interval("y"),
         "life_quantile": [
             [stage.quantile(life, probability, scatter) for probability in LIFE_PROBABILITIES]
             for stage in stages
