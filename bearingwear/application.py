@@ -39,14 +39,14 @@ def applications() -> tuple[Application, ...]:
 
 def application_functions() -> dict[str, str]:
     """Returns dotted names of all applications' functions, by their names in `bearingwear`."""
-    return {name: dotted for one in applications() for name, dotted in one.functions.items()}
+    return {name: dotted for app in applications() for name, dotted in app.functions.items()}
 
 
 def application_sheets() -> dict[str, str]:
     """Returns dotted names of the sheets of all applications, by the kind of the file."""
-    return {kind: dotted for one in applications() for kind, dotted in one.sheets.items()}
+    return {kind: dotted for app in applications() for kind, dotted in app.sheets.items()}
 
 
 def application_plots() -> dict[str, str]:
     """Returns dotted names of the figures of all applications, by the kind of the file."""
-    return {kind: dotted for one in applications() for kind, dotted in one.plots.items()}
+    return {kind: dotted for app in applications() for kind, dotted in app.plots.items()}

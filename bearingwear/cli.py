@@ -190,6 +190,6 @@ def _run(args: argparse.Namespace) -> int:
         sys.stderr.write(one_line(str(error)))
         return NOT_SOLVED
     except (SceneError, CaseFileError, OutputError, UsageError) as error:
-        for one in (error, *getattr(error, "further", ())):
-            sys.stderr.write(one_line(str(one)))
+        for problem in (error, *getattr(error, "further", ())):
+            sys.stderr.write(one_line(str(problem)))
     return BAD_INPUT

@@ -40,15 +40,15 @@ def sources(*modules: str) -> tuple[Path, ...]:
     *modules: dotted names of modules of the package, or of `workflow/studies`; they count
         themselves.
     """
-    found: dict[str, Path] = {}
+    paths: dict[str, Path] = {}
     waiting = list(modules)
     while waiting:
         name = waiting.pop()
-        if name not in found:
-            found[name] = _file(name)
-            waiting += _imported(found[name])
-    data = (file for path in found.values() for file in _data(path))
-    return tuple(sorted({*found.values(), *data}))
+        if name not in paths:
+            paths[name] = _file(name)
+            waiting += _imported(paths[name])
+    data = (file for path in paths.values() for file in _data(path))
+    return tuple(sorted({*paths.values(), *data}))
 
 
 @functools.cache

@@ -300,8 +300,8 @@ def test_each_value_is_solved_as_alone(tmp_path, capsys):
     case = "constant_force-mu0.050-loss{:.2f}.nc"
     files = [str(tmp_path / case.format(float(value))) for value in values]
     more = ["--set", "friction.ball_race=0.05", "--quiet"]
-    each = ["--each", f"{key}={','.join(values)}", "-o", *files]
-    assert main(["solve", str(SCENE), *more, *each]) == 0
+    each_option = ["--each", f"{key}={','.join(values)}", "-o", *files]
+    assert main(["solve", str(SCENE), *more, *each_option]) == 0
     for value, file in zip(values, files, strict=True):
         alone = tmp_path / "alone.nc"
         assert main(["solve", str(SCENE), *more, "--set", f"{key}={value}", "-o", str(alone)]) == 0
@@ -309,7 +309,7 @@ def test_each_value_is_solved_as_alone(tmp_path, capsys):
     assert main(["gather", *files, "-o", str(tmp_path / "study.nc")]) == 0
     assert load(tmp_path / "study.nc").sizes["ball_diameter_loss"] == 2
     # a failure is recorded, or told by the exit status
-    unsolved = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet", *each]
+    unsolved = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet", *each_option]
     assert main(unsolved) == 3 and main([*unsolved, "--record-failures"]) == 0
     assert capsys.readouterr().err.count("undetermined") == 4
 
@@ -364,7 +364,7 @@ def test_a_step_that_is_not_there(run, problem, tmp_path, capsys):
     assert os.listdir(tmp_path) == []
 
 
-def test_a_step_that_cannot_solve_says_so_and_goes_on(tmp_path, capsys):
+def test_an_unsolved_step_reports_its_status_and_ends_with_0(tmp_path, capsys):
     """A study goes on without what could not be solved; its verdict fails."""
     settings = {"changes": {"friction.ball_race": 0}}
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0

@@ -9,6 +9,7 @@ from pathlib import Path
 from support import syntax_nodes
 
 import bearingwear
+from bearingwear.application import application_functions
 from bearingwear.provenance import sources
 
 PACKAGE = Path(bearingwear.__file__).parent
@@ -93,12 +94,8 @@ INTERFACE = {
     "scene.uncertain",
     # what solves and asks
     "kernels.status",
-    "lives.life",
     "measures",
-    "solvers.bearing.mounted",
-    "solvers.effects.choice",
     "solvers.solve",
-    "solvers.state",
     "studies.answers",
     "studies.axis",
     "studies.dataset",
@@ -121,7 +118,6 @@ INTERFACE = {
 
 MODELS_OF_APPLICATIONS = {
     "cage": {  # it steers runs of the dynamic model, and follows a life of its own
-        "interrupt",
         "lives.dynamic_life",
         "lives.ends",
         "lives.follow",
@@ -135,9 +131,11 @@ MODELS_OF_APPLICATIONS = {
         "solvers.dynamic.system",
         "solvers.dynamic.windows",
         "solvers.start",
+        "solvers.state",
         "solvers.warm",
     },
     "calibrate": {"solvers.bearing.films", "studies.uncertainty.sample"},
+    "export": {"solvers.effects.choice"},  # dynamic runs have no stiffness matrix
     # what the requirements of `recommend` compute as well
     "launch": {"document.launch", "lives.margin", "solvers.bearing.launch"},
     "margin": {"document.margin", "lives.margin"},
@@ -276,7 +274,8 @@ def is_public(module: Path, name: str) -> bool:
     own = module.parts[2]
     if not name.startswith("bearingwear.") or application_of(name) == own:
         return True
-    allowed = INTERFACE | MODELS_OF_APPLICATIONS.get(own, set())
+    public_names = set(bearingwear.__all__) - application_functions().keys()
+    allowed = INTERFACE | MODELS_OF_APPLICATIONS.get(own, set()) | public_names
     return name.removeprefix("bearingwear.") in allowed
 
 
@@ -286,9 +285,14 @@ def knows_no_application(module: Path, name: str) -> bool:
 
 
 def test_applications_import_the_interface():
-    files = [m for m in modules() if part_of(m) == "applications" and len(m.parts) == 4]
+    files = [m for m in modules() if part_of(m) == "applications" and len(m.parts) > 3]
     assert {m.parts[2] for m in files} == set(APPLICATIONS)
     assert not offenders(is_public, files)
+    used = {(m.parts[2], name) for m in files for name in imported(m)}
+    names = {name.removeprefix("bearingwear.") for _, name in used}
+    assert not INTERFACE - names
+    for application, modules_of_models in MODELS_OF_APPLICATIONS.items():
+        assert {(application, f"bearingwear.{name}") for name in modules_of_models} <= used
 
 
 def test_nothing_imports_an_application():

@@ -37,19 +37,19 @@ const LEFT = 56, RIGHT = 14, TOP = 10, BOTTOM = 40, LANE = 9;
 const digits = (value, count = 3) => String(+value.toPrecision(count));
 
 function ticksOf(low, high, log) {
-  const found = [];
+  const ticks = [];
   if (log) {
     const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
     for (let k = first; k < last; k++)
-      for (const m of last - first < 4 ? [1, 2, 5] : [1]) found.push(+`${m}e${k}`);
-    const inside = found.filter((tick) => low <= tick && tick <= high);
+      for (const m of last - first < 4 ? [1, 2, 5] : [1]) ticks.push(+`${m}e${k}`);
+    const inside = ticks.filter((tick) => low <= tick && tick <= high);
     if (inside.length > 1) return inside;
-    found.length = 0;
+    ticks.length = 0;
   }
   const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((m) => m * power).find((each) => each >= rough);
-  for (let k = Math.ceil(low / step); k <= high / step; k++) found.push(+(step * k).toPrecision(9));
-  return found;
+  const step = [1, 2, 5, 10].map((m) => m * power).find((size) => size >= rough);
+  for (let k = Math.ceil(low / step); k <= high / step; k++) ticks.push(+(step * k).toPrecision(9));
+  return ticks;
 }
 
 class Chart {
@@ -117,9 +117,9 @@ class Chart {
       mark.setAttribute("width", Math.max(b - a, 0));
       mark.setAttribute("y", this.height - (+mark.dataset.lane + 1) * LANE);
     }
-    for (const said of this.field.querySelectorAll("text.lanes")) {
-      said.setAttribute("x", this.share(+said.dataset.from, 0) * this.width + 4);
-      said.setAttribute("y", this.height - 4);
+    for (const label of this.field.querySelectorAll("text.lanes")) {
+      label.setAttribute("x", this.share(+label.dataset.from, 0) * this.width + 4);
+      label.setAttribute("y", this.height - 4);
     }
     const limit = this.field.querySelector(".limit");
     if (limit) {
@@ -163,7 +163,7 @@ class Chart {
   }
 
   near(line, x) { // the point of a line that is nearest on the axis
-    const away = ([one]) => Math.abs(this.share(one, 0) - this.share(x, 0));
+    const away = ([abscissa]) => Math.abs(this.share(abscissa, 0) - this.share(x, 0));
     return line.points.reduce((best, point, k) =>
       (away(point) < away(line.points[best]) ? k : best), 0);
   }
@@ -172,7 +172,7 @@ class Chart {
     this.x = x;
     const at = x === null ? 0 : this.share(x, 0) * this.width;
     this.cursor.setAttribute("d", x === null ? "" : `M${at} 0v${this.height}`);
-    this.figure.querySelectorAll(".keys b").forEach((said, k) => {
+    this.figure.querySelectorAll(".keys b").forEach((label, k) => {
       const line = this.data.lines[k];
       let point = line.star, note = "";
       if (x !== null) {
@@ -182,11 +182,11 @@ class Chart {
       const units = this.data.units;
       const value = point && point[1] !== null ? digits(point[1], line.digits) + units[1] : "–";
       const place = point && (x === null ? this.data.places : Math.abs(point[0] / x - 1) > 1e-6);
-      said.textContent = value + (place ? ` at ${+point[0].toPrecision(4)}${units[0]}` : "");
+      label.textContent = value + (place ? ` at ${+point[0].toPrecision(4)}${units[0]}` : "");
       const end = point && line.ends[line.points.findIndex(([at]) => at === point[0])];
-      if (end && x !== null) said.textContent += `, ended by ${end}`;
-      said.parentElement.classList.toggle("beyond", note !== "");
-      said.parentElement.title = note && `requirements violated: ${note}`;
+      if (end && x !== null) label.textContent += `, ended by ${end}`;
+      label.parentElement.classList.toggle("beyond", note !== "");
+      label.parentElement.title = note && `requirements violated: ${note}`;
     });
   }
 
@@ -211,7 +211,7 @@ class Chart {
     this.svg.addEventListener("pointermove", (event) => {
       const x = pixel(event);
       const nearest = this.data.lines.map((line) => line.points[this.near(line, this.value(x))][0]);
-      const away = (one) => Math.abs(this.share(one, 0) * this.width - x);
+      const away = (value) => Math.abs(this.share(value, 0) * this.width - x);
       pick(this.figure.dataset.group, nearest.reduce((a, b) => (away(b) < away(a) ? b : a)));
       if (start === null) return;
       box.setAttribute("x", Math.min(x, start));

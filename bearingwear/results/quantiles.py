@@ -15,6 +15,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, header, load_kind
 from bearingwear.results.units import Interval, Rough, key_in_words
+from bearingwear.results.words import scene_of
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.coefficients import NINETY, usual_spread
 from bearingwear.scene.decisive import decisive_data
@@ -168,7 +169,7 @@ def at_each_friction(uncertainty: xr.Dataset) -> list[xr.Dataset]:
     """Returns a dataset for each friction coefficient, with its scene; the file itself without."""
     if "friction" not in uncertainty.dims:
         return [uncertainty]
-    scene = json.loads(uncertainty.attrs["scene"])
+    scene = scene_of(uncertainty)
     return [
         uncertainty.sel(friction=mu, drop=True).assign_attrs(
             scene=json.dumps(with_changes(scene, {"friction.ball_race": mu}))
@@ -204,7 +205,7 @@ def spread_of(
     choice: the scene's own preload or the recommended one.
     """
     for dataset in uncertainties:
-        sampled_scene = json.loads(dataset.attrs["scene"])
+        sampled_scene = scene_of(dataset)
         if ASSUMED_SPREAD in dataset.attrs and "uncertainty" not in scene:
             del sampled_scene["uncertainty"]
         flags = dataset["preload_method"].attrs["flag_meanings"].split()

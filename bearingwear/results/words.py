@@ -1,17 +1,21 @@
 """Converts names and numbers of result files for texts and figures, and selects from datasets."""
 
+from __future__ import annotations
+
 import json
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-import xarray as xr
 
 from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.pair_variables import BEARINGS, OF_BEARING
 
-_Data = TypeVar("_Data", xr.Dataset, xr.DataArray)
+if TYPE_CHECKING:
+    import xarray as xr
+
+_Data = TypeVar("_Data", "xr.Dataset", "xr.DataArray")
 
 
 def methods(dataset: _Data) -> list[tuple[str, _Data]]:

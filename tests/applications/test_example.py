@@ -13,10 +13,10 @@ from bearingwear.cli import main
 
 scene, output = sys.argv[1:]
 assert main(["frequencies", scene, "-o", output, "--json"]) == 0
-found = bearingwear.frequencies(scene)
+solved = bearingwear.frequencies(scene)
 print("---")
-print(json.dumps({name: one.values.ravel().tolist() for name, one in found.data_vars.items()}))
-assert found.equals(bearingwear.load(output)) and "frequencies" in dir(bearingwear)
+print(json.dumps({name: values.values.ravel().tolist() for name, values in solved.items()}))
+assert solved.equals(bearingwear.load(output)) and "frequencies" in dir(bearingwear)
 """
 
 

@@ -25,13 +25,15 @@ print(json.dumps([bearingwear.__file__, statuses, public, [*STUDY_SHEETS, *STUDY
 """
 
 
-@pytest.mark.parametrize("one", applications(), ids=lambda one: one.command)
-def test_the_program_without_an_application(one, tmp_path, applications_of_a_copy, printed_by):
+@pytest.mark.parametrize("application", applications(), ids=lambda application: application.command)
+def test_the_program_without_an_application(
+    application, tmp_path, applications_of_a_copy, printed_by
+):
     """Imports, `--help`, `check`, `solve` and `show`, with a copy that lacks the folder."""
-    shutil.rmtree(applications_of_a_copy / one.handler.split(".")[2])
+    shutil.rmtree(applications_of_a_copy / application.handler.split(".")[2])
     printed = printed_by(PROGRAM, scene_file("gyro_s1"), "case.nc")
     file, statuses, public, kinds = json.loads(printed.splitlines()[-1])
     assert file.startswith(str(tmp_path)) and statuses == [0, 0, 0, 0]
-    assert f"    {one.command} " not in printed  # in the list of commands
-    assert set(public) == set(bearingwear.__all__) - set(one.functions)
-    assert not set(kinds) & {*one.sheets, *one.plots}
+    assert f"    {application.command} " not in printed  # in the list of commands
+    assert set(public) == set(bearingwear.__all__) - set(application.functions)
+    assert not set(kinds) & {*application.sheets, *application.plots}

@@ -151,7 +151,7 @@ def test_warnings_stand_at_the_head(tmp_path, capsys):
     assert json.loads(printed(capsys, "show", file, "--json"))["warnings"] == ["sentence; advice"]
 
 
-def test_a_failed_solve_says_so_and_no_more(capsys):
+def test_a_failed_solve_prints_its_status_alone(capsys):
     assert main(["solve", SCENE, "--set", "friction.ball_race=0"]) == 3
     out, err = capsys.readouterr()
     assert "status undetermined" in out and "\n\n" not in out

@@ -91,7 +91,7 @@ def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, mon
 
 
 @pytest.mark.parametrize(("suffix", "length"), [("nbi", 40), ("nbc", 0)])
-def test_damaged_cache_is_compiled_anew(first, suffix, length):
+def test_a_damaged_cache_is_compiled_again(first, suffix, length):
     """A full disk or a crash of the machine leaves such files."""
     folder, printed = first
     files = list((folder / "jit").rglob(f"*.{suffix}"))

@@ -152,7 +152,7 @@ def test_the_groove_stays_where_it_was_worn(side):
     assert there.Q > here.Q * (1.0 + 1e-4)
 
 
-def test_a_ball_off_its_groove_says_so():
+def test_a_ball_off_its_groove_has_lost_its_contact():
     race, _ = race_of(OUTER, np.zeros_like)
     force = worn_force(G, D, race, OUTER, 0.0, *place(OUTER, -1e-8))
     assert (force.status, force.Q) == (code.CONTACT_LOST, 0.0)

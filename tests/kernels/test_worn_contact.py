@@ -113,7 +113,7 @@ def test_the_contact_check_rejects_wrong_depths_and_pressures(cells):
     assert contact_check(cells, check_influence(cells), wear, pressure).tension > 0.5
 
 
-def test_a_solve_that_fails_says_so(cells):
+def test_a_failed_contact_solve_has_a_status(cells):
     work = contact_buffers(48, 10)
     deep = -1.5 * np.ones(48)
     assert worn_pressure(cells, deep, work, cells.fresh.copy())[0] == code.BEYOND_GROOVE

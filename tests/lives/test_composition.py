@@ -68,11 +68,11 @@ def test_a_film_on_one_of_two_bearings_that_nothing_ties(kind, warm):
     assert pair["life"] == pytest.approx(ends, rel=rtol)
     # the film is gone when it is gone alone, and the other bearing never had one
     through = filmed["race_film_worn_through"]
-    known = through < ends
-    assert known.any() != (contact == "worn")
+    wears_through = through < ends
+    assert wears_through.any() != (contact == "worn")
     worn_through, left = pair["race_film_worn_through"], filmed["history_race_film"]
-    assert worn_through[0][known] == pytest.approx(through[known], rel=rtol)
-    for race in np.flatnonzero(~known):
+    assert worn_through[0][wears_through] == pytest.approx(through[wears_through], rel=rtol)
+    for race in np.flatnonzero(~wears_through):
         alone = np.interp(ends, filmed["history_time"], left[:, race])
         assert pair["history_race_film"][0, -1, race] == pytest.approx(alone, rel=rtol)
     assert np.isnan(worn_through[1]).all() and np.isnan(pair["history_race_film"][1]).all()

@@ -222,22 +222,24 @@ def test_hours_follow_from_histories_at_all_speeds(scene, changes, phases, loss_
     end = {"wear.end_of_life": {"ball_diameter_loss_um": loss_um}}
     full = {"friction.slip_regularisation_m_s": 1e-4}
     mix = {"cases": cases} | duty(phases, start_s=60.0, stop_s=120.0)
-    made = scene("gyro_s1", HERTZ | changes | end | full | mix)
+    with_duty = scene("gyro_s1", HERTZ | changes | end | full | mix)
     parts = []
     for name, phase in phases.items():
-        alone = made.in_cases[name]
+        alone = with_duty.in_cases[name]
         parts.append((HOUR * phase["hours"], alone))
         speeds = (np.arange(20) + 0.5) / 20.0 if "starts" in phase else ()
         parts += [(phase["starts"] * 180.0 / 20.0, at_speed(alone, s)) for s in speeds]
     slopes = []
     for span, alone in parts:
-        own = surface_life(alone, solver_of(alone))
-        time_of_loss = CubicSpline([node.states[0].loss for node in own.nodes], own.times)
+        life_alone = surface_life(alone, solver_of(alone))
+        time_of_loss = CubicSpline(
+            [node.states[0].loss for node in life_alone.nodes], life_alone.times
+        )
         slopes.append((span, time_of_loss.derivative()))
     T = sum(span for span, _ in parts)
     losses = np.linspace(0.0, loss_um * 1e-6, 2001)
     expected = np.trapezoid(T / sum(span / slope(losses) for span, slope in slopes), losses)
-    found, _ = even_life(made)
+    found, _ = even_life(with_duty)
     assert found.last.time == pytest.approx(expected, rel=1e-3)
 
 
@@ -247,8 +249,8 @@ def test_any_phase_may_end_the_life(scene):
     result, cycle = even_life(changed_scene)
     assert CRITERIA[result.criterion] == "preload_fraction"
     assert cycle.cases[DutyLife(cycle, result).ending_case] == "idle"
-    each = DutyCriteria(cycle).margins_by_case(result.last.states)
-    left = {name: value[result.criterion] for name, value in zip(cycle.cases, each, strict=True)}
+    margins = DutyCriteria(cycle).margins_by_case(result.last.states)
+    left = {name: value[result.criterion] for name, value in zip(cycle.cases, margins, strict=True)}
     assert left["idle"] == pytest.approx(0.0, abs=1e-6)
     assert min(left["nominal"], left["fast"]) > 0.01
 
@@ -463,13 +465,13 @@ def test_grooves_wear_in_all_phases_at_once(scene, film):
     def plus(worn, span, rates):
         return tuple(w.plus(span, rate) for w, rate in zip(worn, rates, strict=True))
 
-    def passed(one, worn):
-        margins = DutyCriteria(cycle).criteria[0].margins(one.states(worn))
+    def passed(way, worn):
+        margins = DutyCriteria(cycle).criteria[0].margins(way.states(worn))
         return margins.min() <= 0.0
 
     ways = [OneWay(way, plus) for way in mixed.ways]
-    for one in ways:
-        one.states(mixed.start)  # equivalent losses count from there
+    for way in ways:
+        way.states(mixed.start)  # equivalent losses count from there
     time, worn = cycles_run(ways, mixed.start, spans, spans.sum(), passed)
     assert duty_life.last.time == pytest.approx(time, rel=5e-3)
     deepest = worn[0].grooves.max(axis=1)
@@ -652,12 +654,12 @@ def test_the_sheet_and_the_figure_name_the_phases(scene, tmp_path, capsys):
 
 def test_the_page_has_the_phases_and_their_figure(scene, tmp_path):
     path = tmp_path / "gyro.yaml"
-    made = scene("gyro_s1", SLOW_WEAR | HERTZ | RIGID | {"cases": CASES} | duty(RAMPED, **RAMPS))
-    bearingwear.save(made, path)
+    ramped = scene("gyro_s1", SLOW_WEAR | HERTZ | RIGID | {"cases": CASES} | duty(RAMPED, **RAMPS))
+    bearingwear.save(ramped, path)
     lived, stored, figure = duty_report(path)
     (tmp_path / "duty.json").write_text(stored)
     answer = load_document(tmp_path / "duty.json")
-    assert answer.facts["scene"] == made.name and "in phase idle" in answer.title
+    assert answer.facts["scene"] == ramped.name and "in phase idle" in answer.title
     assert {"phases of the duty", "each phase alone, without starts"} <= {
         block.title for block in answer.blocks_in("open")
     }
@@ -670,7 +672,7 @@ def test_the_page_has_the_phases_and_their_figure(scene, tmp_path):
     assert "no life over the duty: in phase still" in stored
 
 
-def test_both_bearings_share_what_a_duty_asks_of_them():
+def test_worst_values_of_a_duty_are_shared_by_both_bearings():
     names = {f"worst_{name}" for name in WORST} & {*DUTY}
     assert names and names <= SHARED
 
@@ -718,10 +720,12 @@ def test_requirements_hold_in_every_phase_along_one_life(scene):
 
 
 def test_a_phase_that_is_not_solved_at_some_speed_leaves_no_preload(scene, monkeypatch):
-    made = scene("gyro_s1", HERTZ | SLOW_WEAR | POSITION | {"cases": CASES} | duty(RAMPED, **RAMPS))
+    ramped = scene(
+        "gyro_s1", HERTZ | SLOW_WEAR | POSITION | {"cases": CASES} | duty(RAMPED, **RAMPS)
+    )
     unsolved = {"status": code.NOT_CONVERGED, "unsolved": {"case": "nominal"}}
     monkeypatch.setattr(design_map, "_with_all_conditions", lambda *_, **__: dict(unsolved))
-    assert design_point(made, DesignLimits())["status"] == code.NOT_CONVERGED
+    assert design_point(ramped, DesignLimits())["status"] == code.NOT_CONVERGED
 
 
 def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):
@@ -739,13 +743,13 @@ def test_values_of_a_case_vary_with_those_of_the_scene(scene):
     changed_scene = scene(
         "gyro_s1", HERTZ | POSITION | {"cases": CASES} | duty({"hot": {"hours": 1.0}})
     )
-    own = changed_scene.friction.ball_race
-    other = scene_with_values(changed_scene, {"ball_race": 1.5 * own, "preload_N": 9.0})
+    friction = changed_scene.friction.ball_race
+    other = scene_with_values(changed_scene, {"ball_race": 1.5 * friction, "preload_N": 9.0})
     friction = {name: value.friction.ball_race for name, value in other.in_cases.items()}
     assert friction["hot"] == pytest.approx(1.5 * 0.05)
-    assert friction["idle"] == friction["nominal"] == pytest.approx(1.5 * own)
+    assert friction["idle"] == friction["nominal"] == pytest.approx(1.5 * friction)
     assert {case.operation.preload_N for case in other.in_cases.values()} == {9.0}
-    assert scene_with_values(changed_scene, {"ball_race": own}) == changed_scene
+    assert scene_with_values(changed_scene, {"ball_race": friction}) == changed_scene
 
 
 def test_a_start_of_the_duty_is_the_ramp_of_a_warm_up(scene):

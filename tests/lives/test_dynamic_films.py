@@ -136,8 +136,8 @@ def test_a_radial_load_wears_a_film_through(scene):
     v, other = (life(s, kind).values for kind in ("dynamic", "race_control"))
     assert v["status"] == other["status"] == code.OK
     through = v["race_film_worn_through"] / other["race_film_worn_through"]
-    known = np.isfinite(through)
-    assert known.any() and through[known] == pytest.approx(1.0, abs=0.2)  # which estimates slip
+    wears_through = np.isfinite(through)  # race control estimates slip
+    assert wears_through.any() and through[wears_through] == pytest.approx(1.0, abs=0.2)
 
 
 def test_without_a_state_after_its_film_the_life_ends_there(scene, monkeypatch):

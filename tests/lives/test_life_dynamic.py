@@ -71,7 +71,7 @@ def test_halved_steps_stay_within_the_bound(scene, even):
     assert finer["life_error_bound"] < even.values["life_error_bound"]
 
 
-def test_runs_go_on_from_each_other(even):
+def test_each_run_continues_from_the_one_before(even):
     assert np.array_equal(even.values["history_start"], [0, *[1] * (even.attrs["solves"] - 1)])
     assert np.all(np.array(even.values["history_status"]) == code.OK)
 

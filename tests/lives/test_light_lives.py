@@ -98,7 +98,7 @@ def test_worn_grooves_that_press_on_their_shoulder_are_solved_when_slow():
     assert (np.diff(at_rest) > 0.0).all() and at_rest[0] < 0.2 * 20.0
 
 
-def test_a_bearing_that_wears_itself_free_says_so():
+def test_a_bearing_that_wears_itself_free_ends_with_its_preload_gone():
     """A slow one at a fixed position loses its preload before it reaches the loss that ends it."""
     scene = LIGHT.drawn_scene(LIGHT.drawn(np.random.default_rng((LIGHT.SEED, 54))))
     life = follow_grooves(Grooves(scene, QUICK_GROOVES))

@@ -86,7 +86,7 @@ def test_temperatures_as_given_are_those_of_the_start():
     )
 
 
-def test_a_pair_that_has_no_start_says_so():
+def test_a_pair_without_a_state_when_new_has_lifted_off():
     changes = ["arrangement.kind=spring_pair", "arrangement.external_axial_N=-8"]
     scene = load_scene(scene_file("gyro_s1"), ["model.contact=worn", END, *changes])
     groove_life = follow_grooves(Grooves(replace(scene, cage=None)))

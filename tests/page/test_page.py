@@ -148,10 +148,14 @@ def test_figures_are_whole(whole):
         assert head == "data:image/svg+xml"
         svg = ET.fromstring(unquote_to_bytes(data))
         there = {item.attrib["id"] for item in svg.iter() if "id" in item.attrib}
-        used = {one.attrib[HREF].removeprefix("#") for one in svg.iter() if HREF in one.attrib}
+        used = {
+            element.attrib[HREF].removeprefix("#")
+            for element in svg.iter()
+            if HREF in element.attrib
+        }
         clips = set(re.findall(r"url\(#(\w+)\)", unquote(data)))
         assert used and clips and used | clips <= there
-        classes = {one.attrib["class"] for one in svg.iter() if "class" in one.attrib}
+        classes = {element.attrib["class"] for element in svg.iter() if "class" in element.attrib}
         styled = set(re.findall(r"\.(s\d+){", svg[0].text.partition("@media")[0]))
         assert classes == styled
         _, top, width, height = (float(size) for size in svg.attrib["viewBox"].split())
@@ -260,8 +264,8 @@ def test_charts_carry_the_numbers_of_the_map(small_project, whole):
             [list(point) for point in line.points] for line in chart.lines
         ]
         dots = [n for n in svg.iter() if n.attrib.get("class", "").startswith("dot")]
-        known = [p for line in chart.lines for p in line.points if p[1] is not None]
-        assert len(dots) == len(known) > 8
+        points = [p for line in chart.lines for p in line.points if p[1] is not None]
+        assert len(dots) == len(points) > 8
         wide, high = LARGE_CHART if chart is charts[0] else SMALL_CHART
         left, right, top, bottom = MARGINS
         for dot in dots:

@@ -275,7 +275,7 @@ def test_every_kind_is_drawn(kinds, kind, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("kind", NOT_DRAWN)
-def test_what_cannot_be_drawn_says_so(kinds, kind, tmp_path, capsys):
+def test_files_without_a_figure_are_refused_in_one_line(kinds, kind, tmp_path, capsys):
     """Parts of a study of accuracy are no results of their own."""
     capsys.readouterr()
     assert main(["plot", str(kinds[kind]), "-o", str(tmp_path / "a.svg")]) == 2
@@ -285,7 +285,7 @@ def test_what_cannot_be_drawn_says_so(kinds, kind, tmp_path, capsys):
 # the others are written as one of these
 @pytest.mark.long  # the checker takes seconds a file, and its set-up more
 @pytest.mark.parametrize("kind", ["dynamic case", "dynamic life", "study"])
-def test_conventions(kinds, kind, tmp_path, monkeypatch):
+def test_result_files_follow_the_cf_conventions(kinds, kind, tmp_path, monkeypatch):
     runner = pytest.importorskip(
         "compliance_checker.runner", reason="compliance-checker is not installed (extra cf)"
     )

@@ -18,7 +18,7 @@ def read(*settings, name="gyro_s1"):
     return load_scene(scene_file(name), settings)
 
 
-def test_second_bearing():
+def test_keys_of_the_second_bearing_change_it_alone():
     """Keys may stand as one, or as blocks; what they leave alone is as in the first."""
     flat = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}")
     nested = read(
@@ -30,8 +30,10 @@ def test_second_bearing():
     assert (first.wear.ball_diameter_loss_um, second.wear.ball_diameter_loss_um) == ((0,), (0.25,))
     assert first.pair is None and second.pair is None
     assert second.bearing == first.bearing
-    each = read(*RIGID, f"arrangement.second={{{LOSS}: [{', '.join(map(str, range(1, 10)))}]}}")
-    assert each.sides[1].wear.ball_diameter_loss_um == tuple(range(1, 10))
+    with_each_loss = read(
+        *RIGID, f"arrangement.second={{{LOSS}: [{', '.join(map(str, range(1, 10)))}]}}"
+    )
+    assert with_each_loss.sides[1].wear.ball_diameter_loss_um == tuple(range(1, 10))
 
 
 def test_scene_of_a_pair_is_whole():

@@ -35,12 +35,14 @@ def test_static_factor(identify, gamma, f0):
 
 def test_printed_balls_are_found_again(identify):
     """SNFA prints them. Its series EX and E 200 do not rate by one rule, hence the misses."""
-    known = identify.snfa_found_again()
-    certain = [item for item in known if item.found.certain]
-    assert len(known) == 180 and sum(one.right for one in known) >= 150
-    assert len(certain) >= 90 and sum(one.right for one in certain) >= 0.94 * len(certain)
-    by_one_rule = [one for one in known if one.designation.split()[0] in ("SEA", "SEB", "VEB")]
-    assert all(one.right for one in by_one_rule) and len(by_one_rule) == 81
+    identified = identify.snfa_found_again()
+    certain = [item for item in identified if item.found.certain]
+    assert len(identified) == 180 and sum(bearing.right for bearing in identified) >= 150
+    assert len(certain) >= 90 and sum(bearing.right for bearing in certain) >= 0.94 * len(certain)
+    by_one_rule = [
+        bearing for bearing in identified if bearing.designation.split()[0] in ("SEA", "SEB", "VEB")
+    ]
+    assert all(bearing.right for bearing in by_one_rule) and len(by_one_rule) == 81
 
 
 def test_wrong_ratings_identify_nothing(identify):

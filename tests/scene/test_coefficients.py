@@ -46,8 +46,8 @@ def test_each_row_has_a_source_and_a_number(name):
     assert row.url.startswith("https://") and row.source and row.conditions
     # what was opened; nothing is known by recollection alone
     assert row.read in ("abstract", "text", "page", "table", "examples")
-    known = [end for end in (*row.wear, *row.friction) if not math.isnan(end)]
-    assert known and all(end > 0.0 for end in known)
+    ends = [end for end in (*row.wear, *row.friction) if not math.isnan(end)]
+    assert ends and all(end > 0.0 for end in ends)
     assert not row.wear[0] > row.wear[1] and not row.friction[0] > row.friction[1]
 
 
@@ -62,11 +62,11 @@ def test_each_row_has_a_source_and_a_number(name):
 )
 def test_coefficients_without_a_source_are_listed_as_assumed(surface, name, material):
     """Each stands in the list with what its scenes take, and no row of the table claims it."""
-    (one,) = (item for item in coefficients_page.ASSUMED if item.surface == surface)
+    (assumed,) = (item for item in coefficients_page.ASSUMED if item.surface == surface)
     taken = load_scene(scene_file(name)).materials[material]
     K = taken.wear_coefficient / (1e9 * taken.brinell_hardness_GPa)
-    assert_allclose(one.wear, K, rtol=0.02)
-    assert name in one.taken_by and one.why
+    assert_allclose(assumed.wear, K, rtol=0.02)
+    assert name in assumed.taken_by and assumed.why
     ends = [M2_PER_N * end for row in MEASURED_WEAR.values() for end in row.wear]
     assert not np.isclose(ends, K, rtol=0.05, atol=0.0).any()
 

@@ -14,13 +14,13 @@ def bearings():
 
 def test_the_scene_is_found_again(bearings, scene):
     """gyro_s1 was chosen among them: with its own values, the search comes back to its angle."""
-    own = replace(scene("gyro_s1"), cage=None)
-    angle = own.bearing.contact_angle_deg
-    (result,) = bearings.angles_with_loss(own, [angle - 2.0, angle + 2.0])
+    without_cage = replace(scene("gyro_s1"), cage=None)
+    angle = without_cage.bearing.contact_angle_deg
+    (result,) = bearings.angles_with_loss(without_cage, [angle - 2.0, angle + 2.0])
     assert result == pytest.approx(angle, abs=0.5)
-    bearing = bearings.candidate(bearings.with_angle(own, result))
+    bearing = bearings.candidate(bearings.with_angle(without_cage, result))
     assert bearing.failed == "" and len(bearing.drags) > 0 and np.isfinite(bearing.lives_h).all()
-    steep = bearings.candidate(bearings.with_angle(own, 45.0))
+    steep = bearings.candidate(bearings.with_angle(without_cage, 45.0))
     assert steep.failed != ""
 
 

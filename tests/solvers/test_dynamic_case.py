@@ -197,7 +197,7 @@ def test_the_remaining_time_follows_the_recent_rate(monkeypatch):
 # going on from a state
 
 
-def test_a_restart_goes_on_in_time(case, tmp_path):
+def test_a_restart_continues_in_time(case, tmp_path):
     again = tmp_path / "more.nc"
     assert solve(again, "--restart", str(case), "--set", "model.simulated_turns=5") == 0
     more = load(again)

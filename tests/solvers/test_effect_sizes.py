@@ -18,7 +18,7 @@ BY_DEPTH = "wear.end_of_life={groove_depth_um: 0.01, ball_diameter_loss_um: 0.01
 
 def sizes(*changes, fidelity=None):
     effects = list(effect_sizes(choice(load_scene(S1, changes), fidelity)))
-    assert len({one.name for one in effects}) == len(effects)
+    assert len({effect.name for effect in effects}) == len(effects)
     return {item.name: item for item in effects}
 
 

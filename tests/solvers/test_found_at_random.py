@@ -53,9 +53,9 @@ def test_the_steady_solver_takes_its_ways_out(monkeypatch):
     for name in {name for case in cases for name in case["paths"]}:
         monkeypatch.setattr(solver, name, counted(name, getattr(solver, name)))
     monkeypatch.setattr(thrust_problem, "thrust_case", in_python(thrust_problem.thrust_case))
-    for found in cases:
+    for case in cases:
         taken.clear()
-        values = solved_values(drawn_scene(BASE, found["draw"]), "steady")
-        assert STATUS_NAMES[values["status"]] == found["status"]
-        assert sorted(taken) == sorted(found["paths"]), found["why"]
+        values = solved_values(drawn_scene(BASE, case["draw"]), "steady")
+        assert STATUS_NAMES[values["status"]] == case["status"]
+        assert sorted(taken) == sorted(case["paths"]), case["why"]
     in_python.cache_clear()

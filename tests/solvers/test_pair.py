@@ -182,11 +182,11 @@ def test_the_rotor_check_rejects_another_place_or_force(scene):
     changed_scene = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
     pair = solver_of(changed_scene, "steady", Accuracy.CHECKED).bearings
     state = pair.solve(pair.start)
-    each = [side.case(value)[0] for side, value in zip(pair.sides, state.sides, strict=True)]
+    cases = [side.case(value)[0] for side, value in zip(pair.sides, state.sides, strict=True)]
     mounted = [side.mounted for side in pair.sides]
-    assert rotor_balance(changed_scene, mounted, each) < 1e-9
+    assert rotor_balance(changed_scene, mounted, cases) < 1e-9
     for name in ("residual_preload", "axial_displacement"):
-        wrong = [each[0] | {name: each[0][name] * (1.0 + 1e-6)}, each[1]]
+        wrong = [cases[0] | {name: cases[0][name] * (1.0 + 1e-6)}, cases[1]]
         assert rotor_balance(changed_scene, mounted, wrong) > 1e-7
 
 

@@ -55,8 +55,8 @@ def test_as_a_settled_march(scene, result_of, changes):
 def test_all_balls_have_the_same_periodic_motion(result_of):
     values = result_of(RADIAL).values
     for name in ("qv", "maximum_contact_load", "minimum_contact_load", "orbit_speed"):
-        each = values[name]
-        assert_allclose(each, np.broadcast_to(each.mean(axis=0), each.shape), rtol=1e-5)
+        by_ball = values[name]
+        assert_allclose(by_ball, np.broadcast_to(by_ball.mean(axis=0), by_ball.shape), rtol=1e-5)
     # and yet its load changes on the way
     assert (values["maximum_contact_load"] > 1.2 * values["minimum_contact_load"]).all()
     assert abs(values["qv_drift_per_turn"]) < 1e-6
@@ -99,7 +99,7 @@ def test_an_undetected_periodic_motion_is_reported_or_marched(scene, monkeypatch
     assert marched.status == "ok" and "steady state" in marched.attrs["start"]
 
 
-def test_a_run_goes_on_from_a_periodic_motion(scene, result_of):
+def test_a_run_continues_from_a_periodic_motion(scene, result_of):
     """At its end each ball is back where it was, at a later time."""
     first = result_of(ROTATING).values
     again = solve(

@@ -22,7 +22,7 @@ def test_a_solve_with_a_number_that_is_not_finite_is_not_ok(scene, monkeypatch, 
     assert result.attrs["residual"].endswith(": drag_power")
 
 
-def test_each_value_of_a_case_is_looked_at(scene):
+def test_an_unknown_value_of_a_case_is_detected(scene):
     """One number of an array is enough; a plain number, a list and an array alike."""
     result = solve(scene("gyro_s1", {"bearing.bore_mm": 5.0}), "steady")
     assert result.status == "ok" and not not_finite(result.values, result.scene)
@@ -50,7 +50,7 @@ def test_values_that_may_be_infinite_or_unknown(scene):
     assert not_finite({"status": OK, "natural_frequency": np.array([1e3, math.nan])}, pair)
 
 
-def test_a_life_and_its_histories_are_looked_at(scene):
+def test_an_unknown_value_of_a_life_is_detected(scene):
     result = life(scene("gyro_s1", FIXED))
     assert result.status == "ok" and not not_finite(result.values, result.scene)
     for name, k in (("life", ()), ("history_time", -1), ("history_total_qv", 0)):
@@ -60,13 +60,13 @@ def test_a_life_and_its_histories_are_looked_at(scene):
 
 
 def test_a_stiffness_may_be_unknown_between_the_ends_of_a_life(scene):
-    found = life(scene("gyro_s1", FIXED | {"arrangement.kind": "rigid_pair"}))
+    result = life(scene("gyro_s1", FIXED | {"arrangement.kind": "rigid_pair"}))
     for name in ("system_axial_stiffness", "system_quasistatic_axial_stiffness"):
         name = f"history_{name}"
         for k, unknown in ((2, []), (0, [name]), (-1, [name])):
-            spoilt = np.array(found.values[name])
+            spoilt = np.array(result.values[name])
             spoilt[k] = math.nan
-            assert not_finite(found.values | {name: spoilt}, found.scene) == unknown
+            assert not_finite(result.values | {name: spoilt}, result.scene) == unknown
 
 
 def test_balls_that_do_not_orbit_have_no_quasistatic_matrix(scene):

@@ -27,13 +27,13 @@ def test_two_and_two_are_the_single_bearing_at_half_the_preload(scene, fidelity,
     values = solve(scene("gyro_s1", single), fidelity).values
     four = solve(scene("gyro_s1", pair | TWO_AND_TWO), fidelity).values
     for name in ("residual_preload", "contact_load", "total_qv", "ball_diameter_loss_rate"):
-        for each in four[name]:
-            assert_allclose(each, values[name], rtol=1e-9, err_msg=name)
+        for value in four[name]:
+            assert_allclose(value, values[name], rtol=1e-9, err_msg=name)
     times = 4.0 if pair is RIGID else 2.0
     assert_allclose(four["system_axial_stiffness"], times * values["axial_stiffness"], rtol=1e-9)
 
 
-def test_life_of_two_and_two(scene):
+def test_two_and_two_in_tandem_live_as_the_single_bearing(scene):
     alone, four = (life(scene("gyro_s1", x)) for x in (POSITION, RIGID | TWO_AND_TWO))
     assert alone.status == four.status == "ok"
     assert_allclose(four.values["life"], alone.values["life"], rtol=1e-6)

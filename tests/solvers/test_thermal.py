@@ -78,13 +78,13 @@ def test_heat_flows_balance(scene, fidelity, changes):
     assert result.status == "ok" and v["heat_flow_residual"] < 1e-6
     inner_C, balls_C, outer_C, shaft_C, housing_C = v["part_temperature"]
     G = [changes[key] for key in network(0.0, 0.0, 0.0)]
-    made = 9.0 * v["friction_heat"].mean(axis=0)
-    total = made.sum() + v["drag_power"]
+    heat = 9.0 * v["friction_heat"].mean(axis=0)
+    total = heat.sum() + v["drag_power"]
     out = G[0] * (inner_C - shaft_C) + G[1] * (outer_C - housing_C)
     assert_allclose(out, total, rtol=1e-6)
-    assert_allclose(0.5 * made.sum(), G[2] * (2.0 * balls_C - inner_C - outer_C), rtol=1e-6)
+    assert_allclose(0.5 * heat.sum(), G[2] * (2.0 * balls_C - inner_C - outer_C), rtol=1e-6)
     assert_allclose(
-        0.5 * made[0], G[0] * (inner_C - shaft_C) + G[2] * (inner_C - balls_C), atol=1e-6 * total
+        0.5 * heat[0], G[0] * (inner_C - shaft_C) + G[2] * (inner_C - balls_C), atol=1e-6 * total
     )
 
 
@@ -121,10 +121,10 @@ def followed_up(scene) -> tuple[str, np.ndarray]:
         result = Steady(warm)(Condition(0.0))
         if result.status != code.OK:
             return "beyond", h
-        made = Steady(warm).heat(result)
-        if np.abs(np.array(made) - h).max() < 1e-9 * made.total:
-            return "balance", np.array(made)
-        h = np.array(made)
+        heat_flow = Steady(warm).heat(result)
+        if np.abs(np.array(heat_flow) - h).max() < 1e-9 * heat_flow.total:
+            return "balance", np.array(heat_flow)
+        h = np.array(heat_flow)
     return "slow", h
 
 

@@ -289,8 +289,8 @@ import bearingwear
 
 def main():
     scene = bearingwear.example().with_({"model.strips": 8})
-    found = bearingwear.sweep(scene, {"operation.preload_N": [5, 7, 9, 11]}, workers=2)
-    print(*found.status.values)
+    swept = bearingwear.sweep(scene, {"operation.preload_N": [5, 7, 9, 11]}, workers=2)
+    print(*swept.status.values)
 
 """
 

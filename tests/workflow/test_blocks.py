@@ -165,8 +165,10 @@ def typed(run, page, languages):
     for language, text in blocks(page):
         if language == "text" and ran:
             lines = printed.splitlines()
-            for said in text.splitlines():
-                assert any(agree(said, line) for line in lines), f"{said!r} is not in\n{printed}"
+            for documented_line in text.splitlines():
+                assert any(agree(documented_line, line) for line in lines), (
+                    f"{documented_line!r} is not in\n{printed}"
+                )
                 compared += 1
         elif language == "python" and language in languages:
             printed = run("python", text)

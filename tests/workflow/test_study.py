@@ -233,7 +233,7 @@ def test_edits_without_effect_run_no_job(solved):
     assert run.status == 0 and "Nothing to be done" in run.text, run.text
 
 
-def test_an_edited_solver_source_solves_anew(solved):
+def test_an_edited_solver_source_solves_again(solved):
     before = number(solved.case(WORN), "ball_wear_rate")
     solved.edit(
         "bearingwear/solvers/bearing/outputs.py",
@@ -248,7 +248,7 @@ def test_an_edited_solver_source_solves_anew(solved):
 
 
 @pytest.mark.long
-def test_an_edited_figure_draws_its_study_anew_and_nothing_else(solved):
+def test_an_edited_figure_runs_the_jobs_of_its_study_alone(solved):
     solved.change_source("bearingwear/studies/grid/figures/quasistatic.py", date=0.0)
     planned = set(solved.run("-n").jobs)
     assert planned == {*DRAWN, "page", "verdict"}
@@ -261,7 +261,7 @@ def test_a_file_that_no_rule_makes(solved):
 
 
 @pytest.mark.long
-def test_an_edited_source_of_the_study_gathers_anew_and_solves_nothing(solved):
+def test_an_edited_source_of_the_study_gathers_again_and_solves_nothing(solved):
     solved.edit(
         "bearingwear/studies/dataset.py", "import numpy as np\n", "import numpy as np  # edited\n"
     )

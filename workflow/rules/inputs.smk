@@ -26,8 +26,8 @@ def every_case(wildcards):
     steady = [SimpleNamespace(scene=scene) for scene in GRIDS]
     dynamic = [SimpleNamespace(scene=scene) for scene in DYNAMIC]
     return [
-        *(path for one in steady for path in [*solved_cases(one), *slip_cases(one)]),
-        *(path for one in dynamic for path in dynamic_cases(one)),
+        *(path for grid in steady for path in [*solved_cases(grid), *slip_cases(grid)]),
+        *(path for grid in dynamic for path in dynamic_cases(grid)),
     ]
 
 

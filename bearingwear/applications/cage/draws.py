@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingwear import Scene
 from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.scene.coefficients import ASSUMED_FRICTION, ASSUMED_WEAR
 from bearingwear.scene.distributions import possible_range, quantile, values_at
-from bearingwear.scene.scene import WORN, Distribution, Scene
+from bearingwear.scene.scene import WORN, Distribution
 from bearingwear.scene.uncertain import UNCERTAIN_CAGE
 from bearingwear.solvers.dynamic.system import CageStart
 from bearingwear.studies.sampling import scene_with_values

@@ -18,6 +18,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import norm, t
 
+from bearingwear import Scene, SceneError
 from bearingwear.applications.cage.draws import CageDraw, cage_draw, cage_spread
 from bearingwear.applications.cage.motion import MOTIONS
 from bearingwear.applications.cage.plan import FEWEST, Ensemble
@@ -30,7 +31,6 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import INTERVAL
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.read import variant
-from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.warm import warmed_for_motion
 from bearingwear.studies.answers import PROBLEM, Tell, Workers
 from bearingwear.studies.dataset import dataset_of_rows

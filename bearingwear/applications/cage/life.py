@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear import Scene, SceneError
 from bearingwear.applications.cage.draws import WEAR, cage_spread
 from bearingwear.applications.cage.ensemble import END, OF_MOTION, ensemble_of, resumed_ensemble
 from bearingwear.applications.cage.plan import Ensemble
@@ -34,8 +35,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import quantile, values_at
-from bearingwear.scene.scene import WORN, EndOfLife, Scene, SceneError
-from bearingwear.solvers.bearing.mounted import UM
+from bearingwear.scene.scene import WORN, EndOfLife
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.state import State
 from bearingwear.studies.answers import Tell
@@ -47,6 +47,7 @@ LIFE_STEPS = 4
 """Ensembles from new to the end, or from one film to the next, besides the first."""
 
 _MOST_STEPS = 4 * LIFE_STEPS
+_UM = 1e-6
 _BEYOND = 1.02  # of a step, so that the last one reaches the end
 _ENDS_WITHIN = 1e-3  # of the depth at which the life ends
 _SAMPLES = 4096
@@ -156,7 +157,7 @@ class EnsembleWear(Motion):
 
     def report_progress(self, node: Node, horizon: float) -> None:
         if self.progress is not None:
-            pocket, land = self.parts.cage_depths(node.worn) / UM
+            pocket, land = self.parts.cage_depths(node.worn) / _UM
             self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
                 f"turns; wear depth {pocket:.3g} um in the pockets, {land:.3g} um at the "
                 "land")  # fmt: skip

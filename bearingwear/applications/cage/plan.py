@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bearingwear import SceneError
 from bearingwear.scene.checking.check import record
-from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.read import variant
 from bearingwear.studies.axis import RisingAxis, check_rising, place_of_errors

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingwear import Scene
 from bearingwear.applications.cage.motion import JAMS, MOTIONS, CagePath, cage_path, is_drifting
 from bearingwear.applications.cage.plan import STRETCH
 from bearingwear.kernels.status import CAGE_JAMMED, OK, UNVERIFIED
 from bearingwear.results.variable import STATUS, Variable, table
-from bearingwear.scene.scene import Scene
 from bearingwear.solvers.dynamic.errors import TIGHTER
 from bearingwear.solvers.dynamic.outputs import window_values
 from bearingwear.solvers.dynamic.run import LARGEST_ACCOUNT, LARGEST_UNBALANCED, TIGHTEST_RUN

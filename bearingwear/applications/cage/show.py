@@ -13,7 +13,7 @@ import xarray as xr
 from bearingwear.applications.cage.life import WEARING
 from bearingwear.applications.cage.motion import HANGS, JAMS, MOTIONS
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import values
+from bearingwear.document.rows import stored_scene, values
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import Interval, Rough, display, key_in_words, text_to_error
@@ -52,7 +52,7 @@ def shares_in_words(shares: Any) -> str:
 
 def ensemble_sheet(file: Any) -> Document:
     """Reports the motions of an ensemble, their wear, and the life of the cage."""
-    scene, plan = json.loads(file.scene), json.loads(file.ensemble)
+    scene, plan = stored_scene(file), json.loads(file.ensemble)
     status = values(file, "status").astype(int)
     share, runs = values(file, "share"), status.size
     heading = [

@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from bearingwear import Scene, SceneError
 from bearingwear.applications.calibrate.seen import SEEN, SEEN_AS, SEEN_LOSS, SEEN_PRELOAD
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.scene.checking.errors import SceneError, short
+from bearingwear.scene.checking.errors import short
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
-from bearingwear.scene.scene import Scene
 
 _AFTER, _COUNT, _ERROR = "after_h", "bearings", "error_percent"
 TEST_COLUMNS = (*SEEN, _AFTER, _COUNT, _ERROR)

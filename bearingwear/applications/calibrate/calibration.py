@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -19,6 +20,8 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtr
 from scipy.stats import qmc
 
+import bearingwear
+from bearingwear import Scene, SceneError
 from bearingwear.applications.calibrate.bearing_tests import BearingTest, bearing_tests
 from bearingwear.applications.calibrate.file import calibration_dataset
 from bearingwear.applications.calibrate.posterior import (
@@ -38,25 +41,21 @@ from bearingwear.applications.calibrate.seen import (
     SEEN_RUN_OUT,
     SEEN_TORQUE,
 )
-from bearingwear.atomic import OutputError, write_text
-from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.results.labels import coded
+from bearingwear.atomic import OutputError
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import digits
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.blocks import Calibrated
-from bearingwear.scene.checking.errors import NotAvailable, SceneError
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
-from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import value_at
-from bearingwear.scene.read import for_life, written_data
-from bearingwear.scene.scene import WORN, Distribution, Scene
+from bearingwear.scene.read import for_life
+from bearingwear.scene.scene import WORN, Distribution
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.answers import Workers
-from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.sampling import scene_with_values, with_wear
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
@@ -91,8 +90,8 @@ class Calibration:
 
     def write(self, path: Path) -> None:
         """Writes the scene, and the data beside it."""
-        write_dataset(coded(self.data), data_file(path))
-        write_text(path, yaml_of(written_data(self.scene)))
+        bearingwear.save(self.data, data_file(path))
+        bearingwear.save(self.scene, path)
 
 
 def data_file(path: Path) -> Path:
@@ -148,10 +147,10 @@ def calibration_by_tests(
         raise CaseFileError(f"{path}: row {torque_row}: {SEEN_TORQUE}: {problem}")
     prior = _prior(scene, friction)
     curve_of = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
-    scene_curve = _curve_at(scene.name, curve_of, scene, torque=False)
+    scene_curve = _curve_at(scene.name, curve_of, scene, _LIFE)
     rows = [f"{path}: row {test.row}" for test in tests]
     curves = [
-        _curve_at(row, curve_of, test.scene, torque=test.seen == SEEN_TORQUE)
+        _curve_at(row, curve_of, test.scene, _TORQUE if test.seen == SEEN_TORQUE else _LIFE)
         for test, row in zip(tests, rows, strict=True)
     ]
     observations = [
@@ -294,11 +293,11 @@ def _log_wear(scene: Scene, of_batch: bool) -> Normal:
 
 
 def _curve_at(
-    place: str, curve_of: Callable[[Scene, bool], Curve], scene: Scene, *, torque: bool
+    place: str, curve_of: Callable[[Scene, _Result], Curve], scene: Scene, result: _Result
 ) -> Curve:
-    """Returns a curve; a refusal names the place of its conditions."""
+    """Returns the curve of a result; an error names the place of the test, such as its row."""
     try:
-        return curve_of(scene, torque)
+        return curve_of(scene, result)
     except CaseFileError as error:
         raise CaseFileError(f"{place}: {error}") from None
 
@@ -322,7 +321,7 @@ def _observation(test: BearingTest, curve: Curve, row: str) -> Observation:
 
 def _curve(
     scene: Scene,
-    torque: bool,
+    result: _Result,
     *,
     x: Normal,
     friction: str,
@@ -334,7 +333,7 @@ def _curve(
     CaseFileError: the model has no result at the median friction.
     """
     if tell:
-        tell(f"computing {'torque' if torque else 'life'} versus friction for one condition ...")
+        tell(f"computing {result.words} versus friction for one condition ...")
     nodes = np.array([x.mean])
     if friction:
         cosines = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]
@@ -342,12 +341,12 @@ def _curve(
         nodes = x.mean + _SPAN * x.deviation * np.concatenate([cosines, checked])
     frictions = np.exp(nodes)[:, None] if friction else np.empty((1, 0))
     names = [friction] if friction else []
-    logs = _log_results(scene, names, frictions, torque, workers)
+    logs = result.logs(scene, names, frictions, workers)
     median = float(logs[_NODES // 2]) if friction else float(logs[0])
     if not median > _NONE:
         problem = "got no life from the model: it is zero or could not be computed"
         raise CaseFileError(f"{problem}; `bearingwear life` reports the reason")
-    scatter, shift = _scatter(scene, torque, median, workers)
+    scatter, shift = _scatter(scene, result, median, workers)
     if not friction:
         constant = logs[0] + shift
         return Curve(lambda x: np.full(len(x), constant), 0.0, scatter)
@@ -365,20 +364,27 @@ def _curve(
     return Curve(model, error, scatter)
 
 
-def _log_results(
-    scene: Scene, names: Sequence[str], rows: np.ndarray, torque: bool, workers: int
-) -> np.ndarray:
-    """Returns logarithms of lives [h] or torques [N m] (n,); NaN where not solved.
+def _with_uncertain(scene: Scene, names: Sequence[str]) -> Scene:
+    """Returns the scene with no other uncertain values than those of some names."""
+    uncertainty = scene.uncertainty or {}
+    return replace(scene, uncertainty={name: uncertainty[name] for name in names})
+
+
+def _log_lives(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: int) -> np.ndarray:
+    """Returns logarithms of lives [h] (n,); `_NONE` for a life of zero, NaN where not solved.
 
     names, rows: uncertain values that differ from the scene's, and their values (n, names).
     """
-    uncertainty = scene.uncertainty or {}
-    scene = replace(scene, uncertainty={name: uncertainty[name] for name in names})
-    if torque:
-        return np.array([_log_torque(scene, names, row) for row in rows])
+    scene = _with_uncertain(scene, names)
     with Workers(workers, "calibrate", progress=False) as pool:
         hours = sampled_lives(scene, rows, pool).life * HOURS_PER_SECOND
     return np.log(np.maximum(hours, math.exp(_NONE)))
+
+
+def _log_torques(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: int) -> np.ndarray:
+    """Returns logarithms of torques [N m] (n,); NaN where not solved. Arguments: `_log_lives`."""
+    scene = _with_uncertain(scene, names)
+    return np.array([_log_torque(scene, names, row) for row in rows])
 
 
 def _log_torque(scene: Scene, names: Sequence[str], row: np.ndarray) -> float:
@@ -393,12 +399,24 @@ def _log_torque(scene: Scene, names: Sequence[str], row: np.ndarray) -> float:
         result = solve(changed, "steady")
     except NotAvailable as error:
         raise CaseFileError(str(error)) from None
-    if result.status != STATUS_NAMES[OK]:
+    if result.status != "ok":
         return math.nan
     return math.log(abs(float(np.sum(result.values["shaft_torque"]))))
 
 
-def _scatter(scene: Scene, torque: bool, middle: float, workers: int) -> tuple[float, float]:
+class _Result(NamedTuple):
+    """A result of a bearing that tests report."""
+
+    words: str
+    logs: Callable[[Scene, Sequence[str], np.ndarray, int], np.ndarray]
+    of_wear: bool  # whether it is inversely proportional to K_s/H
+
+
+_LIFE = _Result("life", _log_lives, of_wear=True)
+_TORQUE = _Result("torque", _log_torques, of_wear=False)
+
+
+def _scatter(scene: Scene, result: _Result, middle: float, workers: int) -> tuple[float, float]:
     """Returns the standard deviation of the logarithm within a batch, and its shift.
 
     The shift is the mean of the logarithm less `middle`, that of the median bearing.
@@ -409,14 +427,14 @@ def _scatter(scene: Scene, torque: bool, middle: float, workers: int) -> tuple[f
         for name, distribution in uncertainty.items()
         if not is_same_for_batch(name, distribution) and name not in WORN
     ]
-    wear = _log_wear(scene, of_batch=False) if not torque else Normal(0.0, 0.0)
+    wear = _log_wear(scene, of_batch=False) if result.of_wear else Normal(0.0, 0.0)
     if not names:
         return wear.deviation, -wear.mean
     probabilities = qmc.Sobol(len(names), seed=1).random(_SAMPLES)
     rows = np.stack(
         [value_at(scene, name, probabilities[:, k]) for k, name in enumerate(names)], axis=-1
     )
-    logs = _log_results(scene, names, rows, torque, workers)
+    logs = result.logs(scene, names, rows, workers)
     logs = logs[np.isfinite(logs) & (logs > _NONE)]
     if not logs.size:
         return wear.deviation, -wear.mean

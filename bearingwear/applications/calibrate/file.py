@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtri
 
+from bearingwear import Scene
 from bearingwear.applications.calibrate.bearing_tests import BearingTest
 from bearingwear.applications.calibrate.posterior import (
     LogModel,
@@ -19,7 +20,6 @@ from bearingwear.applications.calibrate.posterior import (
 )
 from bearingwear.applications.calibrate.seen import SEEN, SEEN_TORQUE
 from bearingwear.results.variable import Variable, table
-from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import dataset_of_rows
 
 CALIBRATION_KIND = "calibration"
@@ -140,15 +140,16 @@ def _stage_values(
     """Returns intervals of friction, K_s/H and life, before and after."""
     log_L10 = float(ndtri(0.1)) * scatter
 
-    def carried(axis: str) -> np.ndarray:
+    def carried_interval(axis: str) -> np.ndarray:
+        """Returns the interval in the calibrated scene, which carries a normal distribution on."""
         normal = stages[-1].normal(axis)
         return np.exp(normal.mean + ndtri(_ENDS) * normal.deviation)
 
     return {
         "friction_interval": np.exp([stage.ends("x", _ENDS) for stage in stages]),
-        "friction_carried": carried("x"),
+        "friction_carried": carried_interval("x"),
         "wear_over_hardness_interval": unit * np.exp([stage.ends("y", _ENDS) for stage in stages]),
-        "wear_over_hardness_carried": unit * carried("y"),
+        "wear_over_hardness_carried": unit * carried_interval("y"),
         "life_quantile": [
             [stage.quantile(life, probability, scatter) for probability in LIFE_PROBABILITIES]
             for stage in stages

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -19,7 +18,7 @@ from bearingwear.applications.calibrate.seen import (
     SEEN_RUN_OUT,
 )
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import values
+from bearingwear.document.rows import stored_scene, values
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import (
     Figure,
@@ -28,6 +27,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import Interval, digits
+from bearingwear.results.words import scene_of
 
 _UNLIKELY = 0.01
 """Probability below which a test and the model are said to disagree."""
@@ -40,7 +40,7 @@ _COLOURS = dict(zip(STAGES, ("0.6", "black"), strict=True))
 
 def calibration_sheet(file: Any) -> Document:
     """Reports friction, K_s/H and life before and after, the tests, and conflicts."""
-    scene = json.loads(file.scene)
+    scene = stored_scene(file)
     calibration = scene["calibrated"]
     film = "ball_race" not in scene["friction"]
     friction = ("film shear strength", "MPa") if film else ("friction", "")
@@ -95,7 +95,7 @@ def conflicts(file: Any) -> list[str]:
                 f"{label} has a probability of {plain(100.0 * share, 2)} %, given the model and "
                 "the other tests"
             )
-    scene = json.loads(file.scene)
+    scene = stored_scene(file)
     for name, words in (("wear_moved", "K_s/H"), ("friction_moved", "friction")):
         shift = float(getattr(file, name))
         if abs(shift) > _FAR:
@@ -139,7 +139,7 @@ def _interval(ends: np.ndarray) -> Interval:
 
 def calibration_figure(calibration: xr.Dataset) -> Figure:
     """Draws friction, K_s/H and life, before and after the tests."""
-    scene = json.loads(calibration.attrs["scene"])
+    scene = scene_of(calibration)
     panels = [("wear_over_hardness", "wear_density", "K_s/H (m²/N)", "density of the logarithm")]
     if "friction_density" in calibration:
         label = "friction" if "ball_race" in scene["friction"] else "film shear strength (MPa)"

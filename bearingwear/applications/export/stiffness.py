@@ -9,17 +9,16 @@ from __future__ import annotations
 import csv
 import inspect
 import io
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from bearingwear import Scene, SceneError
 from bearingwear.results.variables import DOFS
-from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.read import Source, as_scene, variant
-from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.mounted import RPM
+from bearingwear.scene.read import Source, as_scene
 
 TILTS = ("held", "released")
 """ROSS's bearings have no tilt: here it is held at zero, or released, so that no moment acts."""
@@ -32,6 +31,7 @@ FEWEST_SPEEDS = 5
 
 _NOTHING = 1e-14  # of the largest stiffness: rounding of what balls in a circle cancel
 _FROM_ROSS = (1, 2, 0)  # its x, y, z here
+_RPM = math.pi / 30.0  # [rad/s]
 
 
 class NotExported(ValueError):
@@ -69,7 +69,7 @@ class StiffnessOverSpeed:
                 "operation.shaft_speed_rpm": speed,
                 "operation.lowest_speed_rpm": min(lowest, speed),
             }
-            result = solve(variant(scene, changes))
+            result = solve(scene.with_(changes))
             if result.status != "ok":
                 raise NotExported(f"{speed:g} r/min: {result.status}: {result.reason}")
             matrices.append(result.values["stiffness_matrix"].reshape(-1, 5, 5))
@@ -140,7 +140,7 @@ class StiffnessOverSpeed:
     ) -> str:
         """Returns a bearing as text that `ross.BearingElement.load` reads."""
         coefficients = self.coefficients(bearing, tilt, damping or 0.0)
-        coefficients[ROSS_NAMES[ross]] = (np.array(self.speeds_rpm) * RPM).tolist()
+        coefficients[ROSS_NAMES[ross]] = (np.array(self.speeds_rpm) * _RPM).tolist()
         damping_text = "none given, 0 assumed" if damping is None else f"{damping:g} N s/m, given"
         tilt_text = "tilt held" if tilt == "held" else "tilt released: no moment"
         arm = 1e3 * self.effective_arm(bearing)
@@ -201,4 +201,5 @@ def to_ross(
     )
     parameters = inspect.signature(BearingElement.__init__).parameters
     name = next(name for name in ROSS_NAMES.values() if name in parameters)
-    return BearingElement(n=node, **coefficients, **{name: np.array(speeds_rpm, dtype=float) * RPM})
+    coefficients[name] = _RPM * np.array(speeds_rpm, dtype=float)
+    return BearingElement(n=node, **coefficients)

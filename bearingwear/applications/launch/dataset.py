@@ -8,9 +8,9 @@ from typing import Any
 
 import xarray as xr
 
+from bearingwear import Scene
 from bearingwear.applications.launch.sheet import launch_document
 from bearingwear.results.variable import Variable, table
-from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.launch import GRAVITY, LaunchLoad, LaunchResult
 from bearingwear.studies.dataset import dataset_of_rows
 

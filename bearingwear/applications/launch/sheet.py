@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
+from bearingwear import Scene
 from bearingwear.document.bearing_line import operation_lines
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.launch import (
@@ -19,7 +20,6 @@ from bearingwear.document.launch import (
 from bearingwear.results.units import span
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.scene.requirements import Launch
-from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.launch import LaunchLoad, LaunchResult, RestingBearing
 
 _UM, _MM, _GPA = 1e6, 1e3, 1e-9

@@ -5,16 +5,16 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from bearingwear import SceneError
 from bearingwear.console import INFEASIBLE, NOT_SOLVED, SUCCESS
 from bearingwear.options import given_scene
 from bearingwear.printing import print_sheet
-from bearingwear.scene.checking.errors import SceneError
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from bearingwear import Scene
     from bearingwear.scene.read import Source
-    from bearingwear.scene.scene import Scene
 
 
 def margin_command(args: argparse.Namespace) -> int:

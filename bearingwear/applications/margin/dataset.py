@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import xarray as xr
 
+from bearingwear import Scene
 from bearingwear.applications.margin.sheet import margin_document
 from bearingwear.lives.margin import Corner
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.requirements import STANDARDS
-from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import dataset_of_rows
 
 CORNER = Variable("corner", ("corner",), "1", "index of the corner", "i8")

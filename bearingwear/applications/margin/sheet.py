@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from bearingwear import Scene
 from bearingwear.document.document import Document
 from bearingwear.document.margin import corner_words, margin_block, margin_sentences, worst_corner
 from bearingwear.lives.margin import Corner
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
-from bearingwear.scene.scene import Scene
 
 
 def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:

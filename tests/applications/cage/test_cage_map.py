@@ -95,7 +95,7 @@ def circle(rate, centre=0.0, radius=1.0):
     ],
 )
 @pytest.mark.parametrize("turned", [0.0, 2.0])
-def test_motions(place, power, motion, whirl, turned):
+def test_paths_of_a_cage_are_classified_by_motion(place, power, motion, whirl, turned):
     """Made-up paths, and the same turned about the axis and in other units."""
     path_of_cage = cage_path(1e-6 * place * np.exp(1j * turned), 0.05, power, 0.375)
     assert path_of_cage.motion == motion

@@ -68,7 +68,7 @@ def test_drawn_values_follow_their_distributions(scene):
     angle = np.degrees(np.arccos(gravity[:, 0] / 9.81))
     assert angle.min() > 30.0 and angle.max() < 60.0
     assert abs(gravity[:, 1:].mean()) < 1.0  # in every direction about the shaft
-    assert all(one.cage.guide_clearance_mm == pytest.approx(0.204) for one in draws)
+    assert all(draw.cage.guide_clearance_mm == pytest.approx(0.204) for draw in draws)
 
 
 def test_the_mean_lies_in_its_interval_as_often_as_it_says(scene, monkeypatch):
@@ -111,10 +111,10 @@ def test_jammed_and_unsolved_runs_are_counted(scene, monkeypatch):
         return {"status": CAGE_JAMMED, "motion": JAMS} if start.whirl < 0.5 else {"status": 5}
 
     monkeypatch.setattr(ensemble, "cage_run", ends)
-    found = ensemble_of(scene("gyro_s1", NOTHING), Ensemble(runs=20))
-    jams = int((found["status"] == CAGE_JAMMED).sum())
-    assert 0 < jams < 20 and float(found["share"][JAMS]) == 1.0
-    assert found["mean_work"].isnull().all() and found.attrs["met"] == 0
+    result = ensemble_of(scene("gyro_s1", NOTHING), Ensemble(runs=20))
+    jams = int((result["status"] == CAGE_JAMMED).sum())
+    assert 0 < jams < 20 and float(result["share"][JAMS]) == 1.0
+    assert result["mean_work"].isnull().all() and result.attrs["met"] == 0
 
 
 def test_values_that_make_no_bearing_are_a_status(scene, monkeypatch):
@@ -155,7 +155,7 @@ def test_an_ensemble_of_real_runs(tmp_path):
     assert float(abs(dataset["energy_account_error"]).max()) <= 1e-3
 
 
-def test_a_run_of_its_own_goes_as_the_solver_does(scene):
+def test_a_cage_run_moves_as_in_the_dynamic_solver(scene):
     """The same cage by `solve`, from the start that a solve has: work of the last turns to 5 %."""
     changes = {"friction.cage": 0.1, "model.cage_results": True, "model.simulated_turns": 80}
     changes["model.strips"] = 10
@@ -170,7 +170,7 @@ def test_a_run_of_its_own_goes_as_the_solver_does(scene):
     assert row["shaft_torque"] == pytest.approx(float(solved["shaft_torque"]), rel=0.05)
 
 
-def test_a_killed_ensemble_goes_on_to_the_same_bytes(scene, tmp_path, monkeypatch):
+def test_a_killed_ensemble_continues_to_the_same_bytes(scene, tmp_path, monkeypatch):
     """Killed at its eighth run, whose line is torn; more runs are added to those of a file."""
     monkeypatch.setattr(ensemble, "cage_run", noisy_run)
     s, plan = scene("gyro_s1", NOTHING), Ensemble(runs=20, within=1e-3)

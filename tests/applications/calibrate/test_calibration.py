@@ -48,8 +48,8 @@ def written(folder, *lines):
 
 
 def hours(scene):
-    found = life(scene).values["life"]  # of balls and races
-    return found * HOURS_PER_SECOND
+    balls_life = life(scene).values["life"]  # of balls and races
+    return balls_life * HOURS_PER_SECOND
 
 
 @pytest.mark.parametrize(
@@ -103,11 +103,11 @@ def test_a_table_of_excel_in_europe(tmp_path):
 
 def test_columns_may_be_separated_by_semicolons_or_tabs(tmp_path):
     rows = ("operation.preload_N,life_h", "7,5")
-    each = [
+    by_separator = [
         bearing_tests(written(tmp_path, *[row.replace(",", apart) for row in rows]), with_spread())
         for apart in ",;\t"
     ]
-    assert each[0] == each[1] == each[2] and each[0][0].value == 5.0
+    assert by_separator[0] == by_separator[1] == by_separator[2] and by_separator[0][0].value == 5.0
     with pytest.raises(SceneError, match="cannot be read .*expected a CSV file"):
         bearing_tests(tmp_path / "none.csv", with_spread())
 
@@ -209,8 +209,8 @@ def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
         preload_method=0, preload_choice=0, uncertain_inputs=0
     )
     for p in (0.1, 0.5):
-        own = float(data["life_quantile"].sel(stage="after", probability=p))
-        assert_allclose(float(sampled.sel(probability=p)), own, rtol=0.06)
+        quantile = float(data["life_quantile"].sel(stage="after", probability=p))
+        assert_allclose(float(sampled.sel(probability=p)), quantile, rtol=0.06)
     # the same tests give the same bytes
     assert main(["calibrate", str(base), str(path), "-o", str(tmp_path / "b.yaml")]) == 0
     assert (tmp_path / "b.yaml").read_bytes() == out.read_bytes()
@@ -247,7 +247,7 @@ def l10_of_batches(scene, correlation):
 
 
 @pytest.mark.long
-def test_the_calibrated_scene_knows_what_goes_with_friction(tmp_path):
+def test_the_calibrated_scene_keeps_the_correlation_with_friction(tmp_path):
     """Where friction decides a life, lives tell K_s/H and friction together alone.
 
     A sample of the calibrated scene has the L10 of its batches that a quadrature finds, and the

@@ -132,9 +132,9 @@ def ross():
 def test_ross_reads_back_what_was_written(ross, over_speed, files, pair):
     loaded = ross.BearingElement.load(files / "two.toml")
     made_element = bearingwear.to_ross(pair, SPEEDS, damping=20.0)
-    known = over_speed.coefficients()
+    coefficients = over_speed.coefficients()
     assert all(
-        (np.array(getattr(item, k)) == known[k]).all()
+        (np.array(getattr(item, k)) == coefficients[k]).all()
         for item in (loaded, made_element)
         for k in ("kxx", "kzz")
     )

@@ -202,9 +202,11 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     assert step(run, answer, **files, spread=path) == 0
     rows = {row[0]: row[1:] for row in tables_of(load_document(answer))["open"].table[1]}
     mine = json.loads(spread.attrs["scene"])
-    known = spread_of([spread], mine, "constant_force", 0.08, RECOMMENDED)
-    assert rows["90 % of bearings (h)"][0] == known.bearings.text
-    assert {f"{name} (h)": Rough(hours).text for name, hours in known.quantiles.items()} == {
+    spread_in_file = spread_of([spread], mine, "constant_force", 0.08, RECOMMENDED)
+    assert rows["90 % of bearings (h)"][0] == spread_in_file.bearings.text
+    assert {
+        f"{name} (h)": Rough(hours).text for name, hours in spread_in_file.quantiles.items()
+    } == {
         name: row[0]
         for name, row in rows.items()
         if name in ("L10 of the median batch (h)", "L50 of the median batch (h)")

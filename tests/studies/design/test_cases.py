@@ -56,11 +56,13 @@ def worst_of(points):
     """Of each quantity that is known in all cases, the case that has the worst value."""
     names = list(points)
     result = {"life": names[int(np.argmin([item["life"] for item in points.values()]))]}
-    for one in LIMITED.values():
-        for name in one.extremes:
-            each = np.array([point[name] for point in points.values()])
-            if np.isfinite(each).all():
-                result[name] = names[int(np.argmin(each) if one.falls else np.argmax(np.abs(each)))]
+    for measure in LIMITED.values():
+        for name in measure.extremes:
+            by_case = np.array([point[name] for point in points.values()])
+            if np.isfinite(by_case).all():
+                result[name] = names[
+                    int(np.argmin(by_case) if measure.falls else np.argmax(np.abs(by_case)))
+                ]
     return result
 
 
@@ -72,15 +74,15 @@ def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, re
                 design_point(o, LIMITS) for o in held_by(scene, method, preload).in_cases.values()
             ]
             kept = all(min(map(float, limit_margins(item, LIMITS))) >= 0.0 for item in points)
-            if kept and not any(one["impractical"] for one in points):
-                best = max(best, min(float(one["life"]) for one in points))
-        own = float(recommended["preload"][k])
-        if np.isnan(own):
+            if kept and not any(point["impractical"] for point in points):
+                best = max(best, min(float(point["life"]) for point in points))
+        recommended_preload = float(recommended["preload"][k])
+        if np.isnan(recommended_preload):
             assert best == 0.0, method
             continue
         points = {
             name: design_point(case, LIMITS)
-            for name, case in held_by(scene, method, own).in_cases.items()
+            for name, case in held_by(scene, method, recommended_preload).in_cases.items()
         }
         for name, point in points.items():
             assert min(map(float, limit_margins(point, LIMITS))) >= 0.0, (method, name)
@@ -105,7 +107,9 @@ def test_the_worst_case_is_named(recommended):
 def test_without_its_cases_the_scene_may_take_less_preload(scene, recommended):
     """A point of a map is that of the worst case."""
     point = new_point(scene, LIMITS)
-    each = [new_point(case, LIMITS) for case in scene.in_cases.values()]
-    opening = [item["opening_acceleration"] for item in each]
+    case_points = [new_point(case, LIMITS) for case in scene.in_cases.values()]
+    opening = [item["opening_acceleration"] for item in case_points]
     assert point["opening_acceleration"] == min(opening) == opening[1] < opening[0]
-    assert point["maximum_pressure"] == max(one["maximum_pressure"] for one in each)
+    assert point["maximum_pressure"] == max(
+        case_point["maximum_pressure"] for case_point in case_points
+    )

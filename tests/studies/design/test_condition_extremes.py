@@ -68,8 +68,8 @@ def test_the_recommended_preload_is_stiff_enough_at_every_speed(spindle):
     assert float(recommended["life"].max()) > 0.2
     for k, method in enumerate(PRELOAD_METHODS):
         preload = float(recommended["preload"][k])
-        each = [stiffness_by_solve(spindle, method, preload, speed) for speed in SPEEDS]
-        assert min(each) >= 20.0 * (1.0 - SPEED_FOUND_TO), (method, each)
+        by_speed = [stiffness_by_solve(spindle, method, preload, speed) for speed in SPEEDS]
+        assert min(by_speed) >= 20.0 * (1.0 - SPEED_FOUND_TO), (method, by_speed)
 
 
 PEAKED = {
@@ -123,11 +123,11 @@ def test_the_deciding_condition_is_the_worst_one(spindle):
     held = held_by(spindle, "fixed_position", 60.0)
     point = new_point(held, DesignLimits(system_axial_stiffness_N_um=36.0))
     where = point[DECIDING][STIFFNESS]
-    each = [
+    by_speed = [
         float(new_states(at_share(held, share))[0][STIFFNESS])
         for share in np.linspace(0.0, 1.0, 101).tolist()
     ]
-    assert where["value"] == point[STIFFNESS] <= min(each) * (1.0 + SPEED_FOUND_TO)
+    assert where["value"] == point[STIFFNESS] <= min(by_speed) * (1.0 + SPEED_FOUND_TO)
     assert 0.0 < where["speed_rpm"] < 18000.0 and where["wear"] == "new"
     at = stiffness_by_solve(spindle, "fixed_position", 60.0, where["speed_rpm"])
     assert 1e6 * at == pytest.approx(where["value"], rel=1e-6)

@@ -81,7 +81,7 @@ def test_warnings_are_gathered_once_with_the_cases_counted(folder):
     warnings = warnings_in(cases.attrs)
     worn = next(item for item in warnings if item["id"] == "groove_worn")
     solved = cases["status"] == OK
-    assert len({one["id"] for one in warnings}) == len(warnings)
+    assert len({warning["id"] for warning in warnings}) == len(warnings)
     assert worn["cases"] == int((solved & (cases["ball_diameter_loss"] > 0.0)).sum())
     largest = float(cases["ball_diameter_loss"].max())
     assert numbers_in(worn["sentence"])[0] == pytest.approx(largest)
@@ -447,8 +447,8 @@ def test_no_room_leaves_nothing_half_written(folder, tmp_path, monkeypatch, caps
     steps, names = [], []
     for run, (outputs, inputs) in WRITERS.items():
         settings = {"friction": [0.08]} if run.endswith("draw_life") else {}
-        given = inside(folder, inputs)
-        steps.append(step_arguments(run, *outputs, settings=settings, **given))
+        paths = inside(folder, inputs)
+        steps.append(step_arguments(run, *outputs, settings=settings, **paths))
         names += outputs
     for name in names:
         (tmp_path / name).write_text("from before")
@@ -505,8 +505,8 @@ def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_p
         if "friction" in settings:
             settings = {"friction": [0] if isinstance(settings["friction"], list) else 0}
         monkeypatch.setitem(FIGURES, name, (inputs, settings))
-    given = request.getfixturevalue(where)
-    assert draw(name, tmp_path / "figure.svg", folder=given) == 0
+    fixture = request.getfixturevalue(where)
+    assert draw(name, tmp_path / "figure.svg", folder=fixture) == 0
     drawn = ElementTree.parse(tmp_path / "figure.svg")
     assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]
 

@@ -94,16 +94,16 @@ def test_violations_of_a_wrong_life_are_reported():
     draw = draws(draw_blocks(PLAN, "worn_life"))
     (values,) = drawn_values(draw, 1, 1)
     scene = drawn_scene(BASE, values)
-    made = life(scene).values
-    assert life_violations(scene, made) == []
+    solved = life(scene).values
+    assert life_violations(scene, solved) == []
     for wrong in (
-        {"loss_at_end": 2.0 * made["loss_at_end"]},
-        {"history_qv": 1.2 * made["history_qv"]},
-        {"history_deepest_groove": made["history_deepest_groove"][::-1]},
-        {"history_maximum_pressure": math.nan * made["history_maximum_pressure"]},
+        {"loss_at_end": 2.0 * solved["loss_at_end"]},
+        {"history_qv": 1.2 * solved["history_qv"]},
+        {"history_deepest_groove": solved["history_deepest_groove"][::-1]},
+        {"history_maximum_pressure": math.nan * solved["history_maximum_pressure"]},
         {"status": code.UNVERIFIED},
     ):
-        assert len(life_violations(scene, made | wrong)) > 0
+        assert len(life_violations(scene, solved | wrong)) > 0
 
 
 @settings(max_examples=6, deadline=None, derandomize=True, database=None)
@@ -117,7 +117,7 @@ def test_random_runs_in_time_end(seed):
             assert violations(scene, "dynamic", values) == []
 
 
-def test_a_wrong_number_is_seen():
+def test_a_wrong_number_is_a_violation():
     scene = load_scene(scene_file("gyro_s1"))
     values = solved_values(scene, "steady")
     assert violations(scene, "steady", values) == []

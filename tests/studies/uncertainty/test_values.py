@@ -71,7 +71,7 @@ def test_quantiles_of_the_values(scene):
 
 
 @pytest.mark.parametrize("rho", [0.6, -0.95])
-def test_wear_goes_with_friction_as_it_is_given(scene, rho):
+def test_wear_and_friction_have_the_given_correlation(scene, rho):
     """Correlation of the logarithms, and each distribution as it is without."""
     spread = {"ball_race": SPREAD, "wear_coefficient": {"distribution": "lognormal", "factor": 3}}
     alone = scene_from_dict(scene.to_dict() | {"uncertainty": spread})

@@ -66,13 +66,15 @@ def test_the_margin_limits_the_preload():
     scene = warm_spindle().with_(STIFF_TO_THE_END)
     limits = DesignLimits(thermal_margin=6.25, at_speed_only=True)
     rigid = PRELOAD_METHODS.index("fixed_position")
-    one = recommendation(scene, limits).sel(preload_method=rigid)
-    active = one["active_limit"].attrs["flag_meanings"].split()[int(one["active_limit"])]
+    recommended = recommendation(scene, limits).sel(preload_method=rigid)
+    active = (
+        recommended["active_limit"].attrs["flag_meanings"].split()[int(recommended["active_limit"])]
+    )
     assert active == "thermal_margin"
-    assert 6.25 <= float(one["thermal_margin"]) < 6.3
-    more = held_by(scene, "fixed_position", 1.05 * float(one["preload"]))
+    assert 6.25 <= float(recommended["thermal_margin"]) < 6.3
+    more = held_by(scene, "fixed_position", 1.05 * float(recommended["preload"]))
     longer = design_point(more, limits)
-    assert longer["life"] > 3600.0 * float(one["life"]) and longer["thermal_margin"] < 6.25
+    assert longer["life"] > 3600.0 * float(recommended["life"]) and longer["thermal_margin"] < 6.25
 
 
 def test_a_map_contains_the_margin_if_it_is_required():

@@ -106,7 +106,10 @@ def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
     scene, limit = spindle.with_(SLOW_HOUSING), 220.0
     ramps = np.geomspace(80.0, 400.0, 17)
     peaks = [
-        max(one.states[0]["residual_preload"] for one in warm_up(scene, ramp(seconds)).instants)
+        max(
+            instant.states[0]["residual_preload"]
+            for instant in warm_up(scene, ramp(seconds)).instants
+        )
         for seconds in ramps
     ]
     expected = np.interp(-limit, -np.array(peaks), ramps)
