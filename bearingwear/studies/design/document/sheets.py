@@ -272,10 +272,8 @@ def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None])
         relative = tuple(life / longest for life in lives)
         rows.append(Row("  relative, whatever K_s/H", "", relative, "relative_life"))
     rows.append(Row("  ends by", "", _endings(recommendation), "end_criterion"))
-    if any(spreads.values()):
-        rows += spread_rows([*spreads.values()])
-    else:
-        rows += by_wear_row(scene, lives)
+    rows += spread_rows([*spreads.values()])
+    rows += by_wear_row(scene, lives)  # the only interval of `recommend`, so on the page, too
     errors = tuple(Rough(100.0 * error) for error in _floats(recommendation["life_error_estimate"]))
     return [*rows, Row("  its numerical error", "%", errors, "life_error_estimate")]
 
