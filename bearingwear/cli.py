@@ -111,7 +111,7 @@ def _parsed_arguments(argv: Sequence[str]) -> argparse.Namespace:
         _sort_plot(parser, args)
     if args.command == "study":
         args.more, left = left, []
-        _check_study(parser, args, argv)
+        _check_study(of_commands["study"], args, argv)
     # `--set A=1 B=2` is read as `--set A=1 --set B=2`
     if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
         args.set += left
@@ -135,17 +135,17 @@ def _check_study(
     options = [measure.option for measure in LIMITED.values()] + ["--output", "--jobs"]
     typed = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
     for text in typed:
-        if near := difflib.get_close_matches(text.partition("=")[0], options, n=1, cutoff=0.8):
-            parser.error(f"study: got {text!r}; did you mean {near[0]}")
+        if near := difflib.get_close_matches(text.partition("=")[0], own, n=1, cutoff=0.8):
+            parser.error(
+                f"got {text!r}, which this command does not accept; did you mean {near[0]}"
+            )
     before = argv[: argv.index(args.name)] if args.name in argv else []
     if first := [text for text in typed if text in before]:
-        parser.error(
-            f"study: got {args.name} after {first[0]}, expected the name of the study first"
-        )
+        parser.error(f"got {args.name} after {first[0]}, expected the name of the study first")
     of_a_scene = [m.option for key, m in LIMITED.items() if getattr(args, key) is not None]
     of_a_scene += ["--output"] if args.output is not None else []
     if of_a_scene and not args.name.endswith(SCENE_SUFFIXES):
-        parser.error(f"study: got {of_a_scene[0]} without a scene; only allowed with SCENE.yaml")
+        parser.error(f"got {of_a_scene[0]} without a scene; only allowed with SCENE.yaml")
 
 
 def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:

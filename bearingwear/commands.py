@@ -378,11 +378,19 @@ def plot(args: argparse.Namespace) -> int:
 def study(args: argparse.Namespace) -> int:
     """Runs a study of the workflow, or that of one scene."""
     from bearingwear.arguments import is_result
-    from bearingwear.studies.launch import DRY_RUN, run_own_study, run_study
+    from bearingwear.studies.launch import (
+        DRY_RUN,
+        check_arguments,
+        own_findings,
+        run_own_study,
+        run_study,
+    )
     from bearingwear.studies.sampling import usable_cores
 
     jobs = args.jobs or usable_cores()
-    if not args.name.endswith(SCENE_SUFFIXES):
+    is_own_study = args.name.endswith(SCENE_SUFFIXES)
+    check_arguments(args.more, is_own_study)
+    if not is_own_study:
         force_options = ["--force"] if is_result(args.name) else []
         return run_study(args.name, jobs, [*args.more, *force_options, "--rerun-incomplete"])
     from bearingwear.scene.read import load_scene
@@ -398,6 +406,8 @@ def study(args: argparse.Namespace) -> int:
             write_study(file, folder, _design_limits(args, load_scene(file)))
         status, page = run_own_study(folder, jobs, args.more)
     if page:
+        for title in own_findings(folder, file.stem) if status == SUCCESS else ():
+            print_text(title)
         print_text(f"page: {page}")
     if status == SUCCESS and page and _is_infeasible(folder, file.stem):
         return INFEASIBLE

@@ -10,19 +10,18 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from bearingwear.atomic import reason, write_text
 from bearingwear.console import UsageError
 from bearingwear.provenance import PACKAGE
 from bearingwear.studies import guard
+from bearingwear.studies.configuration import headlines
 
 CONFIG = Path("config/config.yaml")
 PAGE = Path("results/report/index.html")
 
 DRY_RUN = {"-n", "--dry-run", "--dryrun"}
-
-REFUSED_ARGUMENTS = 2
-"""Exit status of Snakemake for arguments that it does not know."""
 
 OWN_STUDY = "BEARINGWEAR_STUDY"
 """Variable of the environment in a study of one scene, whose page has a copy of its own."""
@@ -58,7 +57,10 @@ def run_study(
     Returns the exit status of Snakemake.
     """
     if not (folder / CONFIG).is_file():
-        raise NoStudy(f"study: got a folder without {CONFIG}, expected one that contains a study")
+        raise NoStudy(
+            f"study: got {target} in a folder without {CONFIG}, expected SCENE.yaml, or a folder "
+            "that contains a study"
+        )
     script = str(PACKAGE / "run_module.py")
     command = [
         script,
@@ -79,15 +81,44 @@ def run_own_study(
     """Runs the study of one scene in its folder, or continues a run that was killed.
 
     Returns `status`: the exit status of Snakemake.
-    Returns `page`: the report page beside the folders of the study, or None without one and where
-        Snakemake refused its arguments.
+    Returns `page`: the report page beside the folders of the study, or None without one.
     """
     with _only_run(folder) as lock_file:
         # this lock ends with the processes that hold it, Snakemake's would stay after a kill
         extra_arguments = [*extra_arguments, "--nolock", "--rerun-incomplete"]
         status = run_study("all", jobs, extra_arguments, folder, [lock_file], str(folder))
-    has_run = status != REFUSED_ARGUMENTS and not DRY_RUN & set(extra_arguments)
-    return status, own_page(folder) if has_run else None
+    return status, None if DRY_RUN & set(extra_arguments) else own_page(folder)
+
+
+_INSTEAD = dict.fromkeys(
+    ("--json", "--csv"),
+    "`bearingwear recommend` prints its sheet so, and `bearingwear show` any result of the study",
+) | {"--fidelity": "the study solves with model.fidelity", "--set": "edit the scene"}
+"""What other commands accept and a study does not, and what to do."""
+
+
+def check_arguments(arguments: Sequence[str], is_own_study: bool) -> None:
+    """Refuses arguments that Snakemake does not know, and targets in the study of one scene.
+
+    UsageError: the first of them, in one line.
+    """
+    if not set(arguments) - DRY_RUN:
+        return
+    from snakemake.cli import get_argument_parser
+
+    parser = get_argument_parser()
+
+    def refuse(problem: str) -> NoReturn:
+        raise UsageError(f"bearingwear study: {problem}; see bearingwear study --help")
+
+    parser.error = refuse
+    known, unknown = parser.parse_known_args([*arguments])
+    if unknown:
+        option = unknown[0].partition("=")[0]
+        advice = f"; {_INSTEAD[option]}" if option in _INSTEAD else ""
+        refuse(f"got {option!r}, which this command does not accept{advice}")
+    if is_own_study and known.targets:
+        refuse(f"got {[*known.targets][0]!r} after the scene, expected one scene and options")
 
 
 def _run_guarded(
@@ -143,3 +174,10 @@ def own_page(folder: Path) -> Path | None:
     root_prefix = "../" * (len(PAGE.parts) - 1)  # what its links to files begin with
     write_text(page, report.read_text(encoding="utf-8").replace(f'href="{root_prefix}', 'href="'))
     return page
+
+
+def own_findings(folder: Path, name: str) -> list[str]:
+    """Returns the titles of what the study of a scene found, recommendations first."""
+    results = folder / "results"
+    answers = (results / "answer.json", results / name / "preload" / "answer.json")
+    return headlines(str(path) for path in answers if path.is_file())

@@ -164,6 +164,8 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
     name = file.stem
     if not re.match(NAME, name):
         raise UsageError(f"{file}: got the name {name}, expected {NAME_RULE}")
+    heading = f"# Written by `bearingwear study {file.name}`"
+    _check_folder(folder, heading)
     plans = plan_of(life_scene(file, films=True), name, limits, os.fspath(file))
     bodies = {
         path: yaml.safe_dump(plan, sort_keys=False, default_flow_style=None)
@@ -171,8 +173,6 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
     }
     for path in map(Path, scene_files(file)):
         bodies[f"config/scenes/{path.name}"] = text_of(path)
-    heading = f"# Written by `bearingwear study {file.name}`"
-    _check_folder(folder, heading)
     advice = (
         f"Edit {file.name} and run that command again, or edit this file and run "
         "`bearingwear study` here."

@@ -75,6 +75,9 @@ ABSURD = {
         {"pressure_above_yield", "ellipse_over_shoulder", "speed_beyond_practice",
          "inner_load_lost"},
     ),
+    "less preload than its maker prescribes": (
+        {"bearing.designation": "7208AC", "operation.preload_N": 300}, {"preload_below_makers"},
+    ),
     "faster than its maker allows": (
         {"bearing.maker": "NSK", "bearing.designation": "7012C"}, {"speed_beyond_makers"},
     ),

@@ -59,5 +59,6 @@ def test_a_folder_without_a_study(tmp_path):
     done = study(tmp_path)
     assert done.returncode == 2
     assert done.stderr.splitlines() == [
-        "study: got a folder without config/config.yaml, expected one that contains a study"
+        "study: got all in a folder without config/config.yaml, expected SCENE.yaml, or a folder "
+        "that contains a study"
     ]

@@ -66,9 +66,11 @@ def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
     assert float(dataset["system_axial_stiffness"].min()) >= 3.0e6
     assert (folder / "results/verdict.txt").read_text() == "all 8 solved and verified\n"
 
-    # again: nothing to do
+    # again: nothing to do, and the same result
+    found = output.splitlines()[-2:]
     status, output = study("-j2", "--stiffness", "3")
     assert status == 0 and "Nothing to be done" in output
+    assert output.splitlines()[-2:] == found and headline[1:] in found[0]
 
     # a deleted result that a figure is made from
     config = yaml.safe_load((folder / "config/config.yaml").read_text(encoding="utf-8"))
@@ -144,7 +146,13 @@ def test_wrong_arguments_of_study_are_refused_in_one_line(study, tmp_path):
     for arguments, expected in (
         ((), "folder: got a folder with other files, expected a new folder"),
         (("--stiffness", "-3"), "argument --stiffness: got '-3', expected a number > 0"),
-        (("--stifness", "3"), "study: got '--stifness'; did you mean --stiffness"),
+        (
+            ("--stifness", "3"),
+            "'--stifness', which this command does not accept; did you mean --sti",
+        ),
+        (("--json",), "got '--json', which this command does not accept; `bearingwear recommend`"),
+        (("other.yaml",), "got 'other.yaml' after the scene, expected one scene and options"),
+        (("--rerun-triggers", "x"), "--rerun-triggers: invalid choice: 'x'"),
         (("-o", "mine.yaml"), "mine.yaml: got a file, expected a folder"),
     ):
         status, printed = study(*arguments)

@@ -10,6 +10,7 @@ import numpy as np
 
 from bearingwear.measures import plain
 from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
+from bearingwear.scene.new.minimum_preload import minimum_preload
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.mounted import STEEL_YIELD, yield_pressure
 from bearingwear.solvers.effects.choice import Choice
@@ -214,6 +215,23 @@ def preload_too_small(e: Evidence) -> Finding | None:
         "D": bearing.ball_diameter_mm,
     }
     return finding | {"excess": limit / preload}
+
+
+def preload_below_makers(e: Evidence) -> Finding | None:
+    """Compares the preload, at speed where that is known, with the least that the maker prescribes.
+
+    The makers' numbers are those of steel balls; ceramic ones are lighter and need less.
+    """
+    bearing, operation = e.scene.bearing, e.scene.operation
+    least = minimum_preload(vars(bearing), vars(operation))
+    density = e.scene.materials[bearing.ball_material].density_kg_m3
+    if least is None or not operation.preload_N or density < CERAMIC_DENSITY:
+        return None
+    running = e.mean("residual_preload") if "residual_preload" in e.state.values else math.nan
+    value = running if running > 0.0 else operation.preload_N
+    maker, _, name = least.bearing.partition(" ")
+    finding = {"maker": maker, "bearing": name, "speed": least.speed, "rule": least.rule}
+    return finding | {"value": value, "limit": least.load, "excess": least.load / value}
 
 
 def friction_beyond_practice(e: Evidence) -> Finding | None:

@@ -229,6 +229,14 @@ EFFECTS = (
         impractical=True,
     ),
     Effect(
+        "preload_below_makers",
+        practice.preload_below_makers,
+        "the preload at speed, {value:.3g} N, is below {maker}'s minimum for a {bearing} at "
+        "{speed:g} r/min: {limit:.3g} N ({rule})",
+        "to prevent slip of the balls, increase the preload or reduce the speed, or consult the "
+        "maker",
+    ),
+    Effect(
         "radial_load_large",
         practice.radial_load_large,
         "a radial load of {load:.4g} N is large compared with a preload of {preload:.4g} N: at "

@@ -21,6 +21,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
+from bearingwear.scene.checking.records import Key
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
 from bearingwear.studies.dataset import dataset_of_rows
@@ -140,7 +141,7 @@ def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -
 
 def _limit_range(now: float, name: str) -> tuple[float, float]:
     """Returns the lowest and highest value of a requirement that are tried."""
-    highest = 1.0 if LIMITED[name].limit[1].startswith("(0, 1") else math.inf
+    _, highest = Key(within=LIMITED[name].limit[1]).ends
     return now / _FARTHEST, max(now, min(_FARTHEST * now, highest))
 
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.measures import LIMITED
+from bearingwear.measures import ENDS, LIMITED, plain
 from bearingwear.results.units import digits
 from bearingwear.results.words import name_in_words
+from bearingwear.scene.blocks import CRITERIA
 from bearingwear.studies.design.best import NEW_BEARING, PreloadPoint
 from bearingwear.studies.design.conditions import DECIDING, condition_words
 from bearingwear.studies.design.document.words import limit_text
@@ -39,16 +40,46 @@ def why_none(points: Sequence[PreloadPoint], limits: DesignLimits, has_cases: bo
     if not violations:
         unsolved = _unsolved_words(points, has_cases)
         return f"{NO_LIFE_SOLVED} at a preload that satisfies them{unsolved}"
-    introduction, before_value = "", "at best"
-    if is_together:
+    without_life = _points_without_life(points, limits)
+    introduction = ""
+    if is_together and not without_life:
         introduction = (
             "each requirement can be satisfied individually, but not all of them together: "
         )
-        before_value = "but"
-    return introduction + "; ".join(
-        f"{_required_text(name, limits)}, {before_value} "
-        f"{_value_text(name, points[k].values, points[k].preload, has_cases)}"
+    text = introduction + "; ".join(
+        f"{_required_text(name, limits)}, but "
+        f"{_value_text(name, points[k], limits, is_together, has_cases)}"
         for name, k in violations.items()
+    )
+    return text + _conflict_with_ends(without_life)
+
+
+def _points_without_life(
+    points: Sequence[PreloadPoint], limits: DesignLimits
+) -> list[PreloadPoint]:
+    """Returns points that meet all requirements, but at which a criterion ends the life at once."""
+    return [
+        point
+        for point in points
+        if point.values["status"] == OK
+        and not _may_live(point)
+        and point.end_criterion is not None
+        and point.margins(limits)[:-1].min() >= 0.0
+    ]
+
+
+def _conflict_with_ends(points: Sequence[PreloadPoint]) -> str:
+    """Returns at which preloads only a criterion stands against the requirements; "" at none."""
+    if not points:
+        return ""
+    ends = dict.fromkeys(CRITERIA[point.end_criterion or 0] for point in points)
+    names = " and ".join(ENDS[name].words for name in ends if name in ENDS)
+    low, high = (digits(points[k].preload) for k in (0, -1))
+    where = f"at {low} N" if low == high else f"from {low} to {high} N"
+    keys = ", ".join(f"wear.end_of_life.{name}" for name in ends)
+    return (
+        f"; {where}, all requirements are satisfied, but an end-of-life criterion of the scene is "
+        f"met when the bearing is new: {names} ({keys})"
     )
 
 
@@ -102,11 +133,21 @@ def _required_text(name: str, limits: DesignLimits) -> str:
     return text if name in limits.given else f"no bearing lifts off ({text})"
 
 
-def _value_text(name: str, values: Mapping[str, Any], preload: float, has_cases: bool) -> str:
-    """Returns the worst value of a measure at a preload, and where it is."""
+def _value_text(
+    name: str, point: PreloadPoint, limits: DesignLimits, is_together: bool, has_cases: bool
+) -> str:
+    """Returns the worst value of a measure at a preload, and where it is.
+
+    is_together: whether other preloads meet the requirement.
+    """
     measure = LIMITED[name]
-    worst = digits(float(measure.shown(measure.worst(values))))
-    return f"{worst} at {digits(preload)} N{_where_words(values, name, has_cases)}"
+    worst = float(measure.shown(measure.worst(point.values)))
+    # more digits where it rounds to what is required
+    required = plain(float(measure.shown_limit(limits.effective[name])), 7)
+    texts = (plain(worst, count) for count in range(3, 8))
+    text = next((text for text in texts if text != required), plain(worst, 7))
+    side = "" if is_together else f"never {'above' if measure.falls else 'below'} "
+    return f"{side}{text} at {digits(point.preload)} N{_where_words(point.values, name, has_cases)}"
 
 
 def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:

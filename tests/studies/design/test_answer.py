@@ -87,6 +87,17 @@ def test_each_point_of_the_table_names_the_requirements_that_it_violates(files):
         assert ("stiffness" in row[-1]) == is_soft
 
 
+def test_the_table_has_the_units_of_the_requirements_and_says_why_a_life_is_zero(files):
+    design = load(files["design"])
+    design["life"][...] = 0.0
+    design["friction_power"][...] *= 1e6
+    answer = preload_document(load(files["recommendation"]), design)
+    names, rows = tables_of(answer)["charted"].table
+    (power,) = [k for k, name in enumerate(names) if name.startswith("friction power")]
+    assert "(W)" in names[power] and float(rows[0][power]) > 1e3
+    assert all("end-of-life criterion met when new" in row[-1] for row in rows)
+
+
 def headline(files, change):
     """Title of an answer of which `change` alters the recommendation."""
     design, dataset = load(files["design"]), load(files["recommendation"])

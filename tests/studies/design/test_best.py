@@ -9,7 +9,7 @@ from support import numbers_in
 
 import bearingwear
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.measures import LIMITED
+from bearingwear.measures import ENDS, LIMITED
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.best import (
@@ -193,6 +193,22 @@ def test_requirements_that_cannot_be_met_together_are_named():
     why = why_none([point(k) for k in (1, 2, 3, 4)], limits, has_cases=False)
     assert "individually" in why and "axial stiffness of one bearing" in why
     assert numbers_in(why) == [3.5, 3, 3]  # N/um required, but 3 at 3 N
+
+
+def test_a_criterion_that_rules_out_what_the_requirements_allow_is_named():
+    """A pressure of 2 GPa is exceeded at 5 N by little, and slip ends each life below."""
+    limits = DesignLimits(maximum_pressure_GPa=2.0, at_speed_only=True)
+    slip = [*ENDS].index("gyroscopic_slip_share")
+
+    def point(k):
+        values = {name: 0.4001e9 * k for name in LIMITED["maximum_pressure_GPa"].extremes}
+        values |= {"status": OK, "life": 0.0 if k < 5 else 1.0, "end_criterion": slip}
+        return PreloadPoint(float(k), values, EXACT_LIFE)
+
+    why = why_none([point(k) for k in (2, 3, 4, 5, 6)], limits, has_cases=False)
+    assert "wear.end_of_life.gyroscopic_slip_share" in why and "met when" in why
+    assert numbers_in(why) == [2, 2.001, 5, 2, 4]  # GPa, but more at 5 N; from 2 to 4 N
+    assert "never below 2.001" in why
 
 
 def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():

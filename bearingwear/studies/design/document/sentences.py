@@ -135,11 +135,11 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
     method, point, life = recommended_points(recommendation)[0]
     scene, where = scene_of(recommendation), life_condition_words(recommendation, point)
     text = f"The computed life{f' {where}' if where else ''} is {Rough(life).text} h"
-    if spread := spreads[method]:
-        text += f" ({BEARINGS_BETWEEN}: {spread.bearings.text} h)"
-    else:
-        band, _ = band_by_wear(scene, life)
-        text += f" ({BEARINGS_BETWEEN}, wear only: {band.text} h)" if band else ""
+    spread, (band, _) = spreads[method], band_by_wear(scene, life)
+    intervals = [f"{BEARINGS_BETWEEN}: {spread.bearings.text} h"] if spread else []
+    if band:  # also beside a sampled interval, because `recommend` has this one alone
+        intervals.append(f"{BEARINGS_BETWEEN}, wear only: {band.text} h")
+    text += f" ({'; '.join(intervals)})" if intervals else ""
     if end := ending_measure(point):
         limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
         reaches = "falls to" if end.falls else "reaches"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from bearingwear.document.markdown import as_markdown
 from bearingwear.document.study import by_wear_row, spread_rows
 from bearingwear.document.table import dataset_csv, flag_names
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.measures import LIMITED
+from bearingwear.measures import LIMITED, Measure
 from bearingwear.results.netcdf import load
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, Spread, load_quantiles, spread_of
@@ -272,10 +272,8 @@ def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None])
         relative = tuple(life / longest for life in lives)
         rows.append(Row("  relative, whatever K_s/H", "", relative, "relative_life"))
     rows.append(Row("  ends by", "", _endings(recommendation), "end_criterion"))
-    if any(spreads.values()):
-        rows += spread_rows([*spreads.values()])
-    else:
-        rows += by_wear_row(scene, lives)
+    rows += spread_rows([*spreads.values()])
+    rows += by_wear_row(scene, lives)  # the only interval of `recommend`, so on the page, too
     errors = tuple(Rough(100.0 * error) for error in _floats(recommendation["life_error_estimate"]))
     return [*rows, Row("  its numerical error", "%", errors, "life_error_estimate")]
 
@@ -311,16 +309,25 @@ def _groove_rows(recommendation: xr.Dataset) -> list[Row]:
 def _worst_value_rows(recommendation: xr.Dataset) -> list[Row]:
     """Returns rows of the worst values from new to the end of life, and of the preload then."""
     limits = limits_of(recommendation).given
-    shown = [measure for measure in LIMITED.values() if measure.brief or measure.key in limits]
-    names = [name for measure in shown for name in measure.extremes if name != "life"]
     rows = []
-    for name in [*names, AT_END]:
-        label, shown_as = RECOMMENDED_WORDS[name]
-        # of a rotor without mass there is no frequency; an older file lacks newer measures
-        if name in recommendation and np.isfinite(recommendation[name]).any():
-            values = recommendation[name]
-            rows.append(quantity_row(label, values.attrs["units"], values, name, shown_as))
-    return rows
+    for measure in LIMITED.values():
+        if not (measure.brief or measure.key in limits):
+            continue
+        for name in measure.extremes:
+            # of a rotor without mass there is no frequency; an older file lacks newer measures
+            is_known = name in recommendation and np.isfinite(recommendation[name]).any()
+            if name != "life" and is_known:
+                label, _ = RECOMMENDED_WORDS[name]
+                rows.append(_measure_row(measure, label, recommendation[name].values, name))
+    label, _ = RECOMMENDED_WORDS[AT_END]
+    at_end = recommendation[AT_END].values
+    return [*rows, quantity_row(label, "N", at_end, AT_END)] if np.isfinite(at_end).any() else rows
+
+
+def _measure_row(measure: Measure, label: str, values: Iterable[Any], name: str) -> Row:
+    """Returns values [SI] of a measure in the unit in which it is required."""
+    unit = "" if measure.unit == "1" else measure.unit
+    return Row(label, unit, tuple(float(measure.shown(value)) for value in values), name)
 
 
 def _worst_note(recommendation: xr.Dataset, name: str) -> str:
@@ -383,8 +390,7 @@ def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
     rows = []
     for measure in SHORT_TABLE:
         worst = [measure.worst(point) for point in points]
-        label, unit, shown_as = measure.short, measure.si_unit, measure.shown_as
-        rows.append(quantity_row(label, unit, worst, measure.key, shown_as))
+        rows.append(_measure_row(measure, measure.short, worst, measure.key))
     end_label, _ = RECOMMENDED_WORDS[AT_END]
     end = quantity_row(end_label, "N", [point[AT_END] for point in points], AT_END)
     violations = Row("requirements violated", "", tuple(map(violated_words, points)))
@@ -400,6 +406,8 @@ def violated_words(point: xr.Dataset) -> str:
     violated = [LIMITED[name].words for name, margin in margins if not margin >= -SAME]
     if flag := int(point["impractical"]):
         violated.append(f"impractical design: {name_in_words(IMPRACTICAL_FLAGS[flag])}")
+    if float(point["life"]) == 0.0 and (ending := ending_measure(point)) is not None:
+        violated.append(f"{ending.words}: end-of-life criterion met when new")
     return ", ".join(violated) or NONE_VIOLATED
 
 
