@@ -123,10 +123,10 @@ def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
     add_scene(recommend)
     _add_limits(recommend)
     add_formats(recommend)
-    _add_warmup(command("warmup", "compute temperatures and preload on the way to speed"))
+    _add_warmup(command("warmup", "compute temperatures and preload from rest to the steady state"))
     _add_show(
         command(
-            "show", "print the main values in a result file, in two side by side, or in a scene"
+            "show", "print the main values of a result file, of two side by side, or of a scene"
         )
     )
     _add_plot(command("plot", "plot a result file"))
@@ -159,7 +159,7 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
     sweep.add_argument("--fidelity", choices=FIDELITIES, help="override model.fidelity")
     sweep.add_argument("--keep", type=_names, metavar="NAME,NAME...",
         help="variables to keep (default: all); or extremes: the life, and the worst value of each "
-        "measure from new to the end of life; or study: what a study keeps of a case")
+        "measure from new to the end of life; or study: the variables of a case in a study")
     sweep.add_argument("--part", type=_part, metavar="K/N",
         help="compute the K-th of N parts; `bearingwear gather` joins their files")
     add_jobs(sweep)
@@ -185,7 +185,7 @@ def _add_many(add_command: Callable[[str, str], argparse.ArgumentParser]) -> Non
     _add_gather(add_command("gather", "gather case files of one scene over their grid, or parts "
         "of a sweep, into one file"))
     _add_page(add_command("page", "write the report page of a study"))
-    _add_compile(add_command("compile", "compile the solver, which the first solve does otherwise"))
+    _add_compile(add_command("compile", "compile the solver in advance, not at the first solve"))
 
 
 def _add_gather(gather: argparse.ArgumentParser) -> None:
@@ -202,7 +202,7 @@ def _add_page(page: argparse.ArgumentParser) -> None:
     page.add_argument("results", nargs="*", metavar="FILE", type=Path,
         help="results of a study (.nc), tables (.md) and figures (.svg, .png)")
     for name, words in (
-        ("answers", "what the page says first (answer.json), with the files beside it"),
+        ("answers", "answers (answer.json) that the page shows first, and their files"),
         ("docs", "documents to link"),
         ("scenes", "scene files, for their descriptions and the values that they assume"),
     ):
@@ -348,8 +348,8 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
     ramp.add_argument("--course", type=_course, metavar="S:RPM,S:RPM,...",
         help="times and shaft speeds, with linear changes between them")
     ramp.add_argument("--limit", nargs="+", type=_limit_of_ramp, metavar="NAME=VALUE",
-        help="find the shortest ramp that keeps pressure=GPA or preload=N from rest to the steady "
-        "temperatures")
+        help="find the shortest ramp that satisfies pressure=GPA or preload=N from rest to the "
+        "steady temperatures")
     sub.add_argument("--duration", type=number_in(_DURATION), metavar="S",
         help="time at which to end (default: once the temperatures are steady)")
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
@@ -385,8 +385,7 @@ def _add_show(sub: argparse.ArgumentParser) -> None:
     """Adds the arguments of `show`."""
     sub.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
     sub.add_argument("second", nargs="?", metavar="B.nc",
-        help="a second result file of the same kind, to print beside the first with the "
-        "differences in percent")
+        help="a second result file of the same kind; the differences are printed in percent")
     sub.add_argument("--all", action="store_true",
         help="also print residuals, error estimates, steps and versions")
     add_formats(sub)

@@ -135,7 +135,7 @@ def _check_study(
     options = [measure.option for measure in LIMITED.values()] + ["--output", "--jobs"]
     typed = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
     for text in typed:
-        if near := difflib.get_close_matches(text.partition("=")[0], own, n=1, cutoff=0.8):
+        if near := difflib.get_close_matches(text.partition("=")[0], options, n=1, cutoff=0.8):
             parser.error(
                 f"got {text!r}, which this command does not accept; did you mean {near[0]}"
             )

@@ -29,11 +29,14 @@ def block_html(block: Block, name: str = "") -> str:
     head_cells = "".join(
         f'<th scope="col">{_escaped(text)}</th>' if text else "<td></td>" for text in heads
     )
+    # in a terminal, rows that detail the one above them are indented
+    parts = [] if block.axes else [row.label.startswith(" ") for row in block.rows]
+    styles = [' class="part"' if part else "" for part in parts] or [""] * len(lines)
     body = "\n".join(
-        f'<tr><th scope="row">{_escaped(label)}</th>'
+        f'<tr><th scope="row"{style}>{_escaped(label)}</th>'
         + "".join(f"<td>{_escaped(text)}</td>" for text in texts)
         + "</tr>"
-        for label, *texts in lines
+        for style, (label, *texts) in zip(styles, lines, strict=True)
     )
     caption = f"<caption>{_escaped(block.title)}</caption>" if block.title else ""
     start = f"<table{identifier}{sortable}>{caption}\n<thead><tr>{head_cells}</tr></thead>\n"

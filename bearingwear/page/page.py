@@ -182,7 +182,11 @@ def page(
                 for count in section.counts
                 if count.solved < count.total
             ],
-            keys=list(key_blocks(inputs, assumed)),
+            input_blocks=list(key_blocks(key_rows(inputs[:1], assumed))),
+            input_differences=[
+                (scene["name"], list(differences_by_block(inputs[0], scene)))
+                for scene in inputs[1:]
+            ],
             assumed=assumed,
             versions=_versions(datasets),
             docs=[(file, _markdown_title(file)) for file in docs],
@@ -257,11 +261,15 @@ def _environment() -> jinja2.Environment:
 
 
 def _without_scene_name(scenes: Sequence[Mapping[str, Any]], text: str) -> str:
-    """Returns a heading without the name of the scene, if the page is about a single scene."""
-    if len(scenes) != 1:
+    """Returns a heading with a capital letter, without the name of a single scene.
+
+    On a page about several scenes, a heading that starts with such a name is not changed.
+    """
+    names = [scene["name"] for scene in scenes]
+    if len(names) == 1:
+        text = text.removeprefix(f"{names[0]}: ").removeprefix(f"{names[0]}, ")
+    elif text.startswith(tuple(names)):
         return text
-    name = scenes[0]["name"]
-    text = text.removeprefix(f"{name}: ").removeprefix(f"{name}, ")
     return text[:1].upper() + text[1:]
 
 
@@ -441,24 +449,40 @@ def _markdown_title(file: Path) -> str:
 class KeyRow(NamedTuple):
     """A row of the table of scenes: a key in words, with a value for each scene."""
 
-    label: str
+    block: str  # of the scene that contains the key, in words
+    words: str
+    unit: str  # empty without a unit
+    is_assumed: bool
     values: list[str]
-    differ: bool  # whether the values differ
 
     @property
-    def block(self) -> str:
-        """Returns the block of the scene that contains the key, in words."""
-        return self.label.partition(": ")[0]
+    def label(self) -> str:
+        """The key with its unit in brackets, and a mark if its value is assumed."""
+        unit = f" ({self.unit})" if self.unit else ""
+        return f"{self.words}{unit}{ASSUMED if self.is_assumed else ''}"
 
     @property
-    def label_in_block(self) -> str:
-        """Returns the label without the block."""
-        return self.label.partition(": ")[2] or self.label
+    def differ(self) -> bool:
+        """Whether the values differ."""
+        return len(set(self.values)) > 1
+
+    def with_unit(self, value: str) -> str:
+        """Returns a value of the row with its unit, a distribution or a missing value alone."""
+        if not self.unit or value == MISSING or self.block in _DISTRIBUTION_BLOCKS:
+            return value
+        return (
+            f"{value}{self.unit}" if self.unit == "°" else f"{value}\N{NO-BREAK SPACE}{self.unit}"
+        )
 
 
 ASSUMED = "\N{NO-BREAK SPACE}*"
 """Suffix of the label of an assumed quantity."""
+MISSING = "–"
+"""Text of a value that a scene does not have."""
 _NOT_COMPARED = ("name", "description")
+_DISTRIBUTIONS = ("uncertainty", "cage_uncertainty")
+"""Blocks of a scene that contain distributions."""
+_DISTRIBUTION_BLOCKS = tuple(block.replace("_", " ") for block in _DISTRIBUTIONS)
 _MOST_DIFFERENCES = 4  # that `scene_differences` states
 
 
@@ -468,7 +492,8 @@ def key_rows(scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()) 
     assumed: keys whose values are marked as assumed.
     """
     columns = [
-        {key: _value_text(value) for key, value in leaves(scene).items()} for scene in scenes
+        {key: _value_text(value) for key, value in leaves(_with_distribution_texts(scene)).items()}
+        for scene in scenes
     ]
     for scene, column in zip(scenes, columns, strict=True):
         if is_pair(scene) and METHOD_KEY not in column:  # both methods were studied
@@ -477,24 +502,67 @@ def key_rows(scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()) 
     blocks = list(dict.fromkeys(key.partition(".")[0] for key in keys))
     for key in sorted(keys, key=lambda key: blocks.index(key.partition(".")[0])):
         if key not in _NOT_COMPARED:
-            values = [column.get(key, "–") for column in columns]
-            label = f"{key_label(key)}{ASSUMED if key in assumed else ''}"
-            yield KeyRow(label=label, values=values, differ=len(set(values)) > 1)
+            *blocks_of_key, _ = key.split(".")
+            words, unit = key_in_words(key)
+            yield KeyRow(
+                block=", ".join(block.replace("_", " ") for block in blocks_of_key),
+                words=words,
+                unit=printed_unit(unit) if unit else "",
+                is_assumed=key in assumed or f"{key}.distribution" in assumed,
+                values=[column.get(key, MISSING) for column in columns],
+            )
 
 
-def key_blocks(
-    scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()
-) -> Iterator[tuple[str, list[KeyRow]]]:
-    """Yields each block of the scenes with its rows, labelled within the block."""
-    for block, rows in groupby(key_rows(scenes, assumed), key=lambda row: row.block):
-        yield block, [row._replace(label=row.label_in_block) for row in rows]
+def _with_distribution_texts(scene: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Returns a scene in which each uncertain value has its distribution as one text."""
+    blocks = {block: scene[block] for block in _DISTRIBUTIONS if scene.get(block)}
+    return {
+        **scene,
+        **{
+            block: {key: _distribution_text(parameters) for key, parameters in values.items()}
+            for block, values in blocks.items()
+        },
+    }
+
+
+def _distribution_text(parameters: Mapping[str, Any]) -> str:
+    """Returns a distribution in words: `normal, standard deviation 0.003`."""
+    words = [
+        f"{name.replace('_', ' ')} {_value_text(value)}"
+        for name, value in parameters.items()
+        if name != "distribution" and value is not None
+    ]
+    return ", ".join([parameters["distribution"], *words])
+
+
+def key_blocks(rows: Iterable[KeyRow]) -> Iterator[tuple[str, list[KeyRow]]]:
+    """Yields each block of a scene with its rows."""
+    for block, block_rows in groupby(rows, key=lambda row: row.block):
+        yield block, list(block_rows)
+
+
+def differences_by_block(
+    first: Mapping[str, Any], other: Mapping[str, Any]
+) -> Iterator[tuple[str, str]]:
+    """Yields each block in which a scene differs from the first, and its values that differ."""
+    for block, block_rows in key_blocks(key_rows([first, other])):
+        rows = [row for row in block_rows if row.differ]
+        missing = [row.values[1] == MISSING for row in rows]
+        if rows and len(rows) == len(block_rows) and all(missing):
+            yield block, "none"
+        elif rows:
+            phrases = [
+                f"no {row.words}" if is_missing else f"{row.words} {row.with_unit(row.values[1])}"
+                for row, is_missing in zip(rows, missing, strict=True)
+            ]
+            yield block, "; ".join(phrases)
 
 
 def scene_differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> str:
     """States how another scene differs from the first, without `uncertainty`."""
     rows = key_rows([_without_uncertainty(first), _without_uncertainty(other)])
     phrases = [
-        f"{row.label_in_block} {row.values[1]} instead of {row.values[0]}"
+        f"{row.words} {row.values[1]} instead of {row.with_unit(row.values[0])}"
         for row in rows
         if row.differ
     ]
@@ -506,13 +574,6 @@ def scene_differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> str
 def _without_uncertainty(scene: Mapping[str, Any]) -> dict[str, Any]:
     """Returns a scene without its distributions."""
     return {block: value for block, value in scene.items() if block != "uncertainty"}
-
-
-def key_label(key: str) -> str:
-    """Returns a dotted key of a scene in words: `bearing: ball diameter (mm)`."""
-    blocks = ", ".join(block.replace("_", " ") for block in key.split(".")[:-1])
-    words, unit = key_in_words(key)
-    return f"{blocks}: {words}" + (f" ({printed_unit(unit)})" if unit else "")
 
 
 def _value_text(value: Any) -> str:

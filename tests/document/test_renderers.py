@@ -46,6 +46,17 @@ def test_text_has_a_line_for_each_quantity_and_for_each_point():
     assert max(map(len, as_text(long).splitlines())) <= 110
 
 
+def test_a_row_that_details_the_one_above_it_is_indented():
+    rows = (Row("life", "h", (3.0,)), Row("  numerical error", "%", (1.0,)))
+    document = Document(blocks=(Block("x", ("spring",), rows),))
+    assert re.search(r"^  life +h +3\n    numerical error +% +1$", as_text(document), re.M)
+    heads = html5lib.parse(as_html(document), namespaceHTMLElements=False).iterfind(".//tbody//th")
+    assert [(head.text, head.get("class")) for head in heads] == [
+        ("life (h)", None),
+        ("numerical error (%)", "part"),
+    ]
+
+
 def test_columns_that_do_not_fit_stand_below():
     temperature = Row("temperature", "degC", tuple(range(9)), limit=9.0)
     block = Block(

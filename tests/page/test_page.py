@@ -1,6 +1,7 @@
 """The page of a study: what it says, and that it is one valid file that fetches nothing."""
 
 import base64
+import copy
 import functools
 import hashlib
 import json
@@ -30,6 +31,7 @@ from bearingwear.document.chart import load_charts
 from bearingwear.document.document import load_document
 from bearingwear.page import figures
 from bearingwear.page.charts import LARGE_CHART, MARGINS, SMALL_CHART, ChartAxis
+from bearingwear.page.page import differences_by_block, key_rows
 from bearingwear.page.sketch import section_of, sketch
 from bearingwear.results.netcdf import load
 from bearingwear.studies.launch import own_page
@@ -314,6 +316,38 @@ def test_a_sketch_is_to_scale(name, kind):
         )
     drawn = ET.fromstring(str(sketch(scene)).replace("ø", "o"))
     assert len([n for n in drawn.iter() if n.get("class") == "ball"]) == 1 + ("pair" in kind)
+
+
+def test_other_bearings_list_what_differs_from_the_first():
+    """With units; of an uncertain value the distribution, and nothing that is the same."""
+    first = yaml.safe_load(scene_file("gyro_s1").read_text())
+    other = copy.deepcopy(first)
+    assert list(differences_by_block(first, other)) == []
+    other["bearing"] |= {"ball_count": 10, "contact_angle_deg": 15.0}
+    other["operation"]["preload_N"] = 9.0
+    del other["cage"]
+    del other["uncertainty"]["preload_N"]
+    other["uncertainty"]["ball_race"]["factor"] = 1.5
+    differences = {
+        block: text.replace("\N{NO-BREAK SPACE}", " ")
+        for block, text in differences_by_block(first, other)
+    }
+    assert differences == {
+        "bearing": "ball count 10; contact angle 15°",
+        "operation": "preload 9 N",
+        "cage": "none",
+        "uncertainty": "no preload; ball race lognormal, factor 1.5",
+    }
+
+
+def test_an_assumed_input_is_marked():
+    scene = yaml.safe_load(scene_file("gyro_s1").read_text())
+    rows = key_rows([scene], {"cage.width_mm", "uncertainty.ball_race.distribution"})
+    marked = {(row.block, row.label) for row in rows if row.is_assumed}
+    assert marked == {
+        ("cage", "width (mm)\N{NO-BREAK SPACE}*"),
+        ("uncertainty", "ball race\N{NO-BREAK SPACE}*"),
+    }
 
 
 def test_the_page_of_a_study_without_answers_counts_its_cases(page_of):

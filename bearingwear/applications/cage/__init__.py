@@ -31,7 +31,7 @@ def cage_options(sub: argparse.ArgumentParser) -> None:
         help="also compute the wear life of the cage from ensembles at successive wear states")
     add_jobs(sub)
     sub.add_argument("--record-failures", action="store_true",
-        help="exit status 0 even if no run succeeds; the file contains the reasons")
+        help="exit with status 0 even if no run succeeds, and store the reasons in the file")
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
         help="the file to write (default: SCENE-cage.nc)")
     add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")

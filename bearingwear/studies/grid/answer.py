@@ -328,7 +328,7 @@ def _other_scenes_sentences(lives: Sequence[MethodLife]) -> list[str]:
     """States the range of lives in other scenes, and how often each method is better there."""
     comparisons = _comparisons(lives)
     hours = _hours_text([life.hours for life in lives])
-    phrases = [f"{hours}, based on the wear that each scene specifies"]
+    phrases = [f"lives: {hours}, based on the wear that each scene specifies"]
     for winner in dict.fromkeys(comparison.longest for comparison in comparisons):
         count = sum(comparison.longest == winner for comparison in comparisons)
         name = f"{name_in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]

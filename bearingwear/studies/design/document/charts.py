@@ -136,7 +136,8 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
         measure = LIMITED.get(row.name)
         _, factor = scale_of(row.unit)
         limit = limits.get(row.name) if measure else None
-        positive = [value for value in row.values if value > 0.0]
+        bounds = [bound for band in bands.values() for bound in band] if is_life else []
+        positive = [value for value in (*row.values, *bounds) if value > 0.0]
         yield Chart(
             title="Life versus initial preload" if is_life else row.label,
             x_label=X_LABEL,

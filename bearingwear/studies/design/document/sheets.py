@@ -221,7 +221,6 @@ def _recommended_block(recommendation: xr.Dataset, spreads: Mapping[str, Spread 
     rows = [
         *_preload_rows(recommendation),
         *_life_rows(recommendation, spreads),
-        *_groove_rows(recommendation),
         *_worst_value_rows(recommendation),
     ]
     rows = [row._replace(note=_worst_note(recommendation, row.name)) for row in rows]
@@ -247,8 +246,8 @@ def _preload_rows(recommendation: xr.Dataset) -> list[Row]:
     )
     rows = [
         row("initial preload", "preload"),
-        row("  may be set from", "least_preload"),
-        row("  to", "most_preload"),
+        row("  lower tolerance limit", "least_preload"),
+        row("  upper tolerance limit", "most_preload"),
     ]
     if np.isfinite(offsets).any():
         rows.append(Row("  spacer offset", "um", offsets, "spacer_offset"))
@@ -263,19 +262,20 @@ def _limited_by_words(point: xr.Dataset) -> str:
 
 
 def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None]) -> list[Row]:
-    """Returns rows of the lives, their spread and their numerical error."""
+    """Returns rows of the lives, their numerical error, their grooves and their spread."""
     scene, lives = scene_of(recommendation), _floats(recommendation["life"])
     counts = scene["wear"]["counts"].replace("_and_", " + ")
     rows = [Row(f"life, {counts}", "h", _lives_to_error(recommendation), "life")]
     if np.count_nonzero(np.array(lives) > 0.0) > 1:
         longest = float(np.nanmax(lives))
         relative = tuple(life / longest for life in lives)
-        rows.append(Row("  relative, whatever K_s/H", "", relative, "relative_life"))
-    rows.append(Row("  ends by", "", _endings(recommendation), "end_criterion"))
-    rows += spread_rows([*spreads.values()])
-    rows += by_wear_row(scene, lives)  # the only interval of `recommend`, so on the page, too
+        rows.append(Row("  relative life, for any K_s/H", "", relative, "relative_life"))
+    rows.append(Row("  ended by", "", _endings(recommendation), "end_criterion"))
     errors = tuple(Rough(100.0 * error) for error in _floats(recommendation["life_error_estimate"]))
-    return [*rows, Row("  its numerical error", "%", errors, "life_error_estimate")]
+    rows.append(Row("  numerical error", "%", errors, "life_error_estimate"))
+    rows += _groove_rows(recommendation)
+    rows += spread_rows([*spreads.values()])
+    return [*rows, *by_wear_row(scene, lives)]  # the only interval of `recommend`, on pages, too
 
 
 def _endings(recommendation: xr.Dataset) -> tuple[str, ...]:
