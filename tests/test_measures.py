@@ -37,7 +37,11 @@ from bearingwear.studies.design.figures.choice import LETTERS
 from bearingwear.studies.design.map import POINT, values_of_states
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.grid.figures.quasistatic import END_MARKS
-from bearingwear.studies.grid.interpolated import interpolable_criteria, interpolated_life
+from bearingwear.studies.grid.interpolated import (
+    Line,
+    interpolable_criteria,
+    interpolated_life,
+)
 
 PRELOAD, LIMIT = 7.0, 0.5
 LOSS = "ball_diameter_loss_um"
@@ -190,7 +194,7 @@ def test_an_interpolated_life_knows_it(name):
         | columns,
         {"ball_diameter_loss": losses},
     )
-    interpolated = interpolated_life(line, criteria, PRELOAD)
+    interpolated = interpolated_life([Line(line, PRELOAD)], criteria)
     assert CRITERIA[int(interpolated["interpolated_end_criterion"])] == name
     assert float(interpolated["interpolated_loss_at_end"]) == pytest.approx(0.35e-6, rel=1e-6)
     if name not in (LOSS, "preload_fraction"):
@@ -199,7 +203,9 @@ def test_an_interpolated_life_knows_it(name):
             interpolable_criteria(criteria, without) == {}
             and interpolable_criteria(criteria, line) == criteria
         )
-        assert np.isnan(interpolated_life(without, criteria, PRELOAD)["interpolated_life"]).all()
+        assert np.isnan(
+            interpolated_life([Line(without, PRELOAD)], criteria)["interpolated_life"]
+        ).all()
 
 
 @of_ends

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -65,8 +66,8 @@ class Duty:
 
     @property
     def cycle_s(self) -> float:
-        """Returns the time of one cycle [s]."""
-        return sum(map(self.phase_s, self.phases.values()))
+        """Returns the time of one cycle [s], the same to the last digit in any order of phases."""
+        return math.fsum(map(self.phase_s, self.phases.values()))
 
     @property
     def ramp_s(self) -> float:
@@ -168,10 +169,13 @@ def _fixed_over_duty(scene: Scene) -> dict[str, Any]:
 
 
 def phase_cases(scene: Scene) -> dict[str, Scene]:
-    """Returns the scene in each case of its duty, in the order of its phases."""
+    """Returns the scene in each case of its duty, in the order of the cases, not of the phases.
+
+    So nothing that is solved depends on the order of the phases.
+    """
     assert scene.duty is not None
-    cases = map(scene.duty.case_of, scene.duty.phases)
-    return {case: scene.in_cases[case] for case in cases}
+    cases = {*map(scene.duty.case_of, scene.duty.phases)}
+    return {name: case for name, case in scene.in_cases.items() if name in cases}
 
 
 def cases_of_use(scene: Scene) -> dict[str, Scene]:

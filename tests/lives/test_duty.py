@@ -16,7 +16,12 @@ from bearingwear.cli import main
 from bearingwear.document.document import load_document
 from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import at_speed, cycle_of, ramp_points
-from bearingwear.lives.duty.lives import DutyLife, hertzian_duty_life, worn_duty_life
+from bearingwear.lives.duty.lives import (
+    DutyLife,
+    duty_life,
+    hertzian_duty_life,
+    worn_duty_life,
+)
 from bearingwear.lives.duty.wearing import DutyCriteria, DutyGrooves, DutySurfaces
 from bearingwear.lives.grooves import EXACT_GROOVES, Grooves, StiffGrooves, follow_grooves
 from bearingwear.lives.life import life
@@ -112,9 +117,9 @@ def test_constant_rates_add_as_palmgren_and_miner_say(scene):
     changed_scene = scene("gyro_s1", HERTZ | end | {"cases": CASES} | duty(phases))
     cycle = cycle_of(changed_scene)
     rates = [loss / (live * HOUR) for live in lives]
-    duty_life = hertzian_duty_life(cycle, [SteadyRate(rate) for rate in rates])
-    assert hours(duty_life) == pytest.approx(7400.37951, abs=1e-5)  # a cycle is an hour
-    shares = cycle.shares * rates * duty_life.last.time / loss
+    found = hertzian_duty_life(cycle, [SteadyRate(rate) for rate in rates])
+    assert hours(found) == pytest.approx(7400.37951, abs=1e-5)  # a cycle is an hour
+    shares = cycle.shares * rates * found.last.time / loss
     assert_allclose(100.0 * shares, [9.86717, 28.46300, 61.66983], atol=1e-5)
 
 
@@ -152,13 +157,33 @@ def test_order_and_parts_of_phases_change_nothing(scene, changes):
     backwards = dict(reversed(MIXED.items()))
     apart = MIXED | {"nominal": {"hours": 2.5}, "later": {"hours": 4.0, "case": "nominal"}}
     doubled = {name: {"hours": 2.0 * value["hours"]} for name, value in MIXED.items()}
-    for phases in (backwards, apart, doubled):
+    other, _ = even_life(changed_scene.with_(duty(backwards)))
+    assert other.last.time == result.last.time
+    for phases in (apart, doubled):
         other, _ = even_life(changed_scene.with_(duty(phases)))
         assert other.last.time == pytest.approx(result.last.time, rel=1e-12)
         assert other.criterion == result.criterion
     cycles = result.last.time / changed_scene.duty.cycle_s
     halved = other.last.time / changed_scene.with_(duty(doubled)).duty.cycle_s
     assert halved == pytest.approx(0.5 * cycles, rel=1e-12)
+
+
+@pytest.mark.parametrize("film", [HERTZ | FILM, WORN | FILM], ids=["even", "worn"])
+def test_order_of_phases_changes_nothing_beyond_a_film(scene, film):
+    """Beyond the wear-through, the last digit of a rate would change the seventh of the life."""
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.06}}
+    cases = CASES | {"hot": {"friction.film.bare_ball_race": 0.3}}
+    phases = {"fast": {"hours": 0.1}, "hot": {"hours": 0.7, "starts": 1.0}, "idle": {"hours": 0.3}}
+    backwards = dict(reversed(phases.items()))
+    ramps = {"start_s": 20.0, "stop_s": 60.0}
+    changed_scene = scene("gyro_s1", film | POSITION | end | {"cases": cases})
+    results = [
+        duty_life(changed_scene.with_(duty(of_order, **ramps))) for of_order in (phases, backwards)
+    ]
+    one, other = (result.life for result in results)
+    assert one.last.states[0]["film_left"].min() <= 0.0
+    assert one.last.time == other.last.time > 0.0
+    assert results[0].ending_case == results[1].ending_case
 
 
 # phases by their own histories
@@ -455,11 +480,11 @@ def test_grooves_wear_in_all_phases_at_once(scene, film):
     cases = {name: case for name, case in CASES.items() if name != "hot"}
     changed_scene = scene("gyro_s1", WORN | POSITION | film | end | {"cases": cases} | duty(MIXED))
     cycle = cycle_of(changed_scene)
-    duty_life = worn_duty_life(cycle)
-    left = duty_life.last.states[0].values.get("film_left", np.zeros(3))
+    mixed_life = worn_duty_life(cycle)
+    left = mixed_life.last.states[0].values.get("film_left", np.zeros(3))
     assert (left.min() < 0.0) == bool(film)
     spans = np.array([phase["hours"] for phase in MIXED.values()])
-    spans *= duty_life.last.time / CYCLES / spans.sum()
+    spans *= mixed_life.last.time / CYCLES / spans.sum()
     mixed = DutyGrooves(cycle)
 
     def plus(worn, span, rates):
@@ -473,9 +498,9 @@ def test_grooves_wear_in_all_phases_at_once(scene, film):
     for way in ways:
         way.states(mixed.start)  # equivalent losses count from there
     time, worn = cycles_run(ways, mixed.start, spans, spans.sum(), passed)
-    assert duty_life.last.time == pytest.approx(time, rel=5e-3)
+    assert mixed_life.last.time == pytest.approx(time, rel=5e-3)
     deepest = worn[0].grooves.max(axis=1)
-    assert_allclose(duty_life.last.worn[0].grooves.max(axis=1), deepest, rtol=1e-2)
+    assert_allclose(mixed_life.last.worn[0].grooves.max(axis=1), deepest, rtol=1e-2)
 
 
 @pytest.mark.parametrize("thickness", [0.02, 0.07])

@@ -3,6 +3,7 @@
 theory.md section 27.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -67,9 +68,9 @@ class Cycle:
 
     @property
     def shares(self) -> np.ndarray:
-        """Weights (conditions,) of the rates in the mean over a cycle."""
-        shares: np.ndarray = (self.running + self.starting).sum(axis=0)
-        return shares
+        """Weights (conditions,) of the rates in the mean over a cycle, in any order of phases."""
+        of_conditions = np.concatenate([self.running, self.starting]).T
+        return np.array([math.fsum(shares) for shares in of_conditions])
 
 
 def cycle_of(scene: Scene, points: int = 2) -> Cycle:
@@ -110,7 +111,14 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
     from bearingwear.lives.duty.warm import warm_start  # loads slowly; few lives need it
 
     scenes, running, starting = [*cycle.scenes], cycle.running.copy(), cycle.starting
-    for k, (case, phase) in enumerate(zip(cycle.case_of_phase, duty.phases.values(), strict=True)):
+    phases = [*zip(cycle.case_of_phase, duty.phases.values(), strict=True)]
+
+    def order(k: int) -> tuple[float, ...]:
+        case, phase = phases[k]
+        return case, phase.hours, phase.starts
+
+    for k in sorted(range(len(phases)), key=order):  # of conditions, whatever that of the phases
+        case, phase = phases[k]
         if not phase.starts:
             continue
         longest = duty.running_s(phase) / phase.starts

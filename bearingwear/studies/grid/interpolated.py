@@ -1,7 +1,7 @@
 """Wear life between the cases of a study, without a solve."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -36,42 +36,44 @@ INTERPOLATED = table(
 )  # fmt: skip
 
 
-def interpolated_life(
-    line: xr.Dataset, criteria: Mapping[str, float], preload_N: float
-) -> xr.Dataset:
+class Line(NamedTuple):
+    """Cases of one condition over the loss, at one preload method and friction coefficient."""
+
+    cases: xr.Dataset  # over `ball_diameter_loss`; from the first unsolved one on, not used
+    preload_N: float | None  # of new bearings; None where no criterion ends a life
+    share: float = 1.0  # of the time of a cycle
+
+
+def interpolated_life(lines: Sequence[Line], criteria: Mapping[str, float]) -> xr.Dataset:
     """Returns the wear life from the cases along one line of the grid.
 
-    line: one preload method and friction coefficient of a study: cases over `ball_diameter_loss`.
-        Cases from the first unsolved one on are not used.
+    lines: of the only condition, or of each condition of a duty: the life is by the mean of their
+        loss rates, and the first criterion met in any of them ends it.
     criteria: limits by the names of `CRITERIA`; those that the cases do not contain
         (`interpolable_criteria`) are ignored.
 
     Returns: interpolated_life [h], NaN where no criterion is met on the line;
         interpolated_end_criterion, interpolated_loss_at_end [m]; and the history over
-        `interpolated_step` up to the end.
+        `interpolated_step` up to the end, of the condition that ends the life.
     """
-    losses = line["ball_diameter_loss"].values
-    usable = int(np.cumprod(line["status"].values == OK).sum())
+    losses = lines[0].cases["ball_diameter_loss"].values
+    usable = min(int(np.cumprod(line.cases["status"].values == OK).sum()) for line in lines)
     steps = POINTS_PER_INTERVAL * (len(losses) - 1) + 1
     loss = np.linspace(losses[0], losses[max(usable, 1) - 1], steps)
     time = np.full(steps, np.nan)
     preload = np.full(steps, np.nan)
     end, criterion = np.nan, "none"
     if usable > 1 and losses[0] == 0.0:
-        usable_criteria = interpolable_criteria(criteria, line)
-        names = {"residual_preload", "ball_diameter_loss_rate"}
-        for name in usable_criteria:
-            names |= {variable for variable in ENDS[name].variables if variable in line}
-        fine = (
-            line[sorted(names - set(line.coords))]
-            .isel(ball_diameter_loss=slice(usable))
-            .interp(ball_diameter_loss=loss, method="pchip")
-            .transpose("ball_diameter_loss", ...)
-        )
-        in_metres = fine.assign_coords(ball_diameter_loss=loss * MICROMETRE)
-        end, criterion = _first_met(loss, _margins(in_metres, usable_criteria, preload_N))
-        preload = fine["residual_preload"].values
-        slowness = 1.0 / fine["ball_diameter_loss_rate"].values
+        rate, ends = np.zeros(steps), []
+        for line in lines:
+            fine, usable_criteria = _between_cases(line, criteria, loss, usable)
+            rate += line.share * fine["ball_diameter_loss_rate"].values
+            if line.preload_N is not None:
+                in_metres = fine.assign_coords(ball_diameter_loss=loss * MICROMETRE)
+                margins = _margins(in_metres, usable_criteria, line.preload_N)
+                ends.append((*_first_met(loss, margins), fine["residual_preload"].values))
+        end, criterion, preload = min(ends, key=lambda item: (np.isnan(item[0]), item[0]))
+        slowness = 1.0 / rate
         mean = 0.5 * (slowness[1:] + slowness[:-1])
         time[0] = 0.0
         time[1:] = np.cumsum(mean * np.diff(loss)) * MICROMETRE / SECONDS_PER_HOUR
@@ -91,6 +93,24 @@ def interpolated_life(
         "interpolated_history_residual_preload": preload,
     }
     return dataset_of_rows(INTERPOLATED, {}, [values])
+
+
+def _between_cases(
+    line: Line, criteria: Mapping[str, float], loss: np.ndarray, usable: int
+) -> tuple[xr.Dataset, dict[str, float]]:
+    """Returns the cases interpolated at each loss [um], and the criteria of which they know."""
+    cases = line.cases
+    usable_criteria = {} if line.preload_N is None else interpolable_criteria(criteria, cases)
+    names = {"residual_preload", "ball_diameter_loss_rate"}
+    for name in usable_criteria:
+        names |= {variable for variable in ENDS[name].variables if variable in cases}
+    fine = (
+        cases[sorted(names - set(cases.coords))]
+        .isel(ball_diameter_loss=slice(usable))
+        .interp(ball_diameter_loss=loss, method="pchip")
+        .transpose("ball_diameter_loss", ...)
+    )
+    return fine, usable_criteria
 
 
 def interpolable_criteria(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, float]:

@@ -3,7 +3,8 @@
 Both integrate d(loss)/dt = rate(loss) to the first end-of-life criterion. The first route solves
 the contact at every step and bounds its own error. The second interpolates rates and criteria
 between the cases of the study: it requires no solve, and its error is that of the grid, which the
-first route measures.
+first route measures. Over a duty, it requires the cases of the other conditions of a cycle at the
+same losses, which are solved here.
 """
 
 import json
@@ -12,20 +13,26 @@ from pathlib import Path
 
 import xarray as xr
 
+from bearingwear.lives.duty.lives import cycle_with_enough_points
 from bearingwear.lives.life import life
+from bearingwear.results.kinds import ONLY_IN_CASES
 from bearingwear.results.netcdf import dataset, load
 from bearingwear.results.warnings import merged_warnings
 from bearingwear.results.words import datasets_by_bearing
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.read import load_scene, variant
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.sides import OF_ARRANGEMENT
+from bearingwear.solvers.solve import solve
+from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.dataset import stacked_dataset
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Case, Grid
 from bearingwear.studies.grid.interpolated import (
     NOT_INTERPOLATED,
+    Line,
     interpolable_criteria,
     interpolated_life,
 )
@@ -58,9 +65,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
             line = study.isel(preload_method=i, friction=j, drop=True)
             line = _with_arrangement_stiffness(line, scene.operation.preload_method)
             not_interpolated |= criteria.keys() - interpolable_criteria(criteria, line).keys()
-            interpolated.append(
-                interpolated_life(_interpolable(line, scene), criteria, scene.operation.preload_N)
-            )
+            interpolated.append(interpolated_life(_lines(line, scene), criteria))
     coords = axis_coordinates(grid)
     del coords["ball_diameter_loss"]
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
@@ -103,15 +108,39 @@ def _with_arrangement_stiffness(line: xr.Dataset, preload_method: str) -> xr.Dat
     return line
 
 
-def _interpolable(line: xr.Dataset, scene: Scene) -> xr.Dataset:
-    """Returns the cases between which a life can be interpolated.
+def _lines(line: xr.Dataset, scene: Scene) -> list[Line]:
+    """Returns the cases between which a life is interpolated, of each condition of a duty if any.
 
-    Two bearings that differ wear at different rates, and the cases are those of the nominal
-    condition, not of a duty: then only their first case is left, which gives no life.
+    Two bearings that differ wear at different rates: then only their first case is left, which
+    gives no life.
     """
     bearing, cases = next(iter(datasets_by_bearing(line).items()))
-    has_life = bearing is None and scene.duty is None
-    return cases if has_life else cases.isel(ball_diameter_loss=slice(1))
+    first_alone = [Line(cases.isel(ball_diameter_loss=slice(1)), scene.operation.preload_N)]
+    if bearing is not None:
+        return first_alone
+    if scene.duty is None:
+        return [Line(cases, scene.operation.preload_N)]
+    cycle = cycle_with_enough_points(scene)
+    if cycle.bearings > 1:
+        return first_alone
+    losses, lines = line["ball_diameter_loss"], []
+    for k, (condition, share) in enumerate(zip(cycle.scenes, cycle.shares.tolist(), strict=True)):
+        if k >= len(cycle.cases):  # on the way to a speed
+            lines.append(Line(_cases_at(losses, condition), None, share))
+            continue
+        phase = scene.in_cases[cycle.cases[k]]
+        of_phase = cases if cycle.cases[k] == NOMINAL else _cases_at(losses, phase)
+        lines.append(Line(of_phase, phase.operation.preload_N, share))
+    return lines
+
+
+def _cases_at(losses: xr.DataArray, scene: Scene) -> xr.Dataset:
+    """Returns the cases of a condition over losses [um]: of its bearing, or of one of two alike."""
+    key = GRID_KEYS["ball_diameter_loss"]
+    solved = [dataset(solve(scene.with_({key: loss}))) for loss in losses.values.tolist()]
+    stacked = stacked_dataset(solved, {"ball_diameter_loss": len(solved)}, ONLY_IN_CASES)
+    (cases,) = datasets_by_bearing(stacked.assign_coords(ball_diameter_loss=losses)).values()
+    return _with_arrangement_stiffness(cases, scene.operation.preload_method)
 
 
 def _is_comparable(lives: xr.Dataset, not_interpolated: Collection[str]) -> xr.DataArray:

@@ -112,8 +112,8 @@ def _interpolation_lines(lives: xr.Dataset) -> list[str]:
     if bool(lives["life_route_difference"].isnull().any()):
         sentences.append(
             "A dash marks a life that cannot be interpolated between the cases. Such a life was "
-            "computed with worn grooves, over a duty or for two different bearings, or the cases "
-            "do not contain its end-of-life criterion."
+            "computed with worn grooves or for two different bearings, or the cases do not contain "
+            "its end-of-life criterion."
         )
     if unknown:
         sentences.append(f"Criteria that the cases do not contain: {', '.join(unknown)}.")

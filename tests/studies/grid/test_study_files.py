@@ -20,7 +20,7 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.grid.gather import study
 from bearingwear.studies.grid.grid import Grid
-from bearingwear.studies.grid.interpolated import interpolated_life
+from bearingwear.studies.grid.interpolated import Line, interpolated_life
 from bearingwear.studies.grid.life import study_life, wear_life
 from bearingwear.studies.unsolved import verdict
 
@@ -225,7 +225,8 @@ def ending(life) -> str:
 
 def test_a_life_at_a_constant_rate_is_loss_over_rate():
     interpolated = interpolated_life(
-        line_of(LOSSES, 1e-12, 7.0), {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7}, 7.0
+        [Line(line_of(LOSSES, 1e-12, 7.0), 7.0)],
+        {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7},
     )
     assert ending(interpolated) == "ball_diameter_loss_um"
     assert_allclose(interpolated["interpolated_loss_at_end"], 0.7e-6, rtol=1e-12)
@@ -238,7 +239,7 @@ def test_a_life_at_a_constant_rate_is_loss_over_rate():
 def test_life_at_a_falling_rate_ends_where_the_preload_does():
     # rate proportional to 1/(1 + x): time is the integral of (1 + x)
     line = line_of(LOSSES, 1e-12 / (1.0 + LOSSES), 7.0 * (1.0 - LOSSES))
-    interpolated = interpolated_life(line, {"preload_fraction": 0.4}, 7.0)
+    interpolated = interpolated_life([Line(line, 7.0)], {"preload_fraction": 0.4})
     x = 0.6
     assert ending(interpolated) == "preload_fraction"
     assert_allclose(interpolated["interpolated_loss_at_end"], x * 1e-6, rtol=1e-9)
@@ -256,14 +257,16 @@ def test_the_first_criterion_ends_the_life():
     }
     line = line_of(LOSSES, 1e-12, 7.0 * (1.0 - LOSSES), share=LOSSES, skid=-LOSSES / 4.0)
     interpolated = interpolated_life(
-        line, criteria, 7.0
+        [Line(line, 7.0)], criteria
     )  # skid at 0.4, share at 0.5, preload at 0.6
     assert ending(interpolated) == "skid_ratio"
     assert_allclose(interpolated["interpolated_loss_at_end"], 0.4e-6, rtol=1e-9)
 
 
 def test_a_criterion_met_at_once_is_a_life_of_nothing():
-    interpolated = interpolated_life(line_of(LOSSES, 1e-12, 2.0), {"preload_fraction": 0.4}, 7.0)
+    interpolated = interpolated_life(
+        [Line(line_of(LOSSES, 1e-12, 2.0), 7.0)], {"preload_fraction": 0.4}
+    )
     assert np.all(interpolated["interpolated_life"] == 0.0)
 
 
@@ -280,7 +283,7 @@ def test_a_criterion_met_at_once_is_a_life_of_nothing():
     ],
 )
 def test_no_life_where_the_study_does_not_reach(line, criteria):
-    interpolated = interpolated_life(line, criteria, 7.0)
+    interpolated = interpolated_life([Line(line, 7.0)], criteria)
     assert np.all(np.isnan(interpolated["interpolated_life"]))
     assert ending(interpolated) == "none"
 
@@ -294,6 +297,78 @@ def test_both_routes_agree(folder):
     assert np.all(abs(solved["life_route_difference"].sel(preload_method=0)) < 1e-6)  # no change
     assert np.all(abs(solved["life_route_difference"]) < 0.03)  # three states of wear only
     assert "history_residual_preload" in lives
+
+
+def cases_and_lives(scene, losses, folder):
+    """Lives of a scene by two routes, between cases at some losses and the friction 0.08."""
+    from bearingwear.results.netcdf import write_result
+    from bearingwear.studies.grid.grid import Case
+    from bearingwear.studies.solve import solved_variants
+
+    mine = folder / "mine.yaml"
+    mine.write_text(json.dumps(scene.to_dict()), encoding="utf-8")
+    cases = [Case(method, 0.08, loss) for method in PRELOAD_METHODS for loss in losses]
+    paths = [folder / f"{case.id}.nc" for case in cases]
+    for path, result in zip(
+        paths, solved_variants(mine, [case.changes for case in cases]), strict=True
+    ):
+        write_result(result, path)
+    return wear_life(mine, study(paths))
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [{}, {"arrangement": {"kind": "spring_pair"}}, {"wear.counts": "ball"}],
+    ids=["single", "pair", "balls"],
+)
+def test_both_routes_agree_over_a_duty(kind, tmp_path):
+    """As without a duty: the grid of 0.1 um gives lives to 0.2 %."""
+    from bearingwear.scene.read import load_scene
+
+    changes = {
+        "uncertainty": None,
+        "cage": None,
+        "model.contact": "hertz",
+        "cases": {
+            "idle": {"operation.shaft_speed_rpm": 6000.0},
+            "hot": {"friction.ball_race": 0.05, "operation.shaft_speed_rpm": 36000.0},
+        },
+    }
+    phases = {
+        "idle": {"hours": 1.0, "starts": 2.0},
+        "nominal": {"hours": 6.5},
+        "hot": {"hours": 0.5},
+    }
+    alone = load_scene(scene_file("gyro_s1")).with_(changes | kind)
+    over_duty = alone.with_({"duty": {"phases": phases, "start_s": 200.0, "stop_s": 600.0}})
+    losses = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]
+    lives = cases_and_lives(over_duty, losses, tmp_path)
+    assert np.all(abs(lives["life_route_difference"]) < 2e-3)
+    assert np.all(lives["interpolated_end_criterion"] == lives["end_criterion"])
+    ends = lives["interpolated_history_residual_preload"].isel(interpolated_step=-1)
+    left = lives["history_residual_preload"].isel(preload_method=1)
+    # of the phase that ends the life, and not the nominal one
+    assert_allclose(ends.isel(preload_method=1), left.min(), rtol=1e-2)
+    one_phase = alone.with_({"duty": {"phases": {"nominal": {"hours": 3.0}}}})
+    of_one, of_none = (cases_and_lives(item, losses, tmp_path) for item in (one_phase, alone))
+    assert np.all(of_one["interpolated_life"] == of_none["interpolated_life"])
+    assert np.all(abs(lives["interpolated_life"] / of_none["interpolated_life"] - 1.0) > 0.1)
+
+
+def test_a_phase_that_tells_bearings_apart_has_no_interpolated_life(tmp_path):
+    from bearingwear.scene.read import load_scene
+
+    changes = {
+        "uncertainty": None,
+        "cage": None,
+        "model.contact": "hertz",
+        "arrangement": {"kind": "spring_pair"},
+        "cases": {"pushed": {"arrangement.external_axial_N": 1.0}},
+        "duty": {"phases": {"nominal": {"hours": 1.0}, "pushed": {"hours": 1.0}}},
+    }
+    scene = load_scene(scene_file("gyro_s1")).with_(changes)
+    lives = cases_and_lives(scene, [0.0, 0.35, 0.7], tmp_path)
+    assert np.all(lives["status"] == OK) and bool(lives["interpolated_life"].isnull().all())
 
 
 @pytest.mark.parametrize("force", [0.0, 1.0])
