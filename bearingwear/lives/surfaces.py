@@ -5,7 +5,7 @@ surface wears, on how deep that is.
 """
 
 from collections.abc import Iterable, Mapping
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -200,11 +200,15 @@ class Surfaces:
         ]
         self.start = np.concatenate([bearing.start for bearing in self.bearings])
         self.origin, self.range = 0.0, sum(bearing.loss_range for bearing in self.bearings)
+        ends = [0, *accumulate(bearing.start.size for bearing in self.bearings)]
+        self._parts = [
+            (bearing, slice(*part))
+            for bearing, part in zip(self.bearings, pairwise(ends), strict=True)
+        ]
 
     def with_wear(self, worn: np.ndarray) -> list[tuple[EvenWear, np.ndarray]]:
         """Returns each bearing with its part of the wear."""
-        ends = [*accumulate(bearing.start.size for bearing in self.bearings)]
-        return [*zip(self.bearings, np.split(worn, ends[:-1]), strict=True)]
+        return [(bearing, worn[part]) for bearing, part in self._parts]
 
     def state(self, worn: np.ndarray) -> States:
         """Returns the bearings with some wear, or why they are not solved."""
@@ -232,14 +236,14 @@ class Surfaces:
 
     def events(self, node: Node) -> np.ndarray:
         """Returns the share of the largest loss that is left, then that of each film."""
+        with_wear = self.with_wear(node.worn)
         losses_left = [
-            1.0 - bearing.condition(part).loss / bearing.largest_loss
-            for bearing, part in self.with_wear(node.worn)
+            1.0 - bearing.condition(part).loss / bearing.largest_loss for bearing, part in with_wear
         ]
         films_left = [
-            coating.share_left(depths)
-            for coating, depths in self.films_at(node.worn)
-            if depths.size
+            bearing.coating.share_left(bearing.depths(part))
+            for bearing, part in with_wear
+            if bearing.coating.new_thickness.size
         ]
         return np.concatenate([[min(losses_left)], *films_left])
 

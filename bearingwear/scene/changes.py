@@ -44,7 +44,7 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
     SceneError where a key is below something that is no block.
     """
     result = dict(data)
-    for key, value in {**changes, **_joined_keys(data, changes)}.items():
+    for key, value in {**changes, **joined_keys(data, changes)}.items():
         *blocks, last = key.split(".")
         block: dict[str, Any] = result
         for depth, name in enumerate(blocks, 1):
@@ -64,7 +64,7 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
     return result
 
 
-def _joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+def joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the changes that a new preload method or a new kind of a pair implies."""
     arrangement = data.get("arrangement")
     pair = arrangement if isinstance(arrangement, Mapping) else {}

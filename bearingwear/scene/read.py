@@ -7,17 +7,16 @@ import difflib
 import os
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from bearingwear.scene.accuracy import REGULARISATION, Model, accuracy_preset, slip_is_over
 from bearingwear.scene.blocks import OF_CAGE
-from bearingwear.scene.changes import KEY, changes_of, error_of_change, with_changes
+from bearingwear.scene.changes import KEY, changes_of, error_of_change, joined_keys, with_changes
 from bearingwear.scene.checking.check import (
     build_record,
+    changed_record,
     checked_data,
-    checked_fields,
     fits,
     record,
 )
@@ -307,9 +306,9 @@ def variant(source: Source, changes: Mapping[str, Any]) -> Scene:
     """
     if (
         isinstance(source, Scene)
-        and (with_new_blocks := _with_new_blocks(source, changes)) is not None
+        and (with_new_values := _with_new_values(source, changes)) is not None
     ):
-        return with_new_blocks
+        return with_new_values
     data, name = as_data(source)
     return changed_scene(data, changes, name)
 
@@ -320,12 +319,14 @@ _CHECKED_ALONE = {
 }
 """Blocks on which nothing elsewhere depends but what a scene checks when it is made."""
 
+_SCENE_FILE = file_part(Scene)
+
 _END = "wear.end_of_life"
 """Decides, with limits of the cage, the accuracy of the motion in time."""
 
 
-def _with_new_blocks(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
-    """Returns the changed scene with only the changed blocks checked and built; five times as fast.
+def _with_new_values(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
+    """Returns the changed scene with only the changed values checked; ten times as fast.
 
     None where other blocks depend on them, or where a value is wrong: a full check then reports it.
     """
@@ -333,11 +334,14 @@ def _with_new_blocks(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
     names = {key.partition(".")[0] for key in changes}
     if not (only_keys and names <= _CHECKED_ALONE and _is_checked(scene)):
         return None
-    blocks = {name: getattr(scene, name) for name in names}
-    plain = {name: plain_data(block) for name, block in blocks.items() if block is not None}
+    pair = {"arrangement": plain_data(scene.arrangement)} if scene.arrangement is not None else {}
+    new_values = {
+        tuple(key.split(".")): value
+        for key, value in {**changes, **joined_keys(pair, changes)}.items()
+    }
     regularisation_given = REGULARISATION in changes or regularisation_is_given(scene)
     try:
-        changed = replace(scene, **checked_fields(Scene, with_changes(plain, changes)))
+        changed = changed_record(scene, _SCENE_FILE, new_values)
         return _with_checked_cases(with_regularisation(changed, regularisation_given))
     except ValueError:
         return None

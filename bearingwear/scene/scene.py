@@ -347,6 +347,9 @@ def _block_and_json(block: Any) -> tuple[Any, str]:
     return kept[1:]
 
 
+_name_as_json = functools.lru_cache(maxsize=1024)(json.dumps)
+
+
 def _mapping_and_json(mapping: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     """Returns plain data and JSON of a mapping of blocks, mappings and values."""
     plain, texts = {}, []
@@ -358,7 +361,7 @@ def _mapping_and_json(mapping: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
         else:
             plain[name] = plain_data(part)
             text = json.dumps(plain[name])
-        texts.append(f"{json.dumps(name)}: {text}")
+        texts.append(f"{_name_as_json(name)}: {text}")
     return plain, f"{{{', '.join(texts)}}}"
 
 

@@ -45,7 +45,7 @@ def test_variants_are_what_set_makes():
         {"wear.end_of_life.pocket_clearance_mm": 0.3, "cage.pocket_clearance_mm": 0.11},
     ],
 )
-def test_new_blocks_of_a_checked_scene_are_those_of_its_file(changes):
+def test_new_values_of_a_checked_scene_are_those_of_its_file(changes):
     scene, expected = load_scene(S1).with_(changes), variant(S1, changes)
     assert scene == expected and scene.json == expected.json
 

@@ -17,6 +17,7 @@ import numbers
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from bearingwear.scene.checking.errors import (
@@ -71,19 +72,47 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
     raise SceneError(first.key, first.problem, further=tuple(further))
 
 
-def checked_fields(record_type: type, data: Mapping[str, Any]) -> dict[str, Any]:
-    """Builds the values of some fields of a record from plain data.
+def changed_record(record: Any, part: Part, changes: Mapping[tuple[str, ...], Any]) -> Any:
+    """Returns a checked record with some values replaced, which alone are checked.
 
-    SceneError: a fault in them; `checked_data` of all fields reports it in context.
+    part: where the record stands.
+    changes: new values by their paths below the record, `("bearing", "ball_count")`.
+
+    ValueError: a value that does not fit, or a path that does not lead to one; `checked_data` of
+    all values reports it in context.
     """
-    file = file_part(record_type)
-    plain, parts = _plain_copy(data, "", 0, file), file.below
-    for name, value in plain.items():
-        for _, error in _faults(value, parts[name], name, file):
-            raise error
-    return {
-        parts[name].field: _field_value(value, parts[name], name) for name, value in plain.items()
-    }
+    by_name: dict[str, dict[tuple[str, ...], Any]] = {}
+    for (name, *path), value in changes.items():
+        by_name.setdefault(name, {})[tuple(path)] = value
+    is_mapping = isinstance(record, Mapping)
+    new_values = {}
+    for name, inner_changes in by_name.items():
+        is_whole = () in inner_changes
+        inner_part = part.item if is_mapping else part.below.get(name)
+        if (
+            inner_part is None
+            or record is None
+            or (is_mapping and name not in record)
+            or (is_whole and len(inner_changes) > 1)
+        ):
+            raise ValueError(f"{name}: got changes of what the record does not have")
+        field_name = name if is_mapping else inner_part.field
+        if is_whole:
+            new_values[field_name] = _checked_value(inner_changes[()], inner_part)
+        else:
+            inner = record[name] if is_mapping else getattr(record, field_name)
+            new_values[field_name] = changed_record(inner, inner_part, inner_changes)
+    return {**record, **new_values} if is_mapping else replace(record, **new_values)
+
+
+def _checked_value(value: Any, part: Part) -> Any:
+    """Returns a value of the type of its field. ValueError: it does not fit, or omits its key."""
+    if value is None:
+        raise ValueError("got no value")
+    plain = _plain_copy(value, "", 0, part)
+    for _, error in _faults(plain, part, "", part):
+        raise error
+    return _field_value(plain, part, "")
 
 
 def _plain_copy(value: Any, path: str, depth: int, file: Part) -> Any:
