@@ -43,7 +43,12 @@ from bearingwear.solvers.condition import (
 )
 from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.steady import Steady
-from bearingwear.solvers.thermal import HEAT_BALANCED
+from bearingwear.solvers.thermal import (
+    HEAT_BALANCED,
+    HeatFlow,
+    Warmed,
+    find_joint_heat_balance,
+)
 from bearingwear.solvers.warm import Warm, preload_spread
 
 _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
@@ -51,6 +56,8 @@ NEAR_START = 1e-4  # of the range: accuracy of the start
 _NEWTON_STEPS = 6
 _WIDEST = 60  # doublings of the range in which the rotor is searched for
 _MOST_BALANCES = 3
+NO_BALANCE_ALONE = (code.WARM_SEIZURE, code.NO_HEAT_BALANCE, code.NOT_CONVERGED)
+"""Statuses of a rotor of which one bearing may have had no temperatures at a place by itself."""
 WARM_BALANCED = 0.1 * HEAT_BALANCED  # unbalanced force while temperatures are sought
 
 
@@ -189,14 +196,41 @@ class OnRotor:
         if not any(isinstance(side, Warm) for side in self.sides):
             return self._balanced(self.sides, conditions, tolerance)
         rough = self._balanced(self.sides, conditions, max(tolerance, WARM_BALANCED))
-        if rough.status not in USABLE:
+        if rough.status in USABLE:
+            # the last steps, at temperatures that are accurate enough
+            balances = [solution.warmed for solution in rough.sides]
+            return self._balanced(self._at_balances(balances), conditions, tolerance)
+        joint = self._joint_balances(conditions) if rough.status in NO_BALANCE_ALONE else None
+        if joint is None:
             return rough
-        # the last steps, at temperatures that are accurate enough
-        warm_sides = tuple(
-            Warm(side.solver, solution.warmed) if isinstance(side, Warm) else side
-            for side, solution in zip(self.sides, rough.sides, strict=True)
+        together = self._balanced(self._at_balances(joint), conditions, tolerance)
+        return together if together.status in USABLE else rough
+
+    def _at_balances(self, balances: Sequence[Warmed | None]) -> tuple[Solver, ...]:
+        """Returns the sides at temperatures that are found."""
+        return tuple(
+            Warm(side.solver, balance) if isinstance(side, Warm) else side
+            for side, balance in zip(self.sides, balances, strict=True)
         )
-        return self._balanced(warm_sides, conditions, tolerance)
+
+    def _joint_balances(self, conditions: Conditions) -> list[Warmed | None] | None:
+        """Returns the temperatures of both bearings, sought together; None if none are found."""
+        warm = [k for k, side in enumerate(self.sides) if isinstance(side, Warm)]
+
+        def balances(warmed: Sequence[Warmed]) -> list[Warmed | None]:
+            of_sides = dict(zip(warm, warmed, strict=True))
+            return [of_sides.get(k) for k in range(len(self.sides))]
+
+        def heats(scenes: Sequence[Scene]) -> list[HeatFlow] | None:
+            sides = self._at_balances(balances([Warmed.as_given(scene) for scene in scenes]))
+            state = self._balanced(sides, conditions, WARM_BALANCED)
+            if state.status not in USABLE:
+                return None
+            return [sides[k].heat(state.sides[k]) for k in warm]
+
+        error = max(self.sides[k].heat_error for k in warm)
+        found = find_joint_heat_balance([self.sides[k].scene for k in warm], heats, error)
+        return None if found is None else balances(found)
 
     def _balanced(
         self, sides: tuple[Solver, ...], conditions: Conditions, tolerance: float

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from support import SLOW_HOUSING, benchmark, warm_spindle
 
+import bearingwear
 from bearingwear.kernels import status as code
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.compose import solver_of
@@ -49,6 +50,28 @@ def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
     assert np.abs(last - steady["part_temperature"][:3]).max() < transient.SETTLED_TO * rise
     assert_allclose(warming.instants[-1].states[0]["residual_preload"], steady["residual_preload"],
         rtol=1e-2)  # fmt: skip
+
+
+def test_a_bearing_that_runs_away_alone_does_not_with_the_other():
+    """Held at the first place of the rotor, the first bearing has no balance of its heat.
+
+    Trial 147 of `benchmarks/random_warmups.py`, seed 1.
+    """
+    scene = bearingwear.new(
+        bore=40, outside=68, contact_angle=25, speed=0.495e6 / 54, preload_method="fixed_position"
+    )
+    pair = {"kind": "rigid_pair", "orientation": "face_to_face", "external_axial_N": 110.0}
+    conductances = {"inner_ring_shaft": 0.362, "outer_ring_housing": 1.18, "ball_race": 0.312}
+    capacities = {"inner_ring": 35.8, "balls": 15.6, "outer_ring": 35.8}
+    network = {"conductance_W_K": conductances, "heat_capacity_J_K": capacities}
+    network |= {"shaft_C": 21.744441001968976, "housing_C": 33.04795301727553}
+    scene = scene.with_({"operation.preload_N": 250.8, "arrangement": pair, "thermal": network})
+    steady = solve(scene)
+    warming = warm_up(scene, ramp(0.0))
+    assert steady.status == "ok" and warming.status == code.OK
+    T = np.array(steady.values["part_temperature"])[:, :3]
+    assert np.abs(warming.instants[-1].temperatures - T).max() < 1e-3 * np.abs(T - 20.0).max()
+    assert steady.values["heat_flow_residual"].max() < 1e-6
 
 
 def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
