@@ -67,6 +67,7 @@ class RotorState(NamedTuple):
     status: int
     sides: tuple[SolvedBearing, ...] = ()
     shift: float = math.nan  # of the rotor from where it was mounted, towards +X [m]
+    travel: float = math.nan  # of the spring from where it was mounted; 0 without one [m]
     stiffness: float = math.nan  # axial, of the arrangement, dynamic [N/m]
     quasistatic: float = math.nan  # axial, of the arrangement, quasi-static [N/m]
 
@@ -75,6 +76,7 @@ class RotorState(NamedTuple):
         """Returns result variables of the arrangement, without a stiffness that is not known."""
         values = {
             "rotor_axial_shift": self.shift,
+            "spring_travel": self.travel,
             "system_axial_stiffness": self.stiffness,
             "system_quasistatic_axial_stiffness": self.quasistatic,
         }
@@ -85,16 +87,18 @@ def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> Rotor
     """Returns a bearing as half of a symmetric pair.
 
     At a fixed position both bearings hold the rotor, which stays where it is. A spring has no
-    stiffness here, and the rotor follows the bearing.
+    stiffness here, and the rotor follows the bearing; the sliding ring moves twice as far.
 
     mounted: axial displacement at mounting [m].
     """
     method = scene.operation.preload_method
     holding = bearings_holding(method)
+    shift = 0.0 if method == "fixed_position" else solution.place - mounted
     return RotorState(
         status=solution.status,
         sides=(solution,),
-        shift=0.0 if method == "fixed_position" else solution.place - mounted,
+        shift=shift,
+        travel=2.0 * shift,
         stiffness=holding * solution.stiffness,
         quasistatic=holding * solution.quasistatic,
     )
@@ -354,8 +358,11 @@ class OnRotor:
             self.nearby.remember_rough(losses, place)
         states = trial.states
         status = next((state.status for state in states if state.status != code.OK), code.OK)
-        shift = states[0].place - self.sides[0].mounted
-        return self.with_sides(states, RotorState(status, states, shift))
+        shifts = [
+            state.place - side.mounted for state, side in zip(states, self.sides, strict=True)
+        ]
+        travel = 0.0 if self.arrangement.kind == "rigid_pair" else sum(shifts)
+        return self.with_sides(states, RotorState(status, states, shifts[0], travel))
 
     def with_sides(self, sides: tuple[SolvedBearing, ...], state: RotorState) -> RotorState:
         """Returns the state with other solutions of the bearings."""
@@ -442,6 +449,8 @@ def pair_case(
     if a.kind != "rigid_pair":
         spring = PreloadSpring(float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM)
     values = stacked_sides(side_values) | state.values
+    if a.kind == "rigid_pair":
+        values.pop("spring_travel", None)
     values |= {
         "lift_off_force": AxialRotor((resting[0], resting[1]), mounted, spring).opening_force,
         "rotor_balance_residual": rotor_balance(scene, mounted, side_values),
