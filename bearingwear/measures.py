@@ -272,6 +272,15 @@ MEASURES = (
             "which the life ends", "(0, 50000]"),
         limit=("Maximum axial shift of the rotor from its mounted position", "(0, 50000]"),
         option="--shift", mark="<", letter="R"),
+    Measure(key="spring_travel_um", words="travel of the preload spring", label="spring travel",
+        unit="um", variables=("spring_travel",),
+        advice="keep the temperatures of the rings closer together, or use a smaller span",
+        limit=("Maximum travel of the preload spring from where it was mounted, in either "
+            "direction", "(0, inf)"),
+        note="the room that the sliding ring requires; zero in a rigid pair, and a single bearing "
+            "counts as half of a symmetric pair",
+        means="how far the ring on which the spring acts slides in its seat",
+        option="--spring-travel", letter="Y"),
     Measure(key="system_axial_stiffness_N_um", words="axial stiffness of the arrangement",
         label="stiffness, arrangement", unit="N/um",
         variables=("system_axial_stiffness", "system_quasistatic_axial_stiffness"),

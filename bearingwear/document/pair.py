@@ -23,6 +23,7 @@ SYSTEM_ROWS = (
     "system_quasistatic_axial_stiffness",
     "system_axial_stiffness",
     "rotor_axial_shift",
+    "spring_travel",
     "lift_off_force",
 )
 

@@ -33,8 +33,10 @@ def phase_blocks(file: Any, scene: Mapping[str, Any]) -> list[Block]:
     lines: tuple[str, ...] = ()
     if has_starts and not causes_start_wear:
         lines = ("duty.start_s and duty.stop_s are 0: starts and stops cause no wear",)
+    has_spring = scene["operation"]["preload_method"] == "constant_force"
+    hidden = _HIDDEN if has_spring else (*_HIDDEN, "spring_travel")
     worst_rows = [
-        row for name in WORST if name not in _HIDDEN for row in _phase_rows(file, f"worst_{name}")
+        row for name in WORST if name not in hidden for row in _phase_rows(file, f"worst_{name}")
     ]
     return [
         Block("phases of the duty", phases, tuple(rows), lines),

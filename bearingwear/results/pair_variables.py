@@ -35,6 +35,9 @@ SYSTEM = table(
         label="lift-off force"),
     Variable("rotor_axial_shift", (), "m", "axial shift of the rotor from its mounted position",
         comment="positive towards +X", label="rotor shift"),
+    Variable("spring_travel", (), "m",
+        "travel of the preload spring from where it was mounted",
+        comment="positive where it extends; only of a spring pair", label="spring travel"),
     Variable("natural_frequency", ("mode",), "Hz",
         "natural frequency of the rigid rotor at standstill",
         comment="by default, the centre of mass is midway between the bearings, and "

@@ -43,7 +43,12 @@ from bearingwear.solvers.condition import (
 )
 from bearingwear.solvers.roots import brent_root
 from bearingwear.solvers.steady import Steady
-from bearingwear.solvers.thermal import HEAT_BALANCED
+from bearingwear.solvers.thermal import (
+    HEAT_BALANCED,
+    HeatFlow,
+    Warmed,
+    find_joint_heat_balance,
+)
 from bearingwear.solvers.warm import Warm, preload_spread
 
 _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
@@ -51,6 +56,8 @@ NEAR_START = 1e-4  # of the range: accuracy of the start
 _NEWTON_STEPS = 6
 _WIDEST = 60  # doublings of the range in which the rotor is searched for
 _MOST_BALANCES = 3
+NO_BALANCE_ALONE = (code.WARM_SEIZURE, code.NO_HEAT_BALANCE, code.NOT_CONVERGED)
+"""Statuses of a rotor of which one bearing may have had no temperatures at a place by itself."""
 WARM_BALANCED = 0.1 * HEAT_BALANCED  # unbalanced force while temperatures are sought
 
 
@@ -60,6 +67,7 @@ class RotorState(NamedTuple):
     status: int
     sides: tuple[SolvedBearing, ...] = ()
     shift: float = math.nan  # of the rotor from where it was mounted, towards +X [m]
+    travel: float = math.nan  # of the spring from where it was mounted; 0 without one [m]
     stiffness: float = math.nan  # axial, of the arrangement, dynamic [N/m]
     quasistatic: float = math.nan  # axial, of the arrangement, quasi-static [N/m]
 
@@ -68,6 +76,7 @@ class RotorState(NamedTuple):
         """Returns result variables of the arrangement, without a stiffness that is not known."""
         values = {
             "rotor_axial_shift": self.shift,
+            "spring_travel": self.travel,
             "system_axial_stiffness": self.stiffness,
             "system_quasistatic_axial_stiffness": self.quasistatic,
         }
@@ -78,16 +87,18 @@ def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> Rotor
     """Returns a bearing as half of a symmetric pair.
 
     At a fixed position both bearings hold the rotor, which stays where it is. A spring has no
-    stiffness here, and the rotor follows the bearing.
+    stiffness here, and the rotor follows the bearing; the sliding ring moves twice as far.
 
     mounted: axial displacement at mounting [m].
     """
     method = scene.operation.preload_method
     holding = bearings_holding(method)
+    shift = 0.0 if method == "fixed_position" else solution.place - mounted
     return RotorState(
         status=solution.status,
         sides=(solution,),
-        shift=0.0 if method == "fixed_position" else solution.place - mounted,
+        shift=shift,
+        travel=2.0 * shift,
         stiffness=holding * solution.stiffness,
         quasistatic=holding * solution.quasistatic,
     )
@@ -189,14 +200,41 @@ class OnRotor:
         if not any(isinstance(side, Warm) for side in self.sides):
             return self._balance(self.sides, conditions, tolerance)
         rough = self._balance(self.sides, conditions, max(tolerance, WARM_BALANCED))
-        if rough.status not in USABLE:
+        if rough.status in USABLE:
+            # the last steps, at temperatures that are accurate enough
+            balances = [solution.warmed for solution in rough.sides]
+            return self._balance(self._at_balances(balances), conditions, tolerance)
+        joint = self._joint_balances(conditions) if rough.status in NO_BALANCE_ALONE else None
+        if joint is None:
             return rough
-        # the last steps, at temperatures that are accurate enough
-        warm_sides = tuple(
-            Warm(side.solver, solution.warmed) if isinstance(side, Warm) else side
-            for side, solution in zip(self.sides, rough.sides, strict=True)
+        together = self._balance(self._at_balances(joint), conditions, tolerance)
+        return together if together.status in USABLE else rough
+
+    def _at_balances(self, balances: Sequence[Warmed | None]) -> tuple[Solver, ...]:
+        """Returns the sides at temperatures that are found."""
+        return tuple(
+            Warm(side.solver, balance) if isinstance(side, Warm) else side
+            for side, balance in zip(self.sides, balances, strict=True)
         )
-        return self._balance(warm_sides, conditions, tolerance)
+
+    def _joint_balances(self, conditions: Conditions) -> list[Warmed | None] | None:
+        """Returns the temperatures of both bearings, sought together; None if none are found."""
+        warm = [k for k, side in enumerate(self.sides) if isinstance(side, Warm)]
+
+        def balances(warmed: Sequence[Warmed]) -> list[Warmed | None]:
+            of_sides = dict(zip(warm, warmed, strict=True))
+            return [of_sides.get(k) for k in range(len(self.sides))]
+
+        def heats(scenes: Sequence[Scene]) -> list[HeatFlow] | None:
+            sides = self._at_balances(balances([Warmed.as_given(scene) for scene in scenes]))
+            state = self._balance(sides, conditions, WARM_BALANCED)
+            if state.status not in USABLE:
+                return None
+            return [sides[k].heat(state.sides[k]) for k in warm]
+
+        error = max(self.sides[k].heat_error for k in warm)
+        found = find_joint_heat_balance([self.sides[k].scene for k in warm], heats, error)
+        return None if found is None else balances(found)
 
     def _balance(
         self, sides: tuple[Solver, ...], conditions: Conditions, tolerance: float
@@ -320,8 +358,11 @@ class OnRotor:
             self.nearby.remember_rough(losses, place)
         states = trial.states
         status = next((state.status for state in states if state.status != code.OK), code.OK)
-        shift = states[0].place - self.sides[0].mounted
-        return self.with_sides(states, RotorState(status, states, shift))
+        shifts = [
+            state.place - side.mounted for state, side in zip(states, self.sides, strict=True)
+        ]
+        travel = 0.0 if self.arrangement.kind == "rigid_pair" else sum(shifts)
+        return self.with_sides(states, RotorState(status, states, shifts[0], travel))
 
     def with_sides(self, sides: tuple[SolvedBearing, ...], state: RotorState) -> RotorState:
         """Returns the state with other solutions of the bearings."""
@@ -408,6 +449,8 @@ def pair_case(
     if a.kind != "rigid_pair":
         spring = PreloadSpring(float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM)
     values = stacked_sides(side_values) | state.values
+    if a.kind == "rigid_pair":
+        values.pop("spring_travel", None)
     values |= {
         "lift_off_force": AxialRotor((resting[0], resting[1]), mounted, spring).opening_force,
         "rotor_balance_residual": rotor_balance(scene, mounted, side_values),

@@ -21,6 +21,8 @@ LARGEST_HEAT_RESIDUAL = 1e-5  # the same, for a verified solve
 MOST_SOLVES = 40
 LAST_BITS = 2.0**-49  # of a temperature
 RUNAWAY = 0.999  # heat that one more watt of heat makes, above which it grows without bound [W/W]
+JOINT_ROOT = 1e-9  # relative error of the heat of two bearings that is sought together
+JOINT_STEP = 1e-3  # of all heat: step of a derivative by which their balance is called stable
 MOST_HALVED = 6  # halvings of a step at whose end the bearing has no state
 
 
@@ -179,15 +181,73 @@ def _search(
             status = code.OK if residual <= allowed else code.UNVERIFIED
             return Warmed(status=status, scene=last_scene, heat=heat, solves=solves, slope=slope)
         if last_excess is not None:
+            if not step.any():
+                break  # no heat below zero is left to try
             slope += np.outer(excess - last_excess - slope @ step, step) / (step @ step)
             runs_away = 1.0 + (excess - last_excess) @ step / (step @ step) > RUNAWAY
         last_h, last_excess, halved = h, excess, 0
         h = np.maximum(h + (excess if runs_away else -np.linalg.solve(slope, excess)), 0.0)
         step = h - last_h
     failure = code.WARM_SEIZURE if runs_away else code.NO_HEAT_BALANCE
-    return Warmed(
-        status=failure, scene=last_scene, heat=HeatFlow(*h), solves=MOST_SOLVES, slope=slope
-    )
+    return Warmed(status=failure, scene=last_scene, heat=HeatFlow(*h), solves=solves, slope=slope)
+
+
+class _Unsolved(Exception):
+    """The bearings have no state with some heat."""
+
+
+def find_joint_heat_balance(
+    scenes: Sequence[Scene],
+    heats: Callable[[Sequence[Scene]], Sequence[HeatFlow] | None],
+    heat_error: float = 0.0,
+) -> list[Warmed] | None:
+    """Finds the temperatures of bearings on one rotor together; None if no stable ones are found.
+
+    A bearing that is held at a place of the rotor may run away there, though with the other one,
+    by which the rotor gives way, it does not.
+
+    scenes: bearings with thermal networks.
+    heats: the heat of each in scenes with given temperatures; None without a state.
+    heat_error: as in `find_heat_balance`.
+    """
+    size, solves = len(HeatFlow._fields), 0
+
+    def warm_scenes(h: np.ndarray) -> list[Scene]:
+        flows = (HeatFlow(*heat) for heat in h.reshape(-1, size))
+        warm = [at_temperatures(scene, heat) for scene, heat in zip(scenes, flows, strict=True)]
+        if None in warm:
+            raise _Unsolved
+        return warm  # type: ignore[return-value]
+
+    def heat_made(h: np.ndarray) -> np.ndarray:
+        nonlocal solves
+        solves += 1
+        made = heats(warm_scenes(h))
+        if made is None:
+            raise _Unsolved
+        return np.ravel(made)
+
+    from scipy.optimize import root  # loads slowly; few rotors need it
+
+    try:
+        start = heat_made(np.zeros(size * len(scenes)))
+        options = {"eps": JOINT_STEP**2, "factor": 1.0}
+        h = root(lambda h: heat_made(h) - h, start, tol=JOINT_ROOT, options=options).x
+        made = heat_made(h)
+        step = JOINT_STEP * made.sum()
+        gains = [(heat_made(h + move) - made) / step for move in step * np.eye(h.size)]
+        stable = float(np.linalg.eigvals(gains).real.max()) < 1.0
+    except _Unsolved:
+        return None
+    allowed = max(HEAT_BALANCED, heat_error) * made.reshape(-1, size).sum(axis=1, keepdims=True)
+    if not (stable and np.all(np.abs(made - h).reshape(-1, size) <= allowed)):
+        return None
+    return [
+        Warmed(
+            status=code.OK, scene=scene, heat=HeatFlow(*heat), solves=solves, slope=-np.eye(size)
+        )
+        for scene, heat in zip(warm_scenes(h), made.reshape(-1, size).tolist(), strict=True)
+    ]
 
 
 PARTS_OF_BEARING = 3

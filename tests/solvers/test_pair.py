@@ -166,6 +166,7 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
     F_2 = brentq(left, 3.6, 9.0, xtol=1e-13)
     assert_allclose(v["residual_preload"], [F_2 + F_ext, F_2], rtol=1e-9)
     assert_allclose(v["rotor_axial_shift"], worn.place(F_2 + F_ext) - mounted, rtol=1e-8)
+    assert_allclose(v["spring_travel"], (7.0 - F_2) / k_s, rtol=1e-8)
     k = v["axial_stiffness"]
     assert_allclose(v["system_axial_stiffness"], k[0] + k_s * k[1] / (k_s + k[1]), rtol=1e-12)
     h = 1e-3

@@ -86,9 +86,10 @@ class DesignLimits(_LIMITS):
     def effective(self) -> dict[str, float]:
         """Returns the limits that apply, by their keys: those given, and that no bearing lifts off.
 
-        Lift-off is not looked for at the speed of each case alone.
+        Lift-off is looked for on the way to speed, not at the speed of each case alone.
         """
-        default = {} if self.at_speed_only else {"preload_kept": LEAST_KEPT}
+        is_at_speed = self.at_speed_only and self.warmup_s is None
+        default = {} if is_at_speed else {"preload_kept": LEAST_KEPT}
         limits = default | self.given
         return {name: limits[name] for name in LIMITED if name in limits}
 

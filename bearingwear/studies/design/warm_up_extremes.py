@@ -9,6 +9,8 @@ from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
 from bearingwear.solvers.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
 from bearingwear.studies.design.condition_extremes import (
+    KEPT,
+    UNLOADED,
     ConditionExtremes,
     state_extremes,
     worst_extremes,
@@ -28,7 +30,9 @@ def warm_up_extremes(scene: Scene, seconds: float) -> ConditionExtremes:
         condition = OperatingCondition(at_share(scene, instant.share), WARMING)
         where = condition.where(wear=NEW, time_s=instant.time)
         parts.append(state_extremes(condition.scene, instant.states, where, with_quasistatic=False))
-    if warming.status != code.OK:
+    if warming.status in UNLOADED:
+        parts.append({KEPT: where | {"value": 0.0}})
+    elif warming.status != code.OK:
         unsolved = where | {"status": code.STATUS_NAMES[warming.status]}
         return ConditionExtremes({}, len(parts), warming.status, unsolved)
     return ConditionExtremes(worst_extremes(parts), len(parts))

@@ -33,12 +33,25 @@ _OVER_TIME = table(
     Variable("maximum_pressure", ("side",), "Pa", "peak contact pressure", label="pressure"),
     Variable("friction_power", ("side",), "W", "heat of friction and drag", label="heat"),
     Variable("system_axial_stiffness", (), "N m-1", "axial stiffness of the arrangement"),
+    Variable(
+        "spring_travel",
+        (),
+        "m",
+        "travel of the preload spring from where it was mounted",
+        comment="positive where it extends; of a spring pair, or of two bearings like this one",
+    ),
 )
 PEAKS = {
     "residual_preload": ("N", "largest preload"),
     "maximum_pressure": ("Pa", "largest contact pressure"),
     "temperature_difference": ("K", "largest excess of inner over outer ring"),
+    "spring_compression": ("m", "largest compression of the spring"),
+    "spring_extension": ("m", "largest extension of the spring"),
 }
+"""Units and words of the quantities whose peaks are given; the spring's only where there is one."""
+
+SPRING = ("spring_compression", "spring_extension")
+"""Names of `PEAKS` of the ways of the sliding ring."""
 _SUMMARY = table(
     STATUS,
     Variable("ending", (), "", "how the warm-up ended", "i1", flags=ENDINGS),
@@ -72,7 +85,6 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
     rows = [_row(scene, instant) for instant in warmup.instants]
     peaks = _peaks(times, rows)
     coarse = peaks_of(scene, warm_up(scene, course, times[-1] or None, COARSER * STEP_TOLERANCE))
-    names = [f"peak_{name}" for name in PEAKS]
     T = np.array([instant.temperatures.ravel() for instant in warmup.instants])
     summary = peaks | {
         "status": warmup.status,
@@ -81,12 +93,10 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
         "time_to_95_percent": _time_to_share(np.array(times), T, 0.95),
         "thermal_margin": warmup.margin,
         "distance_left": warmup.left,
-        "error_estimate": max(
-            abs(coarse[name] - peaks[name]) / abs(peaks[name]) for name in names if peaks[name]
-        ),
+        "error_estimate": _error_of_peaks(peaks, coarse),
     }
     over_time = dataset_of_rows(
-        _OVER_TIME,
+        {name: variable for name, variable in _OVER_TIME.items() if name in rows[0]},
         {_TIME: times, _PARTS: None, "side": len(warmup.instants[0].states)},
         rows,
         scene=scene,
@@ -94,7 +104,8 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
         title=f"Warm-up: {scene.name}",
         course=[*course.times, *course.shares],
     )
-    return over_time.merge(dataset_of_rows(_SUMMARY, {}, [summary]), combine_attrs="override")
+    known = {name: variable for name, variable in _SUMMARY.items() if name in summary}
+    return over_time.merge(dataset_of_rows(known, {}, [summary]), combine_attrs="override")
 
 
 def peaks_of(scene: Scene, warmup: WarmUp) -> dict[str, float]:
@@ -106,7 +117,7 @@ def peaks_of(scene: Scene, warmup: WarmUp) -> dict[str, float]:
 def _row(scene: Scene, instant: Instant) -> dict[str, Any]:
     """Returns the values of an instant [SI]."""
     states = instant.states
-    return {
+    values = {
         "shaft_speed": instant.share * scene.operation.shaft_speed_rpm,
         "part_temperature": instant.temperatures,
         "residual_preload": [float(state["residual_preload"]) for state in states],
@@ -114,6 +125,9 @@ def _row(scene: Scene, instant: Instant) -> dict[str, Any]:
         "friction_power": [heat.total for heat in instant.heats],
         "system_axial_stiffness": instant.stiffness,
     }
+    if scene.operation.preload_method == "constant_force":
+        values["spring_travel"] = states[0]["spring_travel"]
+    return values
 
 
 def _peaks(times: Sequence[float], rows: Sequence[Mapping[str, Any]]) -> dict[str, float]:
@@ -124,12 +138,32 @@ def _peaks(times: Sequence[float], rows: Sequence[Mapping[str, Any]]) -> dict[st
         "maximum_pressure": np.max([row["maximum_pressure"] for row in rows], axis=1),
         "temperature_difference": (T[:, :, 0] - T[:, :, 2]).max(axis=1),
     }
+    if "spring_travel" in rows[0]:
+        travel = np.array([row["spring_travel"] for row in rows])
+        courses["spring_compression"] = np.maximum(-travel, 0.0)
+        courses["spring_extension"] = np.maximum(travel, 0.0)
     peaks: dict[str, float] = {}
     for name, course in courses.items():
         k = int(np.argmax(course))
         peaks |= {f"peak_{name}": float(course[k]), f"peak_{name}_time": times[k]}
         peaks[f"end_{name}"] = float(course[-1])
     return peaks
+
+
+def _error_of_peaks(peaks: Mapping[str, float], coarse: Mapping[str, float]) -> float:
+    """Returns the largest relative difference of peaks from those of coarser steps.
+
+    That of the spring is relative to the longer of its two ways.
+    """
+    known = [name for name in PEAKS if f"peak_{name}" in peaks]
+    sizes = {name: abs(peaks[f"peak_{name}"]) for name in known}
+    longest = max(sizes[name] for name in known if name in SPRING) if SPRING[0] in sizes else 0.0
+    sizes |= {name: longest for name in SPRING if name in sizes}
+    return max(
+        abs(coarse[f"peak_{name}"] - peaks[f"peak_{name}"]) / sizes[name]
+        for name in known
+        if sizes[name]
+    )
 
 
 def _ending(warmup: WarmUp, duration: float | None) -> str:

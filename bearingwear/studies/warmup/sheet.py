@@ -45,6 +45,8 @@ def _peaks_block(file: Any) -> Block:
     """Returns a table of the peaks, their times and the last values."""
     rows = []
     for name, (units, words) in PEAKS.items():
+        if f"peak_{name}" not in file.variables:
+            continue
         peak = float(values(file, f"peak_{name}"))
         time = float(values(file, f"peak_{name}_time"))
         last = float(values(file, f"end_{name}"))
@@ -68,6 +70,7 @@ def _lines(file: Any, ending: str) -> list[str]:
     if ending in ("steady", "duration"):
         seconds = float(values(file, "time_to_95_percent"))
         lines.append(f"95 % of the temperature rise after {plain(seconds)} s")
+    lines += _stop_lines(file)
     margin = float(values(file, "thermal_margin"))
     if np.isfinite(margin):
         stable = "stable" if margin > 1.0 else "UNSTABLE"
@@ -79,6 +82,21 @@ def _lines(file: Any, ending: str) -> list[str]:
             )
     error = 100.0 * float(values(file, "error_estimate"))
     return [*lines, f"numerical error of the peaks: {plain(error, 2)} %"]
+
+
+def _stop_lines(file: Any) -> list[str]:
+    """Returns whether and when the spring is compressed to its stop."""
+    stop_um = (json.loads(file.scene).get("arrangement") or {}).get("stop_um")
+    if stop_um is None or "spring_travel" not in file.variables:
+        return []
+    on_stop = np.flatnonzero(-values(file, "spring_travel") >= 1e-6 * stop_um)
+    if not on_stop.size:
+        return []
+    time = plain(float(values(file, "time")[on_stop[0]]))
+    return [
+        f"warning: the spring is compressed to its stop (arrangement.stop_um {stop_um:g}) after "
+        f"{time} s: from then on the pair is rigid, and its preload rises above the one given here"
+    ]
 
 
 def _ending_sentence(file: Any, ending: str) -> str:

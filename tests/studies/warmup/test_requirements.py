@@ -130,6 +130,63 @@ def test_no_warm_up_where_a_requirement_is_broken_without_it(spindle, monkeypatc
     assert LIMITED["maximum_pressure_GPa"].worst(point) > 0.1e9
 
 
+def spring_pair(spindle, **arrangement):
+    """Two bearings 200 mm apart on a shaft that is warm at once, in a housing that is so later."""
+    spring = {"kind": "spring_pair", "span_mm": 200.0, "spring_stiffness_N_um": 0.1} | arrangement
+    warm = {"shaft_C": 60.0, "shaft_time_constant_s": 5.0, "housing_C": 60.0}
+    network = {f"thermal.{key}": value for key, value in warm.items()}
+    network["thermal.housing_time_constant_s"] = 600.0
+    changes = {"operation.preload_method": "constant_force", "arrangement": spring} | network
+    return spindle.with_(changes)
+
+
+def test_the_sliding_ring_needs_more_room_on_the_way_than_in_the_end(spindle):
+    """Face to face, the warm shaft pushes the bearings apart: 11.5e-6/K over 200 mm."""
+    pair = spring_pair(spindle, orientation="face_to_face")
+    warmed = bearingwear.warmup(pair, seconds=10.0)
+    travel = warmed["spring_travel"].values
+    assert travel.min() < -1e-4 and abs(travel[-1]) < 3e-5
+    assert_allclose(float(warmed["peak_spring_compression"]), -travel.min())
+    by_spring = (140.0 - warmed["residual_preload"].isel(side=1).values) / 0.1e6
+    assert_allclose(travel, by_spring, atol=1e-9)
+    limits = DesignLimits(spring_travel_um=100.0, at_speed_only=True)
+    still, warming = (new_point(pair, replace(limits, warmup_s=s)) for s in (None, 10.0))
+    assert LIMITED["spring_travel_um"].margins(still, 100.0) > 0.5
+    assert LIMITED["spring_travel_um"].margins(warming, 100.0) < -0.5
+    where = warming[DECIDING]["spring_travel"]
+    assert where["temperature"] == WARMING
+    assert_allclose(where["time_s"], float(warmed["peak_spring_compression_time"]), rtol=0.2)
+
+
+def test_a_stop_that_the_spring_reaches_is_named(spindle):
+    pair = spring_pair(spindle, orientation="face_to_face", stop_um=100.0)
+    warmed = bearingwear.warmup(pair, seconds=10.0)
+    text = str(bearingwear.show(warmed))
+    reached = warmed["time"].values[np.argmax(warmed["spring_travel"].values < -1e-4)]
+    assert f"stop_um 100) after {reached:.3g} s" in " ".join(text.split())
+    far = bearingwear.warmup(spring_pair(spindle, orientation="face_to_face", stop_um=200.0), 10.0)
+    assert "stop_um" not in str(bearingwear.show(far))
+
+
+def test_a_rigid_pair_has_no_spring_that_travels(spindle):
+    warmed = bearingwear.warmup(spindle, seconds=10.0, duration=20.0)
+    assert "spring_travel" not in warmed and "peak_spring_extension" not in warmed
+    limits = DesignLimits(spring_travel_um=1.0, at_speed_only=True)
+    assert new_point(spindle, limits)["spring_travel"] == 0.0
+
+
+def test_a_bearing_that_lifts_off_on_the_way_breaks_the_requirement_that_none_does(spindle):
+    """Back to back, the warm shaft lets a stiff spring go slack."""
+    pair = spring_pair(spindle, span_mm=800.0, spring_stiffness_N_um=3.0)
+    limits = DesignLimits(maximum_pressure_GPa=2.0, at_speed_only=True)
+    assert new_point(pair, limits)["preload_kept"] > 0.5
+    point = new_point(pair, replace(limits, warmup_s=10.0))
+    where = point[DECIDING]["preload_kept"]
+    assert point["status"] == code.OK and point["preload_kept"] < 0.01
+    assert where["temperature"] == WARMING and 0.0 < where["time_s"] < 10.0
+    assert "preload_kept" in replace(limits, warmup_s=10.0).effective
+
+
 def test_a_runaway_on_the_way_is_named(spindle):
     """A housing that stays cold for long: the network has a steady state, the way to it none."""
     late = spindle.with_(

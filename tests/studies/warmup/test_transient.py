@@ -5,8 +5,10 @@ import warnings
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.linalg import expm
 from support import SLOW_HOUSING, benchmark, warm_spindle
 
+import bearingwear
 from bearingwear.kernels import status as code
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.compose import solver_of
@@ -24,17 +26,36 @@ def spindle():
     return warm_spindle()
 
 
-def test_heat_that_does_not_depend_on_temperature(spindle, monkeypatch):
-    """One node: T = T_0 + P/G (1 - exp(-t G/C))."""
+CLOSE = {"duration": 40.0, "tolerance": 1e-12}
+
+
+def with_constant_heat(monkeypatch, *heat):
+    """Bearings whose heat does not depend on their temperatures."""
     real = transient.heats_of
     monkeypatch.setattr(
-        transient, "heats_of", lambda *given: tuple(HeatFlow(8.0, 0.0, 0.0) for _ in real(*given))
+        transient, "heats_of", lambda *given: tuple(HeatFlow(*heat) for _ in real(*given))
     )
+
+
+def test_heat_that_does_not_depend_on_temperature(spindle, monkeypatch):
+    """One node, the outer ring: T = T_0 + P/G (1 - exp(-t G/C))."""
+    with_constant_heat(monkeypatch, 0.0, 0.0, 8.0)
     alone = spindle.with_({"thermal.conductance_W_K.ball_race": 1e-6})
-    warming = warm_up(alone, ramp(0.0), duration=40.0, tolerance=1e-9)
-    for instant in warming.instants[:: max(len(warming.instants) // 20, 1)]:
-        expected = 20.0 + 4.0 / 2.0 * (1.0 - np.exp(-instant.time * 2.0 / 30.0))
-        assert_allclose(instant.temperatures[0, 0] - 20.0, expected - 20.0, rtol=1e-5, atol=1e-6)
+    instants = warm_up(alone, ramp(0.0), **CLOSE).instants[1:]
+    rises = [instant.temperatures[0, 2] - 20.0 for instant in instants]
+    times = np.array([instant.time for instant in instants])
+    assert_allclose(rises, 8.0 / 4.0 * (1.0 - np.exp(-times * 4.0 / 40.0)), rtol=1e-6)
+
+
+def test_heat_that_does_not_depend_on_temperature_in_three_nodes(spindle, monkeypatch):
+    """By the matrix exponential, from heats and conductances that are written out here."""
+    with_constant_heat(monkeypatch, 8.0, 4.0, 1.0)
+    G = np.array([[3.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 5.0]])
+    C = np.array([30.0, 12.0, 40.0])
+    steady = np.linalg.solve(G, [4.0, 6.0, 3.0])
+    for instant in warm_up(spindle, ramp(0.0), **CLOSE).instants[1:]:
+        expected = steady - expm(-G / C[:, None] * instant.time) @ steady
+        assert_allclose(instant.temperatures[0] - 20.0, expected, rtol=1e-6)
 
 
 @pytest.mark.parametrize("changes", [{}, SLOW_HOUSING])
@@ -49,6 +70,28 @@ def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
     assert np.abs(last - steady["part_temperature"][:3]).max() < transient.SETTLED_TO * rise
     assert_allclose(warming.instants[-1].states[0]["residual_preload"], steady["residual_preload"],
         rtol=1e-2)  # fmt: skip
+
+
+def test_a_bearing_that_runs_away_alone_does_not_with_the_other():
+    """Held at the first place of the rotor, the first bearing has no balance of its heat.
+
+    Trial 147 of `benchmarks/random_warmups.py`, seed 1.
+    """
+    scene = bearingwear.new(
+        bore=40, outside=68, contact_angle=25, speed=0.495e6 / 54, preload_method="fixed_position"
+    )
+    pair = {"kind": "rigid_pair", "orientation": "face_to_face", "external_axial_N": 110.0}
+    conductances = {"inner_ring_shaft": 0.362, "outer_ring_housing": 1.18, "ball_race": 0.312}
+    capacities = {"inner_ring": 35.8, "balls": 15.6, "outer_ring": 35.8}
+    network = {"conductance_W_K": conductances, "heat_capacity_J_K": capacities}
+    network |= {"shaft_C": 21.744441001968976, "housing_C": 33.04795301727553}
+    scene = scene.with_({"operation.preload_N": 250.8, "arrangement": pair, "thermal": network})
+    steady = solve(scene)
+    warming = warm_up(scene, ramp(0.0))
+    assert steady.status == "ok" and warming.status == code.OK
+    T = np.array(steady.values["part_temperature"])[:, :3]
+    assert np.abs(warming.instants[-1].temperatures - T).max() < 1e-3 * np.abs(T - 20.0).max()
+    assert steady.values["heat_flow_residual"].max() < 1e-6
 
 
 def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
