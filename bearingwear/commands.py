@@ -59,7 +59,8 @@ TO_CHOOSE_BY = ("recommend", "study")
 
 def new(args: argparse.Namespace) -> int:
     """Writes a scene file and suggests the next commands."""
-    from bearingwear.scene.new.scene_file import usual_stiffness, write_scene
+    from bearingwear.scene.new.scene_file import usual_limits, write_scene
+    from bearingwear.scene.read import load_scene
 
     if args.list is not None:
         return _print_bearings(args.list)
@@ -79,7 +80,8 @@ def new(args: argparse.Namespace) -> int:
     for line in _trial_lines(path):
         print(line)
     print("next:")
-    limits = ["--stiffness", f"{usual_stiffness(path):g}", "--pressure", "2"]
+    usual = usual_limits(load_scene(path))
+    limits = ["--stiffness", f"{usual.stiffness:g}", "--pressure", f"{usual.pressure:g}"]
     stem = str(Path(path).with_suffix(""))
     for name, output in NEXT:
         words = ["bearingwear", name, path, *(["-o", f"{stem}{output}"] if output else [])]

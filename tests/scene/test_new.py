@@ -14,8 +14,9 @@ from bearingwear.cli import main
 from bearingwear.commands import OPTIONS
 from bearingwear.kernels.project import PROJECT
 from bearingwear.lives.life import life
+from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.checking.strict_yaml import data_of
-from bearingwear.scene.new.scene_file import scene_text
+from bearingwear.scene.new.scene_file import scene_text, usual_limits
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.solve import solve
 
@@ -325,3 +326,19 @@ def test_a_pair_is_written(designation, pair, expected):
     assert found == expected
     assert not any("one bearing of it" in line for line in lines)
     assert solve(scene).status == "ok"
+
+
+def test_a_film_gets_the_speed_and_the_pressure_of_its_tests():
+    """1750 r/min of a 7204C (docs/film_tests.md), and 1500 MPa, where its relative life is 1."""
+    text, lines = scene_text("mine", None, None, {}, designation="7204AC", lubrication="mos2")
+    scene = scene_from_dict(data_of(text, "mine"), "mine")
+    assert scene.operation.shaft_speed_rpm == pytest.approx(1750.0, rel=0.05)
+    assert any("docs/film_tests.md" in line for line in lines)
+    result = solve(scene)
+    ids = {warning["id"] for warning in warnings_in(result.attrs)}
+    assert result.status == "ok" and not ids & {"limit_passed", "film_too_fast"}
+    assert usual_limits(scene).pressure == 1.5
+    given = {"operation.shaft_speed_rpm": 20_000.0}
+    text, _ = scene_text("mine", None, None, given, designation="7204AC", lubrication="mos2")
+    result = solve(scene_from_dict(data_of(text, "mine"), "mine"))
+    assert "film_too_fast" in {warning["id"] for warning in warnings_in(result.attrs)}

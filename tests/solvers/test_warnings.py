@@ -129,6 +129,10 @@ ABSURD = {
     "60 000 r/min under a light spring": (
         {"operation.shaft_speed_rpm": 60_000}, {"inner_load_lost"},
     ),
+    "a sputtered film on a fast spindle": (
+        {"friction": {"film": {"shear_strength_MPa": 24.8, "wear_coefficient": 1e-6}}},
+        {"film_too_fast", "limit_passed"},
+    ),
     "friction of nothing": ({"friction.ball_race": 1e-4}, {"friction_beyond_practice"}),
     "friction of a seizure": (
         {"friction.ball_race": 1.2, "operation.shaft_speed_rpm": 3000},

@@ -76,6 +76,10 @@ _SEATS = tuple(
 SPEED_FACTOR = 1.0e6
 """Speed times pitch diameter [mm r/min] that is assumed: a fast spindle."""
 
+FILM_SPEED_FACTOR = 6.0e4
+"""That with a sputtered film: 1750 r/min of a pitch diameter of 33.5 mm, the one published test of
+such a film in an angular contact bearing (docs/film_tests.md)."""
+
 PRELOAD_CLASSES = {"light": 0.5, "medium": 1.0, "heavy": 2.0}
 """Preload over (ball count x ball diameter squared x sine of the contact angle) [N/mm2] that is
 assumed; equal for all sizes, it means an equal pressure: light, about 1 GPa between steel parts.
@@ -170,6 +174,7 @@ def numbers_of(
     clearance: str | float | None = None,
     preload_class: str | None = None,
     preload_method: str = "constant_force",
+    has_film: bool = False,
 ) -> dict[str, Origin]:
     """Returns every number of `OPTIONS`, given, from a catalogue, or by its rule.
 
@@ -230,6 +235,11 @@ def numbers_of(
         preload = Origin(given[preload_key])
     numbers[preload_key] = preload
     speed = _usual_speed(entry, dm, preload_method, preload.value)
+    if has_film:
+        rule = (
+            "60 000 mm r/min over the pitch diameter, as in a test of a film (docs/film_tests.md)"
+        )
+        speed = Origin(min(speed.value, rounded_to(FILM_SPEED_FACTOR / dm)), rule)
     decide("operation.shaft_speed_rpm", speed)
     decide("friction.ball_race", Origin(0.08, "starved or solid-lubricated steel"))
     return numbers

@@ -12,7 +12,7 @@ import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingwear.scene.arrangement import METHODS, PAIRS
 from bearingwear.scene.checking.check import fits, misfit_words
@@ -139,7 +139,7 @@ def scene_text(
     rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
     method = preload_method or ("fixed_position" if rigid else "constant_force")
     rubs = _rubbing(lubrication, given, ball_material or letters.ball_material)
-    numbers = numbers_of(size, given, clearance, preload_class, method)
+    numbers = numbers_of(size, given, clearance, preload_class, method, rubs.film is not None)
     if rubs.friction_rule and _BALL_RACE not in given:
         numbers[_BALL_RACE] = Origin(rubs.friction, rubs.friction_rule, assumed=False)
     if rubs.film:
@@ -264,22 +264,33 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     return assumed
 
 
-def usual_stiffness(path: str | os.PathLike[str]) -> float:
-    """Estimates the axial stiffness [N/um] of a steel bearing with its preload at rest.
+USUAL_PRESSURE_GPA, FILM_PRESSURE_GPA = 2.0, 1.5
+"""Contact pressure that `new` suggests as a requirement: the usual maximum for a long life of steel
+(assumed), and that of the tests of sputtered MoS2, above which its life falls steeply."""
 
-    By the approach 0.00044 (Q^2/D)^(1/3)/sin(alpha) of the rings [N, mm], as makers' catalogues
-    have it (NSK, Rolling Bearings).
+
+class UsualLimits(NamedTuple):
+    """Requirements that `new` suggests."""
+
+    stiffness: float  # of the arrangement [N/um]
+    pressure: float  # [GPa]
+
+
+def usual_limits(scene: Scene) -> UsualLimits:
+    """Returns requirements that a bearing with its preload at rest about satisfies.
+
+    The axial stiffness is that of one steel bearing, by the approach 0.00044
+    (Q^2/D)^(1/3)/sin(alpha) of the rings [N, mm], as makers' catalogues have it (NSK, Rolling
+    Bearings).
     """
-    from bearingwear.scene.read import load_scene
-
-    scene = load_scene(path)
+    pressure = FILM_PRESSURE_GPA if scene.friction.film else USUAL_PRESSURE_GPA
     b, preload = scene.bearing, scene.operation.preload_N
     sine = math.sin(math.radians(b.contact_angle_deg))
     if not (sine > 0.0 and preload > 0.0):
-        return 1.0
+        return UsualLimits(1.0, pressure)
     load = preload / (b.ball_count * sine)
     approach_um = 0.44 * (load**2 / b.ball_diameter_mm) ** (1.0 / 3.0) / sine
-    return rounded_to(1.5 * preload / approach_um, 1)
+    return UsualLimits(rounded_to(1.5 * preload / approach_um, 1), pressure)
 
 
 @functools.cache

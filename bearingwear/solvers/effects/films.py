@@ -70,6 +70,20 @@ NEAR_TESTS_K = 5.0
 """Kelvin beyond the temperatures of a table above which there is a warning, assumed."""
 
 
+FILM_SPEED = 0.6
+"""Speed times pitch diameter [million mm r/min] above which a film is warned of: ten times that of
+the one published test of a sputtered film in an angular contact bearing (docs/film_tests.md)."""
+
+
+def film_too_fast(e: Evidence) -> Finding | None:
+    """Compares the speed of a bearing with a film with that of a test."""
+    if e.scene.friction.film is None:
+        return None
+    operation = e.scene.operation
+    relative = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm)
+    return {"value": 1e-6 * relative * e.scene.bearing.pitch_diameter_mm, "limit": FILM_SPEED}
+
+
 def film_beyond_tests(e: Evidence) -> Finding | None:
     """Finds the contact whose pressure or temperature lies farthest beyond the film's tests."""
     table, findings = Films.of(e.scene).table, []

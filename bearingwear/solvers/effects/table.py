@@ -309,6 +309,13 @@ EFFECTS = (
         "nearest test is used",
         "{advice}; give friction.film.wear_table rows for it",
     ),
+    Effect(
+        "film_too_fast",
+        films.film_too_fast,
+        "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, ten times "
+        "that of the one published test of a sputtered film in a bearing",
+        "expect a life of hours and slip of the balls; reduce the speed, or check it",
+    ),
     Effect("balls", modelled=motion.ball_sentences),
     Effect(
         "growth_left_out",
