@@ -106,8 +106,9 @@ venv: $(STAMP)
 
 # named by the contents of pyproject.toml and constraints.txt, so that a touch sets up nothing anew
 $(STAMP): $(if $(wildcard $(COPY)),always)
+	@echo 'setting up .venv: about half a minute'
 	$(PYTHON) -m venv .venv
-	$(PIP_INSTALL) -e '.[test]' # Python compiles what it imports
+	$(PIP_INSTALL) -q -e '.[test]' # Python compiles what it imports
 	rm -rf $(COPY) .venv/installed-*
 	touch $@
 

@@ -188,8 +188,8 @@ def setting_sentence(recommendation: xr.Dataset) -> str:
     minus, plus = (_rounded_down(abs(end - middle)) for end in ends)
     return (
         f"Specify {setting}, tolerance +{plus:g}/\N{MINUS SIGN}{minus:g}\N{NO-BREAK SPACE}{unit}: "
-        f"from {low:.7g} to {high:.7g} N, all requirements hold and the life is at least 90 % of "
-        "this life."
+        f"from {low:.7g} to {high:.7g} N, all requirements are satisfied and the life is at least "
+        "90 % of this life."
     )
 
 

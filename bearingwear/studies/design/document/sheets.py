@@ -274,8 +274,8 @@ def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None])
     errors = tuple(Rough(100.0 * error) for error in _floats(recommendation["life_error_estimate"]))
     rows.append(Row("  numerical error", "%", errors, "life_error_estimate"))
     rows += _groove_rows(recommendation)
-    rows += spread_rows([*spreads.values()])
-    return [*rows, *by_wear_row(scene, lives)]  # the only interval of `recommend`, on pages, too
+    rows += by_wear_row(scene, lives)  # the only interval of `recommend`, on pages, too
+    return [*rows, *spread_rows([*spreads.values()])]
 
 
 def _endings(recommendation: xr.Dataset) -> tuple[str, ...]:
