@@ -21,6 +21,7 @@ from bearingwear.console import UsageError
 from bearingwear.kernels.status import OK
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
+from bearingwear.scene.duty import phase_cases
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits, axes_around
@@ -38,6 +39,9 @@ STATES_OF_WEAR = 8
 
 LANDS = (0.5, 1.0)
 """Clearances of the cage at its land, relative to the scene's."""
+
+LEAST_SAMPLES = 16
+"""Bearings sampled: the fewest that workflow/schemas/config.schema.yaml allows."""
 
 CAGE_RUNS = 20
 """Runs of each cage: the fewest that workflow/schemas/cage.schema.yaml allows."""
@@ -59,7 +63,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     if not changes_with_depth:
         config = _grid(scene, name, frictions)
     if scene.uncertainty and not changes_with_depth:
-        config["uncertain_lives"] = {"scenes": [name], "samples": SAMPLES}
+        config["uncertain_lives"] = {"scenes": [name], "samples": _samples(scene)}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
     design = {"scenes": {name: {"small_map": small_map, "limits": limits.stored}}}
     plans = {"config/config.yaml": config, "config/design.yaml": design}
@@ -89,6 +93,16 @@ def _grid(scene: Scene, name: str, frictions: Sequence[float]) -> dict[str, Any]
             "friction": [scene.friction.coefficient],
         },
     }
+
+
+def _samples(scene: Scene) -> int:
+    """Returns the number of bearings sampled: fewer over a duty, each of whose lives takes longer.
+
+    A life costs about as much as that of each case alone. The quantiles have wider intervals, which
+    the study states.
+    """
+    cases = len(phase_cases(scene)) if scene.duty else 1
+    return max(SAMPLES >> (cases - 1).bit_length(), LEAST_SAMPLES)
 
 
 def _cages(scene: Scene, name: str) -> dict[str, Any]:

@@ -68,6 +68,18 @@ def test_plan_of_a_pair(scene):
         )
 
 
+def test_fewer_bearings_are_sampled_over_a_duty(scene):
+    """About as many solves as without one: a life over a duty takes those of all its cases."""
+    idle, fast = ({"operation.shaft_speed_rpm": speed} for speed in (6000.0, 36000.0))
+    changes = {"cases": {"idle": idle, "fast": fast}}
+    counts = []
+    for phases in (["nominal"], ["nominal", "idle"], ["nominal", "idle", "fast"]):
+        duty = {"duty.phases": {name: {"hours": 1.0} for name in phases}}
+        config, _ = plans(scene.with_(changes | duty))
+        counts.append(config["uncertain_lives"]["samples"])
+    assert counts == [128, 64, 32]
+
+
 def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
     """Its map stands at no one friction coefficient."""
     film = {"shear_strength_MPa": 30.0, "thickness_um": 1.0, "wear_coefficient": 1e-7}
