@@ -45,7 +45,7 @@ from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import digits
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.blocks import Calibrated
-from bearingwear.scene.checking.errors import NotAvailable, SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.coefficients import with_usual_spread
@@ -55,7 +55,7 @@ from bearingwear.scene.scene import WORN, Distribution, Scene
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
-from bearingwear.studies.answers import Workers
+from bearingwear.studies.answers import PROBLEM, Workers
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.sampling import scene_with_values, with_wear
 from bearingwear.studies.uncertainty.sample import sampled_lives
@@ -374,28 +374,24 @@ def _log_results(
     """
     uncertainty = scene.uncertainty or {}
     scene = replace(scene, uncertainty={name: uncertainty[name] for name in names})
-    if torque:
-        return np.array([_log_torque(scene, names, row) for row in rows])
     with Workers(workers, "calibrate", progress=False) as pool:
+        if torque:
+            answers = list(pool.answers_at(partial(torque_answer, scene, names), rows.tolist()))
+            if problem := next((a[PROBLEM] for a in answers if PROBLEM in a), None):
+                raise CaseFileError(problem)
+            return np.array([answer["log_torque"] for answer in answers])
         hours = sampled_lives(scene, rows, pool).life * HOURS_PER_SECOND
     return np.log(np.maximum(hours, math.exp(_NONE)))
 
 
-def _log_torque(scene: Scene, names: Sequence[str], row: np.ndarray) -> float:
-    """Returns the logarithm of the torque [N m]; NaN where not solved."""
-    values = {
-        name: float(value) for name, value in zip(names, row, strict=True) if name not in WORN
-    }
+def torque_answer(scene: Scene, names: Sequence[str], row: Sequence[float]) -> dict[str, float]:
+    """Returns the logarithm of the torque [N m] at uncertain values; NaN where not solved."""
+    values = {name: value for name, value in zip(names, row, strict=True) if name not in WORN}
     changed = scene_with_values(scene, values)
-    if changed is None:
-        return math.nan
-    try:
-        result = solve(changed, "steady")
-    except NotAvailable as error:
-        raise CaseFileError(str(error)) from None
-    if result.status != STATUS_NAMES[OK]:
-        return math.nan
-    return math.log(abs(float(np.sum(result.values["shaft_torque"]))))
+    result = None if changed is None else solve(changed, "steady")
+    if result is None or result.status != STATUS_NAMES[OK]:
+        return {"log_torque": math.nan}
+    return {"log_torque": math.log(abs(float(np.sum(result.values["shaft_torque"]))))}
 
 
 def _scatter(scene: Scene, torque: bool, middle: float, workers: int) -> tuple[float, float]:
