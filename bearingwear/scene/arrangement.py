@@ -173,16 +173,17 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
     unset: dict[str, Any] = {"external_axial_N": 0.0, "spring_stiffness_N_um": 0.0, "second": {}}
     single = replace(arrangement, kind="single", tandem=(1, 1), **unset)
     preload = scene.operation.preload_N
-    first, second = (
-        replace(
+    by_tandem = {
+        count: replace(
             scene,
             arrangement=single,
-            operation=replace(scene.operation, preload_N=preload / in_tandem),
+            operation=replace(scene.operation, preload_N=preload / count),
             cases=None,
             duty=None,
         )
-        for in_tandem in arrangement.tandem
-    )
+        for count in {*arrangement.tandem}
+    }
+    first, second = (by_tandem[count] for count in arrangement.tandem)
     changes, end = dict(arrangement.second), scene.wear.end_of_life
     film_ends_life = end is not None and end.film_worn_share is not None
     if film_ends_life and "friction.film" in changes and changes["friction.film"] is None:

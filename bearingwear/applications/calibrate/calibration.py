@@ -46,7 +46,6 @@ from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import digits
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.blocks import Calibrated
-from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import value_at
@@ -55,7 +54,7 @@ from bearingwear.scene.scene import WORN, Distribution
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
-from bearingwear.studies.answers import Workers
+from bearingwear.studies.answers import PROBLEM, Workers
 from bearingwear.studies.sampling import scene_with_values, with_wear
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
@@ -384,24 +383,21 @@ def _log_lives(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: in
 def _log_torques(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: int) -> np.ndarray:
     """Returns logarithms of torques [N m] (n,); NaN where not solved. Arguments: `_log_lives`."""
     scene = _with_uncertain(scene, names)
-    return np.array([_log_torque(scene, names, row) for row in rows])
+    with Workers(workers, "calibrate", progress=False) as pool:
+        answers = list(pool.answers_at(partial(torque_answer, scene, names), rows.tolist()))
+    if problem := next((answer[PROBLEM] for answer in answers if PROBLEM in answer), None):
+        raise CaseFileError(problem)
+    return np.array([answer["log_torque"] for answer in answers])
 
 
-def _log_torque(scene: Scene, names: Sequence[str], row: np.ndarray) -> float:
-    """Returns the logarithm of the torque [N m]; NaN where not solved."""
-    values = {
-        name: float(value) for name, value in zip(names, row, strict=True) if name not in WORN
-    }
+def torque_answer(scene: Scene, names: Sequence[str], row: Sequence[float]) -> dict[str, float]:
+    """Returns the logarithm of the torque [N m] at uncertain values; NaN where not solved."""
+    values = {name: value for name, value in zip(names, row, strict=True) if name not in WORN}
     changed = scene_with_values(scene, values)
-    if changed is None:
-        return math.nan
-    try:
-        result = solve(changed, "steady")
-    except NotAvailable as error:
-        raise CaseFileError(str(error)) from None
-    if result.status != "ok":
-        return math.nan
-    return math.log(abs(float(np.sum(result.values["shaft_torque"]))))
+    result = None if changed is None else solve(changed, "steady")
+    if result is None or result.status != "ok":
+        return {"log_torque": math.nan}
+    return {"log_torque": math.log(abs(float(np.sum(result.values["shaft_torque"]))))}
 
 
 class _Result(NamedTuple):

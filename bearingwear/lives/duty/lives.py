@@ -22,6 +22,7 @@ from bearingwear.lives.grooves import (
 from bearingwear.lives.surfaces import follow_surfaces, surface_life
 from bearingwear.scene.duty import phase_cases
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.mounted import UM
 from bearingwear.solvers.compose import WELL_BALANCED, Remembered, solver_of
 from bearingwear.solvers.condition import Accuracy
 
@@ -156,20 +157,22 @@ def worn_duty_life(
     return follow_grooves(DutyGrooves(cycle, mode, kind), DutyCriteria(cycle))
 
 
-def mean_loss_rate(cycle: Cycle, losses: Sequence[float], fidelity: str = "steady") -> float:
-    """Returns the mean rate of loss over a cycle [m/s]; NaN if a condition is not solved.
+def loss_rates(cycle: Cycle, losses: Sequence[float], fidelity: str = "steady") -> np.ndarray:
+    """Returns the rate of loss (conditions,) in each condition of a cycle [m/s].
+
+    It is NaN in all from the first on that is not solved.
 
     losses: even loss of each bearing [m].
     """
-    total = 0.0
-    for share, scene in zip(cycle.shares.tolist(), cycle.scenes, strict=True):
+    rates = np.full(len(cycle.scenes), np.nan)
+    for k, scene in enumerate(cycle.scenes):
         solver = solver_of(scene, fidelity, Accuracy.BRIEF)
         pairs = zip(solver.bearings.start, losses, strict=True)
         states = solver(tuple(condition._replace(loss=loss) for condition, loss in pairs))
         if any(state.status != code.OK for state in states):
-            return np.nan
-        total += share * sum(state.rate for state in states)
-    return total
+            break
+        rates[k] = sum(state.rate for state in states)
+    return rates
 
 
 def ramp_error(
@@ -184,16 +187,32 @@ def ramp_error(
     if not cycle.starting.any():
         return 0.0
     if losses is None:
-        start = solver_of(cycle.scenes[0], fidelity).bearings.start
-        losses = [condition.loss for condition in start]
-    rate = mean_loss_rate(cycle, losses, fidelity)
-    fine_rate = mean_loss_rate(finer, losses, fidelity)
+        losses = present_losses(cycle)
+    rate, fine_rate = (
+        sum((ramped.shares * loss_rates(ramped, losses, fidelity)).tolist())
+        for ramped in (cycle, finer)
+    )
     return abs(rate - fine_rate) / fine_rate if fine_rate > 0.0 else np.nan
 
 
+def present_losses(cycle: Cycle) -> list[float]:
+    """Returns the loss of each bearing at the start of a life [m]."""
+    bearings = cycle.scenes[0].one_of_alike.sides
+    return [side.wear.ball_diameter_loss_um[0] * UM for side in bearings]
+
+
 def cycle_with_enough_points(scene: Scene, fidelity: str = "steady") -> Cycle:
-    """Returns the cycle of a scene's duty with the ramp points that its wear needs when new."""
+    """Returns the cycle of a scene's duty with the ramp points that its wear needs when new.
+
+    They are two where the ramps wear so little that their whole wear may be wrong.
+    """
     points = 2
+    cycle = cycle_of(scene, points)
+    if not cycle.starting.any():
+        return cycle
+    rates = loss_rates(cycle, present_losses(cycle), fidelity)
+    if cycle.starting.sum(axis=0) @ rates <= RAMP_ENOUGH * (cycle.shares @ rates):
+        return cycle
     while points < MOST_RAMP_POINTS and ramp_error(scene, points, None, fidelity) > RAMP_ENOUGH:
         points += 1
     return cycle_of(scene, points)

@@ -10,6 +10,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -43,6 +44,7 @@ from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.state import State, history_values
+from bearingwear.studies.answers import PROBLEM, answers_at
 from bearingwear.studies.dataset import dataset_of_rows
 from bearingwear.studies.design.condition_extremes import (
     Extremes,
@@ -145,7 +147,7 @@ CASE_POINTS = "points"
 NOT_SOLVED_AT = "unsolved"
 """Key of a point: the condition that was not solved, and its status."""
 
-NO_VARIABLES = (POINT_WARNINGS, DECIDING, NOT_SOLVED_AT, CASE_POINTS)
+NO_VARIABLES = (POINT_WARNINGS, DECIDING, NOT_SOLVED_AT, CASE_POINTS, PROBLEM)
 """Keys of points that are no variables of a file."""
 
 NO_LIFE: PointValues = dict.fromkeys(("solves", "failed_solves", "impractical", "groove"), 0)
@@ -536,8 +538,8 @@ def map_part(
     limits = DesignLimits(
         gyroscopic_slip_share=slip_limit, thermal_margin=thermal_margin, at_speed_only=True
     )
-    points = [design_point(point_scene, limits) for point_scene in scenes_of_map(base, axes)]
-    return map_dataset(base, axes, limits, points)
+    points = answers_at(partial(design_point, limits=limits), scenes_of_map(base, axes), workers=1)
+    return map_dataset(base, axes, limits, list(points))
 
 
 def scenes_of_map(base: Scene, axes: Sequence[Sequence[Any]]) -> list[Scene]:
@@ -552,7 +554,7 @@ def map_dataset(
     base: Scene,
     axes: Sequence[Sequence[Any]],
     limits: DesignLimits,
-    points: Sequence[PointValues],
+    points: Sequence[Mapping[str, Any]],
 ) -> xr.Dataset:
     """Returns a map of the design points of its scenes; of the limits, it keeps the slip share."""
     methods, *numbers = axes

@@ -14,10 +14,9 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.lives.duty.lives import cycle_with_enough_points
-from bearingwear.lives.life import life
 from bearingwear.results.kinds import ONLY_IN_CASES
+from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import dataset, load
-from bearingwear.results.warnings import merged_warnings
 from bearingwear.results.words import datasets_by_bearing
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
@@ -29,13 +28,14 @@ from bearingwear.solvers.solve import solve
 from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.dataset import stacked_dataset
 from bearingwear.studies.grid.gather import axis_coordinates
-from bearingwear.studies.grid.grid import Case, Grid
+from bearingwear.studies.grid.grid import Grid
 from bearingwear.studies.grid.interpolated import (
     NOT_INTERPOLATED,
     Line,
     interpolable_criteria,
     interpolated_life,
 )
+from bearingwear.studies.sweep import Sweep
 
 
 def study_life(scene: Path, study: Path) -> xr.Dataset:
@@ -54,13 +54,14 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
         study["friction"].values.tolist(),
         study["ball_diameter_loss"].values.tolist(),
     )
-    solved, interpolated = [], []
+    base = variant(scene_path, {GRID_KEYS["ball_diameter_loss"]: 0.0})
+    axes = {GRID_KEYS[name]: getattr(grid, name) for name in ("preload_method", "friction")}
+    swept = Sweep.of(base, axes, "life").dataset(workers=1, progress=False)
+    interpolated = []
     not_interpolated: set[str] = set()
     for i, method in enumerate(grid.preload_method):
         for j, friction in enumerate(grid.friction):
-            case = Case(preload_method=method, friction=friction, ball_diameter_loss_um=0.0)
-            scene = variant(scene_path, case.changes)
-            solved.append(dataset(life(scene)))
+            scene = base.with_(dict(zip(axes, (method, friction), strict=True)))
             criteria = scene.wear.end_of_life.criteria if scene.wear.end_of_life else {}
             line = study.isel(preload_method=i, friction=j, drop=True)
             line = _with_arrangement_stiffness(line, scene.operation.preload_method)
@@ -69,7 +70,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     coords = axis_coordinates(grid)
     del coords["ball_diameter_loss"]
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
-    lives = stacked_dataset(solved, lengths).assign_coords(coords)
+    lives = coded(swept).drop_attrs(deep=False).assign_coords(coords)
     lives = lives.merge(stacked_dataset(interpolated, lengths).assign_coords(coords))
     difference = lives["interpolated_life"] / lives["life"] - 1.0
     difference = difference.where(_is_comparable(lives, not_interpolated))
@@ -92,7 +93,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
             "title": f"Wear life of {study_scene['name']}",
             "history": "computed, and interpolated from the study, by bearingwear study",
             NOT_INTERPOLATED: json.dumps(sorted(not_interpolated)),
-            "warnings": merged_warnings(solved_life.attrs for solved_life in solved),
+            "warnings": swept.attrs["warnings"],
             "comment": "life and history_* were computed with the solver in the loop; "
             "interpolated_* were interpolated between the cases in the study.",
         }
