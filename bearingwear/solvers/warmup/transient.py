@@ -120,18 +120,18 @@ class ThermalBearings:
 
     def networks(self) -> list[Thermal]:
         """The network of each bearing."""
-        found = [side.thermal for side in self.sides]
-        assert all(found)
-        return found  # type: ignore[return-value]
+        networks = [side.thermal for side in self.sides]
+        assert all(networks)
+        return networks  # type: ignore[return-value]
 
     def instant(self, time: float, share: float, temperatures: np.ndarray) -> Instant:
         """The bearings at a share of their speed and temperatures (bearing, part) [degC].
 
         NoState: where they have no state.
         """
-        kept, found, heats = self._solved(time, share, temperatures)
-        states = states_of(kept, kept.start, found)
-        return Instant(time, share, temperatures, states, heats, found.stiffness)
+        kept, balance, heats = self._solved(time, share, temperatures)
+        states = states_of(kept, kept.start, balance)
+        return Instant(time, share, temperatures, states, heats, balance.stiffness)
 
     def heat(self, time: float, share: float, temperatures: np.ndarray) -> np.ndarray:
         """Heat of all parts (parts,) [W] there; a required thermal margin takes no solves here."""
@@ -151,12 +151,14 @@ class ThermalBearings:
         else:
             kept.near = list(self.near)
         self.solves += 1
-        found = kept.solve(kept.start)
-        if found.status != code.OK:
-            raise NoState(found.status)
-        self.near = list(found.sides)
-        heats = tuple(HeatFlow(*(share / whole * np.array(heat))) for heat in heats_of(kept, found))
-        return kept, found, heats
+        balance = kept.solve(kept.start)
+        if balance.status != code.OK:
+            raise NoState(balance.status)
+        self.near = list(balance.sides)
+        heats = tuple(
+            HeatFlow(*(share / whole * np.array(heat))) for heat in heats_of(kept, balance)
+        )
+        return kept, balance, heats
 
     def _bearings(self, share: float) -> Alone | OnRotor:
         if share != self._at[0]:
