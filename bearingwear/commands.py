@@ -108,9 +108,9 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
         problem = "got nothing, expected MYBEARING.yaml, a designation such as 7008C, or both"
         raise SceneError("", problem, source="new")
     file, *words = names
-    if "." in file or "/" in file:
-        return file, " ".join(words) or None
     designation = " ".join(names)
+    if "." in file or ("/" in file and not _is_designation(designation)):
+        return file, " ".join(words) or None
     return re.sub(r"[^A-Za-z0-9_-]", "", designation) + ".yaml", designation
 
 
@@ -436,6 +436,17 @@ def step(args: argparse.Namespace) -> int:
         sys.stderr.write(f"{error}\n")
         return NOT_SOLVED
     return SUCCESS
+
+
+def _is_designation(text: str) -> bool:
+    """Returns whether typed words are a designation, without a file: SKF 7008 CD/P4A."""
+    from bearingwear.scene.new.assumed import size_of
+
+    try:
+        size_of(text, None, None)
+    except SceneError:
+        return False
+    return True
 
 
 def _trial_lines(path: str) -> list[str]:

@@ -71,6 +71,27 @@ def test_lives_over_light_preloads_have_no_gaps(designation):
     assert hours[1:-1] == pytest.approx(between, abs=0.05)
 
 
+def test_depths_are_kept_as_far_as_a_light_contact_grows():
+    """A groove worn to 17 times the gap at the edge of the new contact is six times as long."""
+    plain = bearingwear.new(designation="71906AC", speed=10390.0)
+    warm = {"inner_ring_C": 26.0, "balls_C": 26.0, "outer_ring_C": 20.0}
+    keys = {"temperature": warm, "model.contact": "worn", "cage": None}
+    times = []
+    for preload in (8.0, 9.158, 10.316, 11.474, 12.632):
+        scene = plain.with_(keys | {"operation.preload_N": preload})
+        wearing = Grooves(scene, QUICK_GROOVES)
+        life = follow_grooves(wearing)
+        assert life.status == OK, preload
+        limit = 1e-6 * scene.wear.end_of_life.ball_diameter_loss_um
+        assert life.last.states[0].loss == pytest.approx(limit, rel=1e-3)
+        times.append(life.last.time)
+        bearing, grooves = wearing.sides[0].bearing, life.last.worn[0].grooves
+        is_worn = (grooves > 1e-3 * grooves.max(axis=1)[:, None]).any(axis=0)
+        assert np.abs(bearing.arc[0, is_worn]).max() > 5.0 * bearing.major[0]
+        assert not is_worn[[0, -1]].any()
+    assert (np.diff(times) < 0.0).all()
+
+
 def test_worn_grooves_that_press_on_their_shoulder_are_solved_when_slow():
     """At rest, contacts lie beside the groove that they wore at full speed, on a narrow ridge.
 

@@ -124,7 +124,8 @@ def test_designations_of_other_makers(text, name, balls, pair, load, ignored):
         name, balls, pair, load, ignored
     )  # fmt: skip
     assert letters.ball_material == ("silicon_nitride" if balls else None)
-    assert len(letters.meanings()) == sum(map(bool, (balls, pair, load, ignored)))
+    parts = (balls, letters.small_balls, pair, load, ignored)
+    assert len(letters.meanings()) == sum(map(bool, parts))
     assert designation._replace(letters=Letters()) == designation_of(name)
 
 
@@ -152,6 +153,23 @@ def test_ceramic_balls_reach_the_scene():
     assert "HCB" in line and "silicon nitride" in line
     with pytest.raises(SceneError, match="--ball-material: got bearing_steel, .* because of HCB"):
         scene_text("a", None, None, {}, "bearing_steel", designation="HCB71910-C-T-P4S")
+
+
+@pytest.mark.parametrize(
+    ("text", "letters"),
+    [("HS7008-C-T-P4S", "HS"), ("XC71910E", "XC"), ("HCSS7008-C", "HCSS"), ("RS7008D-C", None),
+     ("RS7008-C", "RS"), ("B7008-C", ""), ("HCB7008-C", ""), ("HC6204", ""), ("S7008-C", "")],
+)  # fmt: skip
+def test_small_balls_of_a_high_speed_series_are_no_cage(text, letters):
+    """The program does not know them, and says so."""
+    if letters is None:
+        with pytest.raises(SceneError):
+            designation_of(text)
+        return
+    found = designation_of(text).letters
+    assert found.small_balls == letters
+    assert ("--ball-diameter" in " ".join(found.meanings)) == bool(letters)
+    assert not letters or letters not in found.ignored.split()
 
 
 @pytest.mark.parametrize(

@@ -137,6 +137,15 @@ def test_bad_names_take_one_line(name, tmp_path, capsys):
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.parametrize("designation", ["71910ACD/HCP4A", "SKF 7008 CD/P4ADBC"])
+def test_a_designation_with_a_slash_is_no_file(designation, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", designation, "--speed", "5000"]) == 0
+    name = "".join(letter for letter in designation if letter.isalnum())
+    assert os.listdir(tmp_path) == [f"{name}.yaml"]
+    assert capsys.readouterr().out.startswith(f"{name}.yaml: written")
+
+
 def output_of(capsys) -> str:
     return capsys.readouterr().out
 

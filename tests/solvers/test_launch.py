@@ -26,6 +26,7 @@ from bearingwear.solvers.bearing.launch import (
     launch_values,
     miles,
 )
+from bearingwear.studies.design.conditions import AT_END_OF_LIFE, DECIDING, NEW
 from bearingwear.studies.design.machine import machine_answers
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import recommendation
@@ -319,6 +320,9 @@ def test_a_required_acceleration_at_launch_holds_worn():
     )  # fmt: skip
     assert launch_result(worn).opening_g == pytest.approx(30.0, rel=0.01)
     assert launch_result(worn.with_({"wear.ball_diameter_loss_um": 0.0})).opening_g > 45.0
+    deciding = json.loads(point.attrs[DECIDING])[method]
+    assert deciding["opening_acceleration"]["wear"] == AT_END_OF_LIFE
+    assert deciding["denting_acceleration"]["wear"] == NEW
 
 
 def test_missing_keys_of_a_launch_are_refused_in_one_line(pair, tmp_path, capsys):

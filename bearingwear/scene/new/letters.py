@@ -9,8 +9,8 @@ KH, C, E, 18, UL, UM, US); SNFA general catalogue, p. 63 (NS, angle digit); SKF 
 p. 406 (AC, A, B; CA, CB, CC), and NTN's nomenclature (https://nodeshk.com/ntn, 5S). Classes of
 preload of NTN (GN, GM, GH), SKF (A, B, C) and FAG (UL, UM, UH) stand beside each other in the
 interchange table of https://eibc.in/prefix-suffix-guide.php. The ceramic letters of FAG (HC, XC),
-SKF (HC), IBC (CB), SNR (CH) and Koyo (3NC), and the angles of BNR, BER and AD, are from memory of
-the catalogues.
+SKF (HC), IBC (CB), SNR (CH) and Koyo (3NC), FAG's series with smaller balls (HS, HC, XC, RS), and
+the angles of BNR, BER and AD, are from memory of the catalogues.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ CERAMIC_PREFIX = r"[HX]C(?:B|S|RS|SS)?|HY|CB|CH|5S|3NC"
 
 STEEL_PREFIX = r"B|S|HS|HSS|RS|W|SS"
 """Spindle bearings of FAG (B, HS, RS), sealed ones of SKF and FAG (S, HSS), stainless ones."""
+
+_SMALL_BALLS = r"HSS?|[HX]C(?:S|RS|SS)?|RS"
+"""Prefixes of FAG's high-speed series of angular contact bearings, whose balls are smaller."""
 
 GMN_SERIES = r"SM|KH|S"
 GMN_CAGES = r"TAM|TA|TBH|TB|TXMB|TXM|MA"
@@ -95,6 +98,7 @@ class Letters(NamedTuple):
 
     ball_material: str | None = None  # that of a scene; None where the letters say nothing
     ball_letters: str = ""  # those that say so
+    small_balls: str = ""  # those of a high-speed series, which has smaller balls
     load: str = ""  # letter of the class of preload
     pair: str = ""  # letters of the arrangement
     ignored: str = ""  # what changes no number of a scene
@@ -105,6 +109,11 @@ class Letters(NamedTuple):
         is_in_pair: whether the scene holds both bearings of a pair.
         """
         clauses = [f"{self.ball_letters}: silicon nitride balls"] if self.ball_material else []
+        if self.small_balls:
+            clauses.append(
+                f"{self.small_balls}: a high-speed bearing of FAG, with smaller balls than those "
+                "assumed without --balls and --ball-diameter"
+            )
         if self.pair:
             meaning = _PAIRS.get(self.pair) or _SETS[self.pair[0]]
             pair_note = ""
@@ -129,9 +138,10 @@ def letters_of(prefix: str, suffix: str, pairs: tuple[re.Pattern[str], ...]) -> 
     pairs: patterns of pairs and classes of preload, `PAIR` or `PAIR_ALONE`.
     """
     balls, ignored = "", []
+    small_balls = prefix if pairs is PAIR and re.fullmatch(_SMALL_BALLS, prefix) else ""
     if re.fullmatch(CERAMIC_PREFIX, prefix):
         balls = prefix
-    elif prefix:
+    elif prefix and not small_balls:
         ignored.append(prefix)
     for pattern in (
         r"SN24",
@@ -149,6 +159,7 @@ def letters_of(prefix: str, suffix: str, pairs: tuple[re.Pattern[str], ...]) -> 
     return Letters(
         ball_material=CERAMIC_BALLS if balls else None,
         ball_letters=balls,
+        small_balls=small_balls,
         load=load,
         pair=pair,
         ignored=" ".join([*ignored, *suffix.split()]),

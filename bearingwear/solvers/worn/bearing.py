@@ -39,7 +39,10 @@ from bearingwear.solvers.worn.films import AS_WITH_FILM, LEAST_WANDER, WornFilms
 
 SIDES = (INNER, OUTER)
 ARC_STEP = 0.05  # of the initial semi-major axis
-ARC_END = 5.0  # initial semi-major axes from where the contact was, new
+ARC_END = 5.0  # initial semi-major axes from where the contact was, new, at least
+LONGER_THAN_WORN, ARC_SPARE = 1.3, 1.5
+"""Grid over the half length of a contact worn as deep as its life allows, and axes beyond that."""
+MOST_ARC = 1.0  # rad, to which grids longer than `ARC_END` reach: shoulders are lower
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
 SPARE = 3.0  # cells beyond the contact, at least
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
@@ -82,7 +85,8 @@ class WornBearing:
     From the problem as new, of which a state may have another geometry and preload, its unworn
     state and its loss of ball diameter [m]. There are so many cells along the major axis and on
     each side of it; the track wanders by an rms over the initial semi-major axes. Films are there
-    where friction or wear go by films or running in.
+    where friction or wear go by films or running in. Grids have room for contacts that are most
+    worn [m].
     """
 
     def __init__(
@@ -93,6 +97,7 @@ class WornBearing:
         cells: tuple[int, int] = (48, 10),
         wander: float = 0.1,
         films: WornFilms | None = None,
+        most_worn: float = 0.0,
     ):
         self.films, self.on_the_way = films, False
         self.wears = True  # else contacts may leave the grids, beyond which nothing is worn
@@ -104,7 +109,7 @@ class WornBearing:
         self.own_angle = self.angle  # of the cells
         self.least_load = LOAD_GONE * float(c[:, LOAD].max())
         self.arc_step = ARC_STEP * self.major
-        steps = round(ARC_END / ARC_STEP)
+        steps = round(self._arc_end(most_worn) / ARC_STEP)
         self.arc = self.arc_step[:, None] * np.arange(-steps, steps + 1)  # (2, arcs) [m]
         self.ends = np.full(2, CELLS_END)
         self.rows_added = np.zeros(2, dtype=int)  # to the cells on each side of the major axes
@@ -118,6 +123,21 @@ class WornBearing:
         self.state = state_work()
         self._work: tuple[tuple[int, ...], FrictionWork] | None = None
         self.check = WornCheck()
+
+    def _arc_end(self, most_worn: float) -> float:
+        """Returns the length of the grids from their middles, over the semi-major axes.
+
+        A groove of some depth over the gap A a^2 is as long as the square root of that.
+        """
+        ends = [ARC_END]
+        for k, r_g in enumerate((self.problem.g.r_i, self.problem.g.r_o)):
+            hertz = race_contact(
+                self.problem.g, SIDES[k], self.D, float(np.cos(self.angle[k])), float("nan")
+            )
+            gap = edge_gap(hertz.log_kappa, contact_approach(hertz.K, self.case.contacts[k, LOAD]))
+            length = LONGER_THAN_WORN * np.sqrt(most_worn / gap) + ARC_SPARE
+            ends.append(min(length, MOST_ARC * r_g / self.major[k]))
+        return max(ends)
 
     def _unworn_race(self, k: int) -> WornRace:
         """Returns race k without wear, with cells for the present length of its contact."""
@@ -536,11 +556,8 @@ class WornBearing:
 
     def gap_at_edge(self, point: WornPoint) -> np.ndarray:
         """Returns the gaps A a^2 (2,) of the unworn bodies at the edge of each ellipse [m]."""
-        gaps = []
-        for race, force in zip(self.races, point.forces, strict=True):
-            s = elliptic_integrals(float(np.exp(-race.cells.log_kappa)))[2]
-            gaps.append(s * force.approach)
-        return np.array(gaps)
+        pairs = zip(self.races, point.forces, strict=True)
+        return np.array([edge_gap(race.cells.log_kappa, force.approach) for race, force in pairs])
 
     def axial_stiffnesses(self, point: WornPoint) -> np.ndarray:
         """Returns dynamic and quasi-static stiffness of all balls in the last state (2,) [N/m].
@@ -591,6 +608,11 @@ class WornBearing:
         is_wider = any(new is not old for new, old in zip(races, self.races, strict=True))
         self.races = tuple(races)
         return is_wider
+
+
+def edge_gap(log_kappa: float, approach: float) -> float:
+    """Gap A a^2 of unworn bodies at the edge of the ellipse [m], by its shape and the approach."""
+    return float(elliptic_integrals(float(np.exp(-log_kappa)))[2] * approach)
 
 
 def loaded_ends(pressure: np.ndarray) -> np.ndarray:

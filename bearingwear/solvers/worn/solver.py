@@ -41,6 +41,18 @@ class _Memory:
     ahead: float = 0.0  # last even loss less that of the approaches, over the approaches
 
 
+def _most_worn(scene: Scene) -> float:
+    """Returns the loss at the end of a life [m]; inf where no criterion limits it, 0 without any.
+
+    Another criterion may end the life before.
+    """
+    end = scene.wear.end_of_life
+    if end is None:
+        return 0.0
+    limit = end.ball_diameter_loss_um
+    return math.inf if limit is None else limit * parameters.UM
+
+
 class Worn(Steady):
     """A bearing with worn grooves, unworn by `Steady`; each solve starts from the last one."""
 
@@ -56,6 +68,7 @@ class Worn(Steady):
             cells,
             wander=scene.wear.track_wander,
             films=WornFilms.of(scene) if filmed else None,
+            most_worn=_most_worn(scene),
         )
         self.memory = _Memory(unworn.steepness)
 

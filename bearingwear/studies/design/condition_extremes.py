@@ -44,7 +44,7 @@ SPEED_FOUND_TO = 2e-3
 NEAR_LIMIT = 0.3
 """Margin of a limit up to which the worst value over speed is looked for between the speeds."""
 
-_MOST_ROUNDS = 6  # of speeds between those already solved
+_MOST_ROUNDS = 10  # of speeds between those already solved
 _NEARBY_STEPS = (-0.07, 0.07, -0.15, 0.15)
 """Relative steps to the speeds that are tried where there is no state at one."""
 
@@ -345,7 +345,8 @@ def _worse_share(
     if worst == len(x) - 1 and x[worst] - x[worst - 1] > wide:
         return float(0.5 * (x[worst - 1] + x[worst]))  # it may turn just below the full speed
     for k in _peaks(y):
-        if x[k + 1] - x[k - 1] <= (wide if k == worst else _WIDE):
+        may_hide_worst = k == worst or _rising_on(y, k) < least
+        if x[k + 1] - x[k - 1] <= (wide if may_hide_worst else _WIDE):
             continue
         # neighbours so far away say little of what is between them
         point = lowest[k - 1]
@@ -360,11 +361,22 @@ def _peaks(y: np.ndarray) -> list[int]:
     """Returns the inner places that are worse than both neighbours and nearly the worst of all, the
     worst first.
 
-    A peak between speeds far from each other may be a fifth higher than the one that is known.
+    A peak between speeds far from each other may be a fifth higher than the one that is known, or
+    as high as its steeper flank leads to.
     """
-    near_worst = y.min() + _PEAK_HIDDEN * abs(y.min())
-    peaks = [k for k in range(1, len(y) - 1) if y[k] <= min(y[k - 1], y[k + 1], near_worst)]
+    least = y.min()
+    near_worst = least + _PEAK_HIDDEN * abs(least)
+    peaks = [
+        k
+        for k in range(1, len(y) - 1)
+        if y[k] <= min(y[k - 1], y[k + 1]) and (y[k] <= near_worst or _rising_on(y, k) < least)
+    ]
     return sorted(peaks, key=lambda k: y[k])
+
+
+def _rising_on(y: np.ndarray, k: int) -> float:
+    """Returns what a peak reaches if its steeper flank goes on as far as half of the way back."""
+    return float(y[k] - 0.5 * (max(y[k - 1], y[k + 1]) - y[k]))
 
 
 def _lowest_point(x: np.ndarray, y: np.ndarray) -> _LowestPoint | None:

@@ -382,9 +382,22 @@ def _with_all_conditions(
     values |= {name: extreme["value"] for name, extreme in deciding.items()}
     if "life" in values:
         deciding["life"] = condition.where(wear=AT_END_OF_LIFE, value=values["life"])
+    return values | {DECIDING: deciding | _resting_extremes(scene, values, life)}
+
+
+def _resting_extremes(scene: Scene, values: PointValues, life: Life) -> Extremes:
+    """Returns the extremes of launch, at rest, new or worn, and of the torque margin.
+
+    The margin is the least of several states of wear, which its own block names.
+    """
+    where = OperatingCondition(scene).where()
     resting = [name for measure in LIMITED.values() if measure.resting for name in measure.extremes]
-    at_rest = {name: condition.where(wear=NEW, value=values[name]) for name in resting}
-    return values | {DECIDING: deciding | at_rest}
+    when_new = launch_values(scene, [[state.loss for state in life.nodes[0].states]])
+    extremes = {name: {**where, "value": values[name]} for name in resting}
+    for name, value in when_new.items():
+        wear = NEW if value == values[name] else AT_END_OF_LIFE
+        extremes[name] |= {"speed_rpm": 0.0, "wear": wear}
+    return extremes
 
 
 def _breaks_limit(extremes: Extremes, limits: DesignLimits) -> bool:

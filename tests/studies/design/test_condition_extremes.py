@@ -108,6 +108,20 @@ def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
     assert point["gyroscopic_slip_share"] == pytest.approx(most, rel=5e-3)
 
 
+def test_a_steep_peak_of_slip_that_begins_below_the_highest_known_speed_is_found():
+    """At 0.404 of the speed, between two sixteenths with less slip than a hump at 0.58."""
+    plain = bearingwear.new(designation="7006C", speed=20000.0)
+    held = held_by(plain.with_({"cage": None}), "constant_force", 33.1)
+    point = design_point(held, DesignLimits(gyroscopic_slip_share=0.3351))
+    worn = worn_states(worn_life_with_stiffness(held, quick=False))
+    slip = {
+        share: float(worn(at_share(held, share))[0]["gyroscopic_slip_share"].max())
+        for share in (0.375, 0.404, 0.4375, 0.5845)
+    }
+    assert max(slip[0.375], slip[0.4375]) < slip[0.5845] < 0.9 * slip[0.404]
+    assert point["gyroscopic_slip_share"] == pytest.approx(slip[0.404], rel=1e-2)
+
+
 def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
     held = held_by(spindle, "fixed_position", 17.5)
     alone = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)

@@ -36,6 +36,9 @@ _JUST_MET = 0.01
 
 _OVER_DUTY = "over the duty"
 
+_WEAR_WORDS = {NEW: "new", AT_END_OF_LIFE: "worn", BETWEEN: "during the life"}
+"""States of wear in tables, and of a launch, which may precede the end of life."""
+
 
 def _speed_and_warm_up_words(dataset: xr.Dataset) -> str:
     """Returns the speeds at which the requirements of a file apply, and whether in a warm-up."""
@@ -118,7 +121,8 @@ def extreme_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extre
         return ""
     has_cases = _has_cases(recommendation)
     if _is_resting(extreme):
-        return f"case {where['case']}" if has_cases else ""
+        case_words = f"case {where['case']}" if has_cases else ""
+        return ", ".join(filter(None, (_WEAR_WORDS.get(where.get("wear", "")), case_words)))
     return condition_words(where, has_cases)
 
 
@@ -137,8 +141,8 @@ def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme
             words.append("mounting temperature")
         if where["temperature"] == WARMING:
             words.append(f"{warm_up_time_words(where)} into the warm-up")
-        wear_words = {NEW: "new", AT_END_OF_LIFE: "worn", BETWEEN: "during the life"}
-        words.append(wear_words.get(where.get("wear", ""), ""))
+    words.append(_WEAR_WORDS.get(where.get("wear", ""), ""))
+    if not _is_resting(extreme):
         words.append(f"bearing {where['bearing']}" if where.get("bearing") else "")
     return ", ".join(filter(None, words))
 
