@@ -5,9 +5,10 @@ of the phases' own life histories, with starts as sums over speeds,
 
     t = integral of dL / ((sum of h_k r_k(L) + n_k J_k(L)) / T).
 
-Worn grooves: the phases run one after the other, with the grooves carried on.
+Worn grooves, and all with --film: the phases run one after the other, with what is worn carried on,
+beyond the wear-through of the films.
 
-    python benchmarks/duty_mixes.py [--seed 52] [--mixes 10] [--only 3]
+    python benchmarks/duty_mixes.py [--seed 52] [--mixes 10] [--only 3] [--film]
 """
 
 from __future__ import annotations
@@ -21,14 +22,17 @@ from scipy.interpolate import CubicSpline
 
 import bearingwear
 from bearingwear.lives.grooves import Grooves
+from bearingwear.lives.surfaces import Surfaces
+from bearingwear.solvers.compose import solver_of
 
 UM, HOUR = 1e-6, 3600.0
 RAMP_SPEEDS = 10  # of a midpoint sum over a ramp
 LOSSES = 5  # at which it is taken
 CYCLES = 80  # in which worn grooves are carried on to the end
+FILM_CYCLES = 240  # where rates jump as a film is gone
 
 
-def random_scene(rng: np.random.Generator, worn: bool):
+def random_scene(rng: np.random.Generator, worn: bool, film: bool = False):
     """The gyro with two to five phases of random conditions and hours, and maybe starts."""
     names = [f"phase_{k}" for k in range(rng.integers(2, 6 if not worn else 4))]
     method = "fixed_position" if rng.random() < 0.6 else "constant_force"
@@ -60,6 +64,16 @@ def random_scene(rng: np.random.Generator, worn: bool):
     }
     if rng.random() < 0.4:
         changes["arrangement.kind"] = "rigid_pair" if method == "fixed_position" else "spring_pair"
+    if film:
+        changes["friction.ball_race"] = None
+        changes["friction.film"] = {
+            "shear_strength_MPa": float(rng.uniform(0.0, 10.0)),
+            "pressure_coefficient": 0.06,
+            "thickness_um": float(rng.uniform(0.01, 0.06)),
+            "wear_coefficient": float(rng.uniform(5e-7, 2e-6)),
+        }
+        for case in cases.values():
+            case["friction.film.bare_ball_race"] = case.pop("friction.ball_race")
     return bearingwear.example().with_(changes)
 
 
@@ -108,20 +122,46 @@ def _even_rate(scene, loss_um: float) -> float:
     return float(np.ravel(case["ball_diameter_loss_rate"])[0])
 
 
-class _Phase:
+class _Grooves:
     """A phase of worn grooves, on the grids that all share."""
 
     def __init__(self, scene):
         self.way = Grooves(scene)
+        self.start = self.way.start
+
+    def share(self, first):
+        for own, shared in zip(self.way.sides, first.way.sides, strict=True):
+            own.bearing.lie_on(shared.bearing)
 
     def rates(self, worn):
         states = self.way.state(worn)
         assert all(state.status == 0 for state in states)
         return self.way.rates(SimpleNamespace(states=states, worn=worn)), states[0].loss
 
+    def after(self, worn, span, rates):
+        return tuple(w.plus(span, r) for w, r in zip(worn, rates, strict=True))
 
-def worn_hours(scene, about: float) -> float:
-    """Life of worn grooves, in cycles that are short beside a life of about so many hours [h]."""
+
+class _Surfaces(_Grooves):
+    """A phase of evenly worn surfaces, whose films all phases share."""
+
+    def __init__(self, scene):
+        self.way = Surfaces(scene.one_of_alike, solver_of(scene))
+        self.start = self.way.start
+
+    def share(self, first):
+        for own, shared in zip(self.way.bearings, first.way.bearings, strict=True):
+            own.coating = shared.coating
+
+    def after(self, worn, span, rates):
+        worn = worn + span * rates
+        for coating, depths in self.way.films_at(worn):
+            coating.is_left &= coating.share_left(depths) > 0.0
+        return worn
+
+
+def hours_one_by_one(scene, about: float, kind: type[_Grooves], cycles: int) -> float:
+    """Life of phases run one after the other in short cycles, of about so many hours [h]."""
     duty, spans = scene.duty, []
     for name, phase in duty.phases.items():
         one = scene.in_cases[name]
@@ -129,14 +169,12 @@ def worn_hours(scene, about: float) -> float:
         for s in midpoints(RAMP_SPEEDS // 2) if phase.starts else ():
             time = phase.starts * duty.ramp_s / (RAMP_SPEEDS // 2)
             spans.append((at_speed(one, s), time))
-    ways = [_Phase(one) for one, _ in spans]
-    first = ways[0].way.sides
+    ways = [kind(one) for one, _ in spans]
     for other in ways[1:]:
-        for own, shared in zip(other.way.sides, first, strict=True):
-            own.bearing.take_grids_of(shared.bearing)
+        other.share(ways[0])
     times = np.array([time for _, time in spans])
-    times *= about * HOUR / CYCLES / times.sum()
-    worn, passed, before = ways[0].way.start, 0.0, {}
+    times *= about * HOUR / cycles / times.sum()
+    worn, passed, before = ways[0].start, 0.0, {}
     for way in ways:
         way.rates(worn)  # losses count from the unworn grooves
     while True:
@@ -147,9 +185,8 @@ def worn_hours(scene, about: float) -> float:
                 share = (0.15 * UM - lost) / (loss - lost)
                 return (then + share * (passed - then)) / HOUR
             before[way] = passed, loss
-            half = tuple(w.plus(0.5 * span, r) for w, r in zip(worn, rates, strict=True))
-            rates, _ = way.rates(half)
-            worn = tuple(w.plus(span, r) for w, r in zip(worn, rates, strict=True))
+            half_rates, _ = way.rates(way.after(worn, 0.5 * span, rates))
+            worn = way.after(worn, span, half_rates)
             passed += span
 
 
@@ -158,15 +195,20 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=52)
     parser.add_argument("--mixes", type=int, default=10)
     parser.add_argument("--only", type=int, help="one mix alone")
+    parser.add_argument("--film", action="store_true", help="films on the races")
     args = parser.parse_args()
     warnings.simplefilter("ignore")
     worst = 0.0
     for k in range(args.mixes) if args.only is None else [args.only]:
         rng, worn = np.random.default_rng([args.seed, k]), k % 5 > 2
-        scene = random_scene(rng, worn)
+        scene = random_scene(rng, worn, args.film)
         found = bearingwear.life(scene)
         hours = float(found["life"])
-        plain = worn_hours(scene, hours) if worn else even_hours(scene)
+        if worn or args.film:
+            cycles, way = FILM_CYCLES if args.film else CYCLES, _Grooves if worn else _Surfaces
+            plain = hours_one_by_one(scene, hours, way, cycles)
+        else:
+            plain = even_hours(scene)
         worst = max(worst, abs(hours / plain - 1.0))
         kind = "worn" if worn else "even"
         pair = scene.arrangement.kind if scene.arrangement else "single"

@@ -40,6 +40,7 @@ from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.lives.duty_report import duty_report
 from bearingwear.studies.sampling import scene_with_values
+from bearingwear.studies.uncertainty.quantiles import uncertain_lives
 
 HOUR = 3600.0
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -175,15 +176,17 @@ def test_order_of_phases_changes_nothing_beyond_a_film(scene, film):
     cases = CASES | {"hot": {"friction.film.bare_ball_race": 0.3}}
     phases = {"fast": {"hours": 0.1}, "hot": {"hours": 0.7, "starts": 1.0}, "idle": {"hours": 0.3}}
     backwards = dict(reversed(phases.items()))
+    apart = phases | {"hot": {"hours": 0.4, "starts": 1.0}, "later": {"hours": 0.3, "case": "hot"}}
     ramps = {"start_s": 20.0, "stop_s": 60.0}
     changed_scene = scene("gyro_s1", film | POSITION | end | {"cases": cases})
     results = [
-        duty_life(changed_scene.with_(duty(of_order, **ramps))) for of_order in (phases, backwards)
+        duty_life(changed_scene.with_(duty(mix, **ramps))) for mix in (phases, backwards, apart)
     ]
-    one, other = (result.life for result in results)
+    one, other, cut_in_two = (result.life for result in results)
     assert one.last.states[0]["film_left"].min() <= 0.0
     assert one.last.time == other.last.time > 0.0
-    assert results[0].ending_case == results[1].ending_case
+    assert cut_in_two.last.time == pytest.approx(one.last.time, rel=1e-6)
+    assert len({result.ending_case for result in results}) == 1
 
 
 # phases by their own histories
@@ -762,6 +765,13 @@ def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):
     alone, with_duty = (one.with_({"model.contact": "worn"}) for one in (alone, with_duty))
     lives = [worn_life(one).last.time for one in (alone, with_duty)]
     assert lives[0] == lives[1]
+
+
+def test_a_spread_over_one_phase_is_that_of_the_scene(scene):
+    alone = scene("gyro_s1", POSITION | {"model.contact": "hertz", "cage": None})
+    spreads = [uncertain_lives(one, samples=16) for one in (alone, alone.with_(NOMINAL_ALONE))]
+    assert spreads[0]["life_quantile"].notnull().any()
+    assert spreads[0]["life_quantile"].equals(spreads[1]["life_quantile"])
 
 
 def test_values_of_a_case_vary_with_those_of_the_scene(scene):
