@@ -335,7 +335,11 @@ def warmup(args: argparse.Namespace) -> int:
             if (shortest := shortest_ramp(scene, dict(args.limit))) is None:
                 sys.stderr.write(one_line(f"{args.scene}: no ramp to speed keeps these limits"))
                 return NOT_SOLVED
-            seconds = shortest
+            seconds = shortest.seconds
+            if shortest.broken_by:
+                words = ", ".join(f"{longer:g} s" for longer in shortest.broken_by)
+                text = f"a ramp of {seconds:g} s keeps these limits, but one of {words} does not"
+                sys.stderr.write(one_line(f"{args.scene}: {text}"))
         course = course_of(scene, args.course) if args.course else ramp(seconds)
         warmed = warm_up_dataset(scene, course, args.duration)
     tell_of_new_folder(args.output)

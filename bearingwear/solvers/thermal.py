@@ -23,6 +23,8 @@ LAST_BITS = 2.0**-49  # of a temperature
 RUNAWAY = 0.999  # heat that one more watt of heat makes, above which it grows without bound [W/W]
 JOINT_ROOT = 1e-9  # relative error of the heat of two bearings that is sought together
 JOINT_STEP = 1e-3  # of all heat: step of a derivative by which their balance is called stable
+MOST_STALLED = 3  # solves without gain after which what is left counts as an error of the heat
+ABOVE_ERROR = 30.0  # largest such error, and least step of a slope, over the error that is expected
 MOST_HALVED = 6  # halvings of a step at whose end the bearing has no state
 
 
@@ -158,13 +160,16 @@ def _search(
 ) -> Warmed:
     """Searches for the balance from a heat `h` and a slope, see `Warmed.slope`."""
     last_h, step, last_excess = h, np.zeros(3), None
-    runs_away, halved, last_scene = False, 0, scene
+    runs_away, halved, unsolved, last_scene = False, 0, 0, scene
+    balanced, least, stalled = max(HEAT_BALANCED, heat_error), math.inf, 0
     for solves in range(1, MOST_SOLVES + 1):
         warm = at_temperatures(scene, HeatFlow(*h))
         status, heat = (code.NO_HEAT_BALANCE, HeatFlow(*h)) if warm is None else heats(warm)
         last_scene = warm or last_scene
         if status != code.OK:
-            if last_excess is None or runs_away or halved == MOST_HALVED:
+            unsolved += 1
+            is_last = halved == MOST_HALVED or unsolved > 2 * MOST_HALVED
+            if last_excess is None or runs_away or is_last:
                 failure = code.WARM_SEIZURE if runs_away else status
                 return Warmed(
                     status=failure, scene=last_scene, heat=HeatFlow(*h), solves=solves, slope=slope
@@ -174,17 +179,22 @@ def _search(
             h = last_h + step
             continue
         excess = np.array(heat) - h
-        if np.abs(excess).max() <= max(HEAT_BALANCED, heat_error) * heat.total:
+        imbalance = float(np.abs(excess).max())
+        stalled = 0 if imbalance < least else stalled + 1
+        least = min(least, imbalance)
+        error = balanced if stalled < MOST_STALLED else ABOVE_ERROR * balanced
+        if imbalance <= error * heat.total:
             assert scene.thermal is not None and last_scene.temperature is not None
             residual = heat_flow_residual(scene.thermal, last_scene.temperature, heat)
-            allowed = max(LARGEST_HEAT_RESIDUAL, heat_error)
+            allowed = max(LARGEST_HEAT_RESIDUAL, error)
             status = code.OK if residual <= allowed else code.UNVERIFIED
             return Warmed(status=status, scene=last_scene, heat=heat, solves=solves, slope=slope)
         if last_excess is not None:
             if not step.any():
                 break  # no heat below zero is left to try
-            slope += np.outer(excess - last_excess - slope @ step, step) / (step @ step)
-            runs_away = 1.0 + (excess - last_excess) @ step / (step @ step) > RUNAWAY
+            if np.abs(step).max() > ABOVE_ERROR * balanced * heat.total:
+                slope += np.outer(excess - last_excess - slope @ step, step) / (step @ step)
+                runs_away = 1.0 + (excess - last_excess) @ step / (step @ step) > RUNAWAY
         last_h, last_excess, halved = h, excess, 0
         h = np.maximum(h + (excess if runs_away else -np.linalg.solve(slope, excess)), 0.0)
         step = h - last_h

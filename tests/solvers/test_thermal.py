@@ -1,5 +1,7 @@
 """Temperatures found from friction heat: balance, least balance, seizure, every model."""
 
+import itertools
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -17,6 +19,7 @@ from bearingwear.solvers.thermal import (
     HeatFlow,
     Warmed,
     at_temperatures,
+    find_heat_balance,
     heat_flow_residual,
     network_temperatures,
 )
@@ -160,6 +163,26 @@ def test_warm_seizure_is_named(scene, tmp_path, capsys):
     assert printed.out.count("cage (phenolic)") == 1
     (line,) = printed.err.splitlines()
     assert "warm_seizure" in line
+
+
+@pytest.mark.parametrize(
+    ("noise", "heat_error", "status"),
+    [(3e-7, 0.0, code.OK), (5e-4, 1e-4, code.OK), (5e-2, 1e-4, code.NO_HEAT_BALANCE)],
+)
+def test_a_heat_that_depends_on_where_the_solve_came_from(scene, noise, heat_error, status):
+    """A solve that is balanced already stays where it is: its heat is a little that of before."""
+    signs = itertools.cycle((-1.0, 1.0))
+
+    def heats(warm):
+        rise = warm.temperature.inner_ring_C - 20.0
+        return code.OK, HeatFlow(0.5 - 1e-3 * rise + noise * next(signs), 0.2, 0.0)
+
+    warmed = find_heat_balance(scene("gyro_s1", MILD), heats, heat_error=heat_error)
+    assert warmed.status == status
+    if status == code.OK:
+        rise = warmed.scene.temperature.inner_ring_C - 20.0
+        assert_allclose(warmed.heat.inner, 0.5 - 1e-3 * rise, rtol=4.0 * noise)
+        assert warmed.solves < 15
 
 
 @pytest.mark.parametrize("fidelity", [None, "race_control", "dynamic"])

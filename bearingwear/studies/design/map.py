@@ -374,7 +374,7 @@ def _with_all_conditions(
                 return values | {"status": answer.status, NOT_SOLVED_AT: answer.unsolved}
             parts.append(answer.extremes)
     if limits.warmup_s is not None and not _breaks_limit(worst_extremes(parts), limits):
-        answer = warm_up_extremes(scene, limits.warmup_s)
+        answer = warm_up_extremes(scene, limits.warmup_s, exactly)
         if answer.status != OK:
             return values | {"status": answer.status, NOT_SOLVED_AT: answer.unsolved}
         parts.append(answer.extremes)

@@ -16,6 +16,7 @@ from bearingwear.solvers.solve import solve
 from bearingwear.solvers.thermal import HeatFlow
 from bearingwear.solvers.warmup import transient
 from bearingwear.solvers.warmup.transient import SpeedCourse, ramp, warm_up
+from bearingwear.studies.warmup import shortest_ramp as shortest_ramps
 from bearingwear.studies.warmup.result import warm_up_dataset
 from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
 
@@ -156,14 +157,43 @@ def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
         for seconds in ramps
     ]
     expected = np.interp(-limit, -np.array(peaks), ramps)
-    shortest = shortest_ramp(scene, {"preload": limit})
+    shortest, broken_by = shortest_ramp(scene, {"preload": limit})
+    assert not broken_by
     assert np.all(np.diff(peaks) < 0.1) and 100.0 < expected < 300.0
     assert expected <= shortest < 1.03 * expected
 
 
+@pytest.mark.parametrize(
+    ("kept", "seconds", "broken_by"),
+    [
+        pytest.param(lambda s: s >= 40.0 and not 700.0 < s < 1500.0, 40.0, (1000.0,), id="again"),
+        pytest.param(lambda s: 20.0 < s < 50.0, 20.0, (100.0, 316.0), id="window"),
+        pytest.param(lambda s: s < 2.0, 0.0, (3.16, 10.0), id="short ones"),
+    ],
+)
+def test_longer_ramps_that_break_a_limit_again_are_named(
+    spindle, monkeypatch, kept, seconds, broken_by
+):
+    """Ramps whose peaks do not fall with their length, as given by a function."""
+    monkeypatch.setattr(shortest_ramps, "limits_hold", lambda _, s, *given: kept(s))
+    found = shortest_ramp(spindle, {"preload": 1.0})
+    assert seconds <= found.seconds <= 1.03 * seconds and kept(found.seconds)
+    assert found.broken_by[: len(broken_by)] == broken_by
+
+
+def test_the_answer_keeps_its_limit_with_fine_steps(spindle, monkeypatch):
+    """Coarse steps that keep a limit up to 2 % too early are made up for."""
+
+    def hold(_, seconds, limits, tolerance=1.0):
+        return seconds >= (51.0 if tolerance == transient.STEP_TOLERANCE else 50.0)
+
+    monkeypatch.setattr(shortest_ramps, "limits_hold", hold)
+    assert 51.0 <= shortest_ramp(spindle, {"preload": 1.0}).seconds < 53.0
+
+
 def test_a_limit_that_no_ramp_or_every_ramp_keeps(spindle):
     scene = spindle.with_(SLOW_HOUSING)
-    assert shortest_ramp(scene, {"preload": 1e4, "pressure": 5.0}) == 0.0
+    assert shortest_ramp(scene, {"preload": 1e4, "pressure": 5.0}) == (0.0, ())
     assert shortest_ramp(scene, {"preload": 100.0}) is None
 
 
