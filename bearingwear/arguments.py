@@ -17,16 +17,15 @@ from bearingwear.options import (
     add_formats,
     add_jobs,
     add_scene,
-    file_name,
     number_in,
-    positive,
     positive_count,
+    result_name,
     scene_keys,
 )
 from bearingwear.scene.checking.errors import did_you_mean, number_hint
 from bearingwear.scene.checking.records import Key, Part
 from bearingwear.scene.coefficients import LUBRICATIONS
-from bearingwear.scene.new.assumed import BORE, CLASSES, OUTSIDE
+from bearingwear.scene.new.assumed import BORE, CLASSES, OUTSIDE, PRELOAD_CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS, PAIR_KINDS
@@ -54,6 +53,12 @@ _EXPECTED = {r"int value: '(.+)'": "a whole number", r"float value: '(.+)'": "a 
 _CHOICE = re.compile(r"invalid choice: '(.+?)' \(choose from (.+)\)")
 
 
+def _integer_hint(text: str) -> str:
+    """Returns how to write a whole number that was typed with decimals; "" for any other text."""
+    match = re.fullmatch(r"([-+]?\d+)[.,]0*", text)
+    return f"write {match[1]}" if match else ""
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser whose errors take one line."""
 
@@ -61,15 +66,20 @@ class _Parser(argparse.ArgumentParser):
         """Exits with one line that says what was given and what is expected."""
         for pattern, expected in _EXPECTED.items():
             if match := re.search(f"invalid {pattern}", message):
-                hint = number_hint(match[1])
+                hint = _integer_hint(match[1]) or number_hint(match[1])
                 hint = f" ({hint})" if hint else ""
                 message = f"{message[: match.start()]}got {match[1]!r}, expected {expected}{hint}"
         if match := _CHOICE.search(message):
-            choices = match[2].replace("'", "").split(", ")
+            choices = [c for c in match[2].replace("'", "").split(", ") if c != "[]"]
             message = (
                 f"{message[: match.start()]}got {match[1]!r}, expected {', '.join(choices)}"
                 f"{did_you_mean(match[1], choices)}"
             )
+            if "argument --maker:" in message:
+                message += "; designations of other makers are read without it"
+        if match := re.match("argument --preload: got '([a-z]+)'", message):
+            if match[1] in PRELOAD_CLASSES:
+                message += f"; did you mean --preload-class {match[1]}"
         self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
 
@@ -167,7 +177,7 @@ def _add_sweep(sweep: argparse.ArgumentParser) -> None:
         help="compute a few points and state the number of points and the expected time")
     sweep.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if no point is solved")
-    sweep.add_argument("-o", "--output", metavar="FILE.nc", type=file_name,
+    sweep.add_argument("-o", "--output", metavar="FILE.nc", type=result_name,
         help="the file to write (default: SCENE-sweep.nc; of a part, SCENE-sweep-KofN.nc)")
 
 
@@ -193,7 +203,8 @@ def _add_gather(gather: argparse.ArgumentParser) -> None:
     gather.add_argument("files", nargs="+", metavar="CASE.nc", type=Path,
         help="case files that together fill a grid of preload methods, friction coefficients and "
         "wear states, or all parts of a sweep")
-    gather.add_argument("-o", "--output", default=Path("gathered.nc"), metavar="FILE.nc", type=Path,
+    gather.add_argument("-o", "--output", default=Path("gathered.nc"), metavar="FILE.nc",
+        type=result_name,
         help="the file to write (default: gathered.nc)")
 
 
@@ -290,7 +301,7 @@ def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
     if several:
         sub.add_argument("--each", metavar="KEY=VALUE,VALUE...",
             help="solve a case for each value of a key in the scene; -o then names a file for each")
-    sub.add_argument("-o", "--output", metavar="FILE.nc", type=file_name,
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=result_name,
         nargs="+" if several else None,
         help="the file to write; its folder is created if missing")
     sub.add_argument("--record-timing", action="store_true",
@@ -315,7 +326,7 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
         help="number of parallel processes (default: one per core)")
     sub.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if no life could be computed")
-    sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=result_name,
         help="the file to write (default: SCENE-uncertainty.nc)")
 
 
@@ -352,17 +363,18 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
         "steady temperatures")
     sub.add_argument("--duration", type=number_in(_DURATION), metavar="S",
         help="time at which to end (default: once the temperatures are steady)")
-    sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=result_name,
         help="the file to write (default: SCENE-warmup.nc)")
     add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
 
 
 def _limit_of_ramp(text: str) -> tuple[str, float]:
     """Reads the name and the value of a limit during a warm-up."""
-    name, _, value = text.partition("=")
-    if name not in ("pressure", "preload"):
+    name, equals, value = text.partition("=")
+    if name not in ("pressure", "preload") or not equals:
         raise argparse.ArgumentTypeError(f"got {text}, expected pressure=GPA or preload=N")
-    return name, positive(value)
+    unit, most = ("GPa", "20") if name == "pressure" else ("N", "1e7")
+    return name, number_in(Part("number", Key("", unit, f"(0, {most}]")))(value)
 
 
 def _course(text: str) -> list[tuple[float, float]]:

@@ -39,6 +39,15 @@ RENAMED = {"compare": "show A.nc B.nc"}
 RENAMED_OPTIONS = {"--film": "--lubrication"}
 """Options of earlier versions."""
 
+OPTIONS_MEANT = {
+    "-n": "--speed", "--n": "--speed", "--rpm": "--speed", "-d": "--bore", "--id": "--bore",
+    "-D": "--outside", "--od": "--outside", "--diameter": "--outside", "--mu": "--friction",
+    "--alpha": "--contact-angle", "--material": "--ball-material", "--hybrid": "--ball-material",
+    "--class": "--preload-class", "--arrangement": "--pair", "--lubricant": "--lubrication",
+    "--out": "--output", "--gyro": "--slip", "--noise": "--frequency",
+}  # fmt: skip
+"""Options by other words that people type for them."""
+
 _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
 
 
@@ -118,12 +127,28 @@ def _parsed_arguments(argv: Sequence[str]) -> argparse.Namespace:
     elif left:
         command = of_commands[args.command]
         option = left[0].partition("=")[0]
-        near = difflib.get_close_matches(option, command._option_string_actions, n=2)
-        hint = f"; did you mean {' or '.join(near)}" if near else ""
+        accepted = command._option_string_actions
+        near = difflib.get_close_matches(option, accepted, n=2)
+        if OPTIONS_MEANT.get(option) in accepted:
+            near = [OPTIONS_MEANT[option]]
+        hint = f"; did you mean {' or '.join(near)}" if near else _hint_on_word(left[0], argv)
         if option in RENAMED_OPTIONS:
             hint = f"; it is now {RENAMED_OPTIONS[option]}"
         command.error(f"got {left[0]!r}, which this command does not accept{hint}")
     return args
+
+
+def _hint_on_word(word: str, argv: Sequence[str]) -> str:
+    """Returns why a word may have been typed that no option takes; "" if nothing is likely."""
+    place = argv.index(word) if word in argv else 0
+    if place < 2 or word.startswith("-"):
+        return ""
+    option, before = argv[place - 2 : place]
+    if re.fullmatch(r"[-+]?[\d.,]+", before):
+        return f"; numbers are typed without a unit and without spaces ({before} alone)"
+    if option == "--set" and "=" not in before:
+        return f"; did you mean --set {before}={word}"
+    return ""
 
 
 def _check_study(

@@ -36,6 +36,8 @@ from bearingwear.printing import (
 )
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
+from bearingwear.scene.new.catalogue import MAKERS
+from bearingwear.scene.new.letters import OTHER_MAKERS
 from bearingwear.scene.new.scene_file import OPTIONS
 
 if TYPE_CHECKING:
@@ -65,6 +67,11 @@ def new(args: argparse.Namespace) -> int:
     if args.list is not None:
         return _print_bearings(args.list)
     path, designation = _file_and_designation(args.names)
+    if designation is None and args.bore is None and args.outside is None:
+        name = Path(path).stem
+        example = f"`bearingwear new {path} {name if re.search('[0-9]{3}', name) else '7008C'}`"
+        problem = f"got no designation, expected {example}, or --bore and --outside"
+        raise SceneError("", problem, source="new")
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
     given_values = {key: value for key, value in values.items() if value is not None}
     names = (
@@ -107,10 +114,21 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
     if not names:
         problem = "got nothing, expected MYBEARING.yaml, a designation such as 7008C, or both"
         raise SceneError("", problem, source="new")
+    if (
+        len(names) > 1
+        and names[-1].endswith(SCENE_SUFFIXES)
+        and not names[0].endswith(SCENE_SUFFIXES)
+    ):
+        names = [names[-1], *names[:-1]]  # 7008C mine.yaml
     file, *words = names
     designation = " ".join(names)
-    if "." in file or ("/" in file and not _is_designation(designation)):
+    is_file = "." in file or ("/" in file and not _is_designation(designation))
+    if is_file:
         return file, " ".join(words) or None
+    is_maker = file.upper() in (*MAKERS, *OTHER_MAKERS)
+    if words and re.search("[a-z]", file) and not is_maker:
+        problem = f"got {file}, expected {file}.yaml as the scene file before the designation"
+        raise SceneError("", problem, source="new")
     return re.sub(r"[^A-Za-z0-9_-]", "", designation) + ".yaml", designation
 
 

@@ -120,6 +120,21 @@ def file_name(text: str) -> Path:
     return Path(text)
 
 
+def result_name(text: str) -> Path:
+    """Read the name of a result file to write, which is netCDF whatever it is called."""
+    path = file_name(text)
+    if path.suffix in _NO_RESULTS:
+        advice = "; --csv prints the sheet" if path.suffix in (".csv", ".xlsx", ".txt") else ""
+        if path.suffix in (".svg", ".png", ".pdf"):
+            advice = "; `bearingwear plot` draws it"
+        problem = f"got {text!r}, expected a name that ends in .nc{advice}"
+        raise argparse.ArgumentTypeError(problem)
+    return path
+
+
+_NO_RESULTS = (*(".csv", ".json", ".xlsx", ".txt", ".md", ".svg", ".png", ".pdf", ".html"),)
+
+
 def positive_count(text: str) -> int:
     """Read a whole number of at least 1."""
     if not text.isdecimal() or int(text) < 1:

@@ -44,6 +44,16 @@ REFUSED_OF_NEW = {
     "7008C --friction 8": "expected a number from 0 to 2",
     "7008C --friction 8%": "write 0.08, as a share",
     "7008C --lubrication greese": "did you mean grease",
+    "7008C --speed 18k": "write 18000, which is it in r/min",
+    "7008C --rpm 18000": "did you mean --speed",
+    "--bore 40 --od 68": "did you mean --outside",
+    "7008C --preload 140 N": "numbers are typed without a unit and without spaces (140 alone)",
+    "7008C --preload light": "did you mean --preload-class light",
+    "7008C --maker FAG": "designations of other makers are read without it",
+    "7008C --balls 15,0": "write 15)",
+    "7008 25": "got the number 25, expected 7008 --contact-angle 25",
+    "7008C 18000": "got the number 18000, expected 7008C --speed 18000",
+    "--speed 18000": "got no designation, expected `bearingwear new x.yaml 7008C`",
     "7008C_pair": "got pair, expected 7008C --pair spring or --pair rigid",
     "7008C hybrid": "expected 7008C --ball-material silicon_nitride",
     "NSK7010C grease": "expected 7010C --lubrication grease",
@@ -73,6 +83,11 @@ DESIGNATIONS = {
     "NSK7010CSN24TRDULP4": (15, CERAMIC), "40BNR10HTYNDBLP4": (18, CERAMIC),
     "NTN 5S-7008UADDB/GMP4": (25, CERAMIC), "NTN 7008CDB/GLP4": (15, STEEL),
     "GMN HY KH 6010 C 2RZ TA P4 UL": (17, CERAMIC), "S6005ETAP4DUL": (25, STEEL),
+    "SKF 7014 CD/HCP4AQBCA": (15, CERAMIC), "S7014 ACDGA/HCP4A": (25, CERAMIC),
+    "FAG XCB71914-E-T-P4S-K5-UL": (25, CERAMIC), "HCS7014.C.T.P4S.UL": (15, CERAMIC),
+    "NSK 70BNR10XTYNDBBLP4Y": (18, CERAMIC), "NSK7908A5SN24TRSULP3": (25, CERAMIC),
+    "NTN 7014UCG/GNP42": (15, STEEL), "GMN HYS6204CTAP4": (15, CERAMIC),
+    "GMN KH 6014 C TXM HG UL": (17, STEEL),
     "SNFA VEX 40/NS 7CE3 UL": (25, CERAMIC), "SNFA SEA 60 7CE1": (15, STEEL),
 }  # fmt: skip
 """Contact angle [degree] and material of the balls that makers' designations say."""
@@ -113,6 +128,12 @@ REFUSED_IN_A_SCENE = {
     "preload_method: rigid": "did you mean fixed_position",
     "gravity_m_s2: 9.81": "expected a list of three numbers",
     "ball_race: 8%": "write 0.08, as a share",
+    "gravity_m_s2: [0, 0, -9,81]": "write decimals with a point, not a comma",
+    "preload_n: 140": "write preload_N: 140",
+    "mu: 0.08": "did you mean ball_race",
+    "preload_N = 140": "got an equals sign on line",
+    "preload_N:140": "got no space after the colon on line",
+    " preload_N: 140": "got 3 spaces before the key on line",
     "end_of_life: {preload_fraction: 40}": "expected a number > 0 and < 1",
 }
 """Lines of a scene that are typed in place of its own, and what the one line says."""
@@ -159,6 +180,24 @@ REFUSED_COMMANDS = {
     "check a": "did you mean a.yaml",
     "life 7008C": "`bearingwear new 7008C` writes a scene",
     "export a.yaml --speeds 1000-5000 -o a.csv": "expected LOW:HIGH:COUNT",
+    "check a.yaml --fidelity quasi-static": "did you mean steady",
+    "check a.yaml --set operation.preload_N 9": "did you mean --set operation.preload_N=9",
+    "check a.yaml --set arrangement.kind=pair": "did you mean rigid_pair or spring_pair",
+    "check a.yaml --set materials.steel.density_kg_m3=7800": "did you mean bearing_steel",
+    "check a.yaml --set uncertainty.ball_race=3": "such as {distribution: lognormal, factor: 3}",
+    "solve a.yaml -o a.csv": "expected a name that ends in .nc; --csv prints the sheet",
+    "solve a.yaml -o a.svg": "expected a name that ends in .nc; `bearingwear plot` draws it",
+    "recommend a.yaml --stiffness 50 N/um": "(50 alone)",
+    "recommend a.yaml --warmup 20min": "write 1200, which is it in s",
+    "sweep a.yaml --axis operation.preload_N=100:200": "expected LOW:HIGH:COUNT",
+    "sweep a.yaml --axis operation.preload_N=100N,200N": "write the number alone: 100",
+    "compile fast": "expected steady, worn, dynamic;",
+    "warmup a.yaml --limit pressure": "got pressure, expected pressure=GPA or preload=N",
+    "warmup a.yaml --limit pressure=2000": "if it is in MPa, write 2",
+    "launch a.yaml --axial 300m/s2": "write 30.591, which is it in g",
+    "study a": "did you mean a.yaml",
+    "study a.yaml --stifness 20": "did you mean --stiffness",
+    "study a.yaml --stiffness 2e7": "(N/um; if it is in N/m, write 20)",
     "margin a.yaml --drive 20mNm": "write 0.02, which is it in N m",
 }
 
@@ -179,7 +218,7 @@ MEANT = {
     "preload": "preload_N", "ball_cout": "ball_count", "preload_lbf": "preload_N",
     "shaft_speed_rad_s": "shaft_speed_rpm", "ball_diameter_in": "ball_diameter_mm",
     "contact_angle_rad": "contact_angle_deg", "youngs_modulus_MPa": "youngs_modulus_GPa",
-    "density_g_cm3": "density_kg_m3",
+    "density_g_cm3": "density_kg_m3", "preload_n": "preload_N", "mu": "ball_race",
 }  # fmt: skip
 """Keys of a scene by what is typed for them."""
 
@@ -192,7 +231,7 @@ def typed(text):
 def with_line(text, line):
     """A scene with a line, or a part of one, in place of its own of the same or the nearest key."""
     key = line.strip().partition(":")[0]
-    key = MEANT.get(key, key)
+    key = MEANT.get(key, key.partition(" ")[0])
     inline = re.compile(rf"(?<=[{{ ]){key}: (?:\[[^]]*\]|[^,\]}}\n#]*)")
     if line.startswith("\t"):
         return re.sub(rf"^ +{key}: .*$", line.replace("\\", ""), text, count=1, flags=re.M)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from bearingwear.scene.arrangement import METHODS, PAIRS
-from bearingwear.scene.checking.errors import SceneError, check_thousands, shown
+from bearingwear.scene.checking.errors import SceneError, check_thousands, did_you_mean, shown
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.scene import key_of_scene
 
@@ -90,8 +90,23 @@ def error_of_change(
                     (f"{changed_key}.", f"{changed_key}[")
                 ):
                     name = "" if error.key == key else error.key
+                    if unknown := _unknown_material(key, data):
+                        return SceneError("", unknown, error.involved, f"--set {key}")
                     return SceneError(name, error.problem, error.involved, f"--set {key}")
     return error
+
+
+def _unknown_material(key: str, data: Mapping[str, Any]) -> str:
+    """Returns what is wrong with a change of one value of a material that a scene lacks."""
+    block, _, rest = key.partition(".")
+    name, _, value = rest.partition(".")
+    materials = data.get("materials")
+    if block != "materials" or not value or not isinstance(materials, Mapping):
+        return ""
+    if name in materials:
+        return ""
+    known = [str(material) for material in materials]
+    return f"got the material {name}, expected {', '.join(known)}{did_you_mean(name, known)}"
 
 
 def _missing_block(data: Any, key: str) -> str | None:

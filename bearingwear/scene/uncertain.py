@@ -79,7 +79,7 @@ class Distribution:
 
     # fmt: off
     distribution: str = setting("Kind of distribution (truncated to the permitted values)",
-        choices=tuple(PARAMETERS))
+        choices=tuple(PARAMETERS), example="lognormal, factor: 3")
     mean: float | None = setting(
         "Mean of a normal distribution (if omitted, the value in the scene)",
         "as the value", default=None)

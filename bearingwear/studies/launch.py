@@ -57,6 +57,9 @@ def run_study(
     Returns the exit status of Snakemake.
     """
     if not (folder / CONFIG).is_file():
+        scene = Path(f"{target}.yaml")
+        if scene.is_file():
+            raise NoStudy(f"study: got {target}, expected SCENE.yaml; did you mean {scene}")
         raise NoStudy(
             f"study: got {target} in a folder without {CONFIG}, expected SCENE.yaml, or a folder "
             "that contains a study"

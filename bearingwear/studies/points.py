@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bearingwear.scene.arrangement import METHODS
 from bearingwear.scene.changes import KIND_KEY
-from bearingwear.scene.checking.check import fits
+from bearingwear.scene.checking.check import fits, misfit_words
 from bearingwear.scene.checking.errors import SceneError, shown
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.studies.axis import GRID_KEYS
@@ -172,7 +172,7 @@ def _check_axis(key: str, values: Sequence[Any]) -> None:
     assert part is not None
     for value in values:
         if not fits(value, part):
-            problem = f"got {shown(value)}, expected {part.allowed}"
+            problem = misfit_words(value, part, key.rpartition(".")[2])
             raise SceneError("", problem, source=key)
     if repeated := _repeated([value for value in values if not isinstance(value, dict | list)]):
         problem = f"got {shown(repeated[0])} twice, expected each value once"

@@ -41,7 +41,7 @@ class Sampling:
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
-            raise SceneError("samples", f"got {self.samples}, expected a power of two")
+            raise SceneError("samples", f"got {self.samples}, expected a power of two, such as 128")
 
 
 def sampling_of(samples: int, seed: int) -> Sampling:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -38,10 +39,10 @@ def typed_points(axes: Sequence[str], rows: Path | None) -> Any:
 
 def _yaml_list(key: str, text: str) -> str:
     """Writes typed values, or LOW:HIGH:COUNT, as a list in YAML."""
-    if text.count(":") != 2:
+    if not re.fullmatch(r"[-+.eE\d]+(?:[:-][-+.eE\d]+)+", text):
         return f"[{text}]"
-    low, high, count = text.split(":")
     try:
+        low, high, count = text.split(":")
         start, end, number = float(low), float(high), int(count)
         if not 2 <= number <= MOST_ON_AN_AXIS:
             raise ValueError

@@ -100,7 +100,7 @@ def test_classes_grow_and_stand_for_the_speed():
         ("SNFA", "EX 6", "EX 6", ""),
         ("SNFA", "E 200/100", "E 200/100", ""),
         ("GMN", "S 6007 E", "S 6007 E", ""),
-        ("GMN", "s6007e TA P4 UL", "S 6007 E", "TAP4UL"),
+        ("GMN", "s6007e TA P4 UL", "S 6007 E", "TA P4 UL"),
         ("GMN", "HY KH 61914 2RZ C TA", "KH 61914 C", "HY TA"),
         ("GMN", "S 619/5 C", "S 619/5 C", ""),
     ],

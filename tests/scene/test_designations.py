@@ -100,10 +100,10 @@ def test_suffixes_give_angle_and_class():
         ("7204-B-XL-TVP", "7204B", "", "", "", "XL TVP"),
         ("7008-P4", "7008", "", "", "", "P4"),
         ("B7008", "7008", "", "", "", "B"),
-        ("S6005CTAP4DUL", "S 6005 C", "", "DU", "L", "TAP4"),  # GMN
+        ("S6005CTAP4DUL", "S 6005 C", "", "DU", "L", "TA P4"),  # GMN
         ("6008ETXM", "S 6008 E", "", "", "", "TXM"),
         ("S6205CTA", "S 6205 C", "", "", "", "TA"),
-        ("HY KH 61914 2RZ C TA P4 UM", "KH 61914 C", "HY", "U", "M", "TAP4"),
+        ("HY KH 61914 2RZ C TA P4 UM", "KH 61914 C", "HY", "U", "M", "TA P4"),
         ("SM 61918 18 TA", "SM6191818", "", "", "", "TA"),
         ("6204-2RSH/C3", "6204C3", "", "", "", "2RSH"),
         ("6204-2RSLTN9/HC5C3WT", "6204C3", "HC5", "", "", "2RSLTN9 WT"),

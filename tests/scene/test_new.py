@@ -88,7 +88,7 @@ def test_new_does_not_replace_a_file(tmp_path, capsys):
     ("argv", "problem"),
     [
         (["--bore", "40"], "--outside"),
-        ([], "--bore: got nothing, expected a designation such as 7008C, or --bore and --outside"),
+        ([], "new: got no designation, expected `bearingwear new "),
         (["7008C", "--bore", "40"], "--bore: got 40; only allowed without a designation"),
         (["6204C"], "designation: got '6204C', expected 6204 alone, or with C2, CN, C3"),
         (

@@ -13,9 +13,13 @@ if TYPE_CHECKING:
 # fmt: off
 def cage_options(sub: argparse.ArgumentParser) -> None:
     """Adds the arguments of `bearingwear cage`."""
-    from pathlib import Path
-
-    from bearingwear.options import add_formats, add_jobs, add_scene, share_below_one
+    from bearingwear.options import (
+        add_formats,
+        add_jobs,
+        add_scene,
+        result_name,
+        share_below_one,
+    )
 
     add_scene(sub)
     sub.add_argument("--runs", type=int, metavar="N", help="maximum number of runs (default: 200)")
@@ -32,7 +36,7 @@ def cage_options(sub: argparse.ArgumentParser) -> None:
     add_jobs(sub)
     sub.add_argument("--record-failures", action="store_true",
         help="exit with status 0 even if no run succeeds, and store the reasons in the file")
-    sub.add_argument("-o", "--output", metavar="FILE.nc", type=Path,
+    sub.add_argument("-o", "--output", metavar="FILE.nc", type=result_name,
         help="the file to write (default: SCENE-cage.nc)")
     add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
 

@@ -13,11 +13,13 @@ if TYPE_CHECKING:
 # fmt: off
 def launch_options(sub: argparse.ArgumentParser) -> None:
     """Adds the arguments of `bearingwear launch`."""
-    from bearingwear.options import add_case, add_formats, add_scene, not_negative
+    from bearingwear.options import add_case, add_formats, add_scene, number_in
+    from bearingwear.scene.checking.records import Key, Part
 
+    acceleration = number_in(Part("number", Key("", "g", "[0, 1e5]")))
     add_scene(sub)
     for direction, preposition in (("axial", "along"), ("radial", "perpendicular to")):
-        sub.add_argument(f"--{direction}", type=not_negative, metavar="G",
+        sub.add_argument(f"--{direction}", type=acceleration, metavar="G",
             help=f"acceleration {preposition} the bearing axis (sets launch.{direction}_g)")
     add_case(sub)
     add_formats(sub)

@@ -185,9 +185,10 @@ def misfit_words(value: Any, part: Part, key: str = "") -> str:
 
     key: the name of the key, without its block.
     """
-    return (
-        f"got {shown(value)}{_hint(value, part)}, expected {part.allowed}{_note(value, part, key)}"
-    )
+    allowed = part.allowed
+    if part.kind == "block" and part.example:
+        allowed = f"a block, such as {part.example}"
+    return f"got {shown(value)}{_hint(value, part)}, expected {allowed}{_note(value, part, key)}"
 
 
 def option_misfit(text: str, part: Part, key: str = "") -> str:
@@ -210,6 +211,8 @@ def _note(value: Any, part: Part, key: str) -> str:
     if number.kind not in ("integer", "number"):
         return ""
     meant = ""
+    if part.kind == "list" and isinstance(value, list) and len(value) > (part.key.most or math.inf):
+        meant = "write decimals with a point, not a comma"
     if number.kind == "number" and _is_number(value):
         meant = meant_words(value, number.unit, lambda other: _is_permitted(other, number), key)
     return _in_brackets(number.unit, meant)
@@ -257,6 +260,8 @@ def _advice(unknown: str, values: Mapping[str, Any], block: Part, file: Part) ->
     if key_in_its_unit := _in_its_unit(unknown, values[unknown], block):
         return f"write {key_in_its_unit}"
     similar = difflib.get_close_matches(unknown, block.below, n=2)
+    if _KEYS_MEANT.get(unknown) in block.below:
+        return f"did you mean {_KEYS_MEANT[unknown]}"
     if similar := similar or [name for name in block.below if len(unknown) > 2 and unknown in name]:
         return f"did you mean {' or '.join(similar)}"
     paths = [
@@ -272,6 +277,16 @@ def _advice(unknown: str, values: Mapping[str, Any], block: Part, file: Part) ->
     unused = [name for name in block.below if name not in values]
     return f"expected one of {', '.join(unused or block.below)}"
 
+
+_KEYS_MEANT = {
+    "mu": "ball_race", "friction": "ball_race", "coefficient": "ball_race", "Z": "ball_count",
+    "balls": "ball_count", "D": "ball_diameter_mm", "dm": "pitch_diameter_mm",
+    "d_m": "pitch_diameter_mm", "alpha": "contact_angle_deg", "n": "shaft_speed_rpm",
+    "rpm": "shaft_speed_rpm", "E": "youngs_modulus_GPa", "nu": "poisson_ratio",
+    "rho": "density_kg_m3", "std": "standard_deviation", "sigma": "standard_deviation",
+    "F": "preload_N", "force": "preload_N", "method": "preload_method",
+}  # fmt: skip
+"""Keys by symbols and words that people type for them."""
 
 _SHORTEST_STEM = 3  # characters of a key without its unit, by which another is found
 

@@ -138,7 +138,7 @@ _MEANT = {
     "rigid": "fixed_position", "fixed": "fixed_position", "spacer": "fixed_position",
     "displacement": "fixed_position", "position": "fixed_position", "spring": "constant_force",
     "constant": "constant_force", "force": "constant_force", "springs": "constant_force",
-    "pair": "rigid_pair", "ceramic": "silicon_nitride", "hybrid": "silicon_nitride",
+    "ceramic": "silicon_nitride", "hybrid": "silicon_nitride",
     "si3n4": "silicon_nitride", "steel": "bearing_steel", "100cr6": "bearing_steel",
     "52100": "bearing_steel", "suj2": "bearing_steel", "440c": "bearing_steel",
     "moly": "mos2", "solid": "mos2", "vacuum": "mos2", "none": "dry", "time": "dynamic",
@@ -151,9 +151,12 @@ def did_you_mean(typed: Any, choices: Iterable[str]) -> str:
     """Returns advice on a text that is none of the choices, after a semicolon; "" without any."""
     by_letters = {choice.lower(): choice for choice in choices}
     plain_text = re.sub(r"[\s-]+", "_", str(typed).strip().lower())
-    if (meant := _MEANT.get(plain_text)) in by_letters.values():
-        return f"; did you mean {meant}"
+    for text in (plain_text, plain_text.replace("_", "")):
+        if (meant := _MEANT.get(text)) in by_letters.values():
+            return f"; did you mean {meant}"
     similar = difflib.get_close_matches(plain_text, by_letters, n=2, cutoff=0.7)
+    if not similar and len(plain_text) > 2:
+        similar = [name for name in by_letters if plain_text in name]
     names = " or ".join(by_letters[name] for name in similar)
     return f"; did you mean {names}" if names else ""
 

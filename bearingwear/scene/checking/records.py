@@ -137,8 +137,9 @@ class Part:
         """A value for a required key that is missing; of a block, one for its required keys."""
         if self.key.example or self.kind != "block":
             return self.key.example
-        values = [f"{name}: {part.example}" for name, part in self.below.items() if part.required]
-        return f"{{{', '.join(values)}}}" if values else ""
+        required = {name: part.example for name, part in self.below.items() if part.required}
+        values = [f"{name}: {example}" for name, example in required.items()]
+        return f"{{{', '.join(values)}}}" if values and all(required.values()) else ""
 
     @property
     def unit(self) -> str:

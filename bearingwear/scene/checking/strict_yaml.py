@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Sequence
 from typing import Any
 
 import yaml
@@ -108,7 +109,35 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
         line = lines[mark.line] if mark and mark.line < len(lines) else ""
         if "\t" in line[: len(line) - len(line.lstrip())]:
             problem = f"got a tab{where}, expected spaces before a key"
+        elif mark:
+            problem = _mistyped_line(lines, mark.line) or problem
         raise SceneError("", problem, source=source) from None
+
+
+_NO_SPACE = re.compile(r"(\s*)(\w+):([^\s:/].*)")
+_EQUALS = re.compile(r"(\s*)(\w+)\s*=\s*([^\s#]+)")
+_NO_COLON = re.compile(r"([a-z_]+)\s*(?:#.*)?")
+
+
+def _mistyped_line(lines: Sequence[str], index: int) -> str:
+    """Returns what is wrong with a line at or just before that of a fault; "" if nothing is likely.
+
+    A key without colon or space is found by YAML only at the next one.
+    """
+    before = [k for k in range(index, -1, -1) if k < len(lines) and lines[k].strip()]
+    for k in before[:3]:
+        line, number = lines[k], k + 1
+        if match := _EQUALS.fullmatch(line.partition("#")[0].rstrip()):
+            return f"got an equals sign on line {number}, expected {match[2]}: {match[3]}"
+        if match := _NO_SPACE.fullmatch(line.partition(" #")[0].rstrip()):
+            return f"got no space after the colon on line {number}, expected {match[2]}: {match[3]}"
+        if match := _NO_COLON.fullmatch(line):
+            return f"got no colon on line {number}, expected {match[1]}:"
+    if len(before) > 1 and before[0] == index and ":" in lines[index]:
+        own, other = (len(lines[k]) - len(lines[k].lstrip()) for k in before[:2])
+        if own != other and abs(own - other) == 1:
+            return f"got {own} spaces before the key on line {index + 1}, expected {other}"
+    return ""
 
 
 def _check_events(text: str, anchors: bool) -> None:

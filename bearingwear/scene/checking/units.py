@@ -19,7 +19,7 @@ _DIMENSIONS: dict[str, dict[str, float]] = {
         "inch": _INCH, "inches": _INCH, '"': _INCH, "mil": 1e-3 * _INCH, "thou": 1e-3 * _INCH,
     },
     "r/min": {
-        "r/min": 1.0, "rpm": 1.0, "1/min": 1.0, "min-1": 1.0, "U/min": 1.0, "krpm": 1e3,
+        "r/min": 1.0, "rpm": 1.0, "1/min": 1.0, "min-1": 1.0, "U/min": 1.0, "krpm": 1e3, "k": 1e3,
         "rad/s": _RPM, "Hz": 60.0, "1/s": 60.0, "rps": 60.0, "rev/s": 60.0,
     },
     "degree": {"degree": 1.0, "degrees": 1.0, "deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi},

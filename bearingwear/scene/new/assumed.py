@@ -165,6 +165,10 @@ def _without_words(size: Designation) -> Designation:
         if option := WORDS.get(word):
             problem = f"got {word.lower()}, expected {size.name} {option}"
             raise SceneError("", problem, source="designation")
+        if word.isdecimal():
+            option = "--speed" if int(word) > LARGEST_ANGLE_DEG else "--contact-angle"
+            problem = f"got the number {word}, expected {size.name} {option} {word}"
+            raise SceneError("", problem, source="designation")
     return size
 
 
@@ -181,6 +185,7 @@ def numbers_of(
     size: an angular contact bearing, unless it is a deep groove one or a contact angle of 0 is
         given.
     given: values by key of the scene, in its units.
+    has_film: whether a sputtered film lubricates, for which a low speed is assumed.
     clearance: group of radial clearance, or the clearance itself [um], of a deep groove bearing.
 
     SceneError where numbers leave no room, or contradict each other.
@@ -229,17 +234,11 @@ def numbers_of(
         distance = (inner + outer - 1.0) * D
         free_angle = _clearance_angle(size, distance, clearance) if deep_groove else _angle(size)
     Z, angle = decide("bearing.ball_count", ball_count), decide(angle_key, free_angle)
-    if preload_class is not None or preload_key not in given:
-        preload = _preload(entry, preload_class, Z * D**2 * math.sin(math.radians(angle)))
-    else:
-        preload = Origin(given[preload_key])
+    is_given = preload_class is None and preload_key in given
+    area = Z * D**2 * math.sin(math.radians(angle))
+    preload = Origin(given[preload_key]) if is_given else _preload(entry, preload_class, area)
     numbers[preload_key] = preload
-    speed = _usual_speed(entry, dm, preload_method, preload.value)
-    if has_film:
-        rule = (
-            "60 000 mm r/min over the pitch diameter, as in a test of a film (docs/film_tests.md)"
-        )
-        speed = Origin(min(speed.value, rounded_to(FILM_SPEED_FACTOR / dm)), rule)
+    speed = _usual_speed(entry, dm, preload_method, preload.value, has_film)
     decide("operation.shaft_speed_rpm", speed)
     decide("friction.ball_race", Origin(0.08, "starved or solid-lubricated steel"))
     return numbers
@@ -264,8 +263,13 @@ def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: fl
     return Origin(rounded_to(density * size), rule)
 
 
-def _usual_speed(entry: CatalogueBearing | None, dm: float, method: str, preload: float) -> Origin:
+def _usual_speed(
+    entry: CatalogueBearing | None, dm: float, method: str, preload: float, has_film: bool
+) -> Origin:
     """Returns the assumed speed [r/min]."""
+    if has_film:
+        rule = "60 000 mm r/min over the pitch diameter, as in a test of a film"
+        return Origin(rounded_to(FILM_SPEED_FACTOR / dm), f"{rule} (docs/film_tests.md)")
     if entry is None:
         rule = "one million mm r/min divided by the pitch diameter"
         return Origin(rounded_to(SPEED_FACTOR / dm), rule)

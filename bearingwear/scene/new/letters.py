@@ -44,7 +44,7 @@ CLASS_OF_LETTER = {
 }  # fmt: skip
 """Class of preload by its letters; a maker's own classes go by the letter itself."""
 
-_OTHER_MAKERS = ("FAG", "SKF", "NTN", "KOYO", "IBC", "SNR", "RHP", "BARDEN", "NACHI")
+OTHER_MAKERS = ("FAG", "SKF", "NTN", "KOYO", "IBC", "SNR", "RHP", "BARDEN", "NACHI")
 
 _ANY = "for any arrangement"
 _PAIRS = {
@@ -56,6 +56,8 @@ _PAIRS = {
     "UO": f"one bearing {_ANY}, without preload", "CA": f"one bearing {_ANY}, with small clearance",
     "CB": f"one bearing {_ANY}, with axial clearance",
     "CC": f"one bearing {_ANY}, with large clearance",
+    **dict.fromkeys(("DBD", "DFD", "DTD"), "three bearings, see tandem"),
+    **dict.fromkeys(("DBB", "DFF", "DTT", "DBT", "DFT"), "four bearings, see tandem"),
 }  # fmt: skip
 OPPOSED = ("DB", "DF", "DD", "FF", "DU", "DG")
 """Letters of a pair whose bearings preload each other."""
@@ -65,6 +67,8 @@ _SETS = {"T": "three bearings, see tandem", "Q": "four bearings, see tandem"}
 
 _ORDER = r"DB|DF|DT|DG|DU|SU|TU|QU|DD|FF|TBT|TFT|TT|QBC|QFC|QBT|QFT|QT"
 
+_NSK_SETS = r"DBD|DFD|DTD|DBB|DFF|DTT|DBT|DFT"
+
 PAIR = (
     # SKF: after the tolerance, with its own classes; one bearing after the design, BE with a cage
     re.compile(rf"(?<=P4A|A9A|.P7|.P5|.P4)(?P<pair>{_ORDER}|G)(?P<load>[A-D])?(?=\s|$)"),
@@ -73,7 +77,9 @@ PAIR = (
     # NTN: G, or the order, then a class of two letters
     re.compile(rf"(?P<pair>{_ORDER}|G)\s*(?P<load>G[LNMH])(?=\s|$|P\d)"),
     # the others: a tolerance, or nothing, follows the class
-    re.compile(rf"(?P<pair>{_ORDER}|(?<![A-Z])U)\s*(?P<load>EL|[LMHSF])?(?=\s|$|P\d|A\d)"),
+    re.compile(
+        rf"(?P<pair>{_NSK_SETS}|{_ORDER}|(?<![A-Z])U)\s*(?P<load>EL|[LMHSF])?(?=\s|$|P\d|A\d)"
+    ),
     re.compile(r"(?P<pair>(?<![A-Z])U[AO])(?P<load>)(?=\s|$)"),
 )
 """Letters of a pair of angular contact bearings, and of its class of preload; the first counts."""
@@ -199,12 +205,12 @@ def gmn_parts(designation: str) -> GmnParts | None:
         number=match["number"],
         angle=match["angle"],
         hybrid=match["hybrid"] or "",
-        suffix=match["rest"],
+        suffix=re.sub(rf"^({GMN_CAGES})?(HG|UP|P4\+?|P2\+?|A[79])", r"\1 \2 ", match["rest"]),
     )
 
 
 def maker_of(designation: str, makers: tuple[str, ...]) -> tuple[str, str]:
     """Returns the maker's name at the beginning of a designation, or "", and the rest of it."""
-    names = "|".join((*makers, *_OTHER_MAKERS))
+    names = "|".join((*makers, *OTHER_MAKERS))
     match = re.match(rf"\s*({names})[\s/_-]*(?=\S)", designation, re.IGNORECASE)
     return (match[1].upper(), designation[match.end() :]) if match else ("", designation)

@@ -73,7 +73,8 @@ class _CaseReader:
             is_sweep = kind_of(dataset) == SWEEP_KIND
             content = _sweep_content(dataset, path) if is_sweep else _case_content(dataset, path)
             if not is_sweep and path.stem != content.cases[0].id:
-                raise CaseFileError(f"{path}: contains the case {content.cases[0].id}")
+                problem = f"got the case {content.cases[0].id}, expected it in a file of that name"
+                raise CaseFileError(f"{path}: {problem}")
             for case in content.cases:
                 if case in self.files:
                     raise CaseFileError(f"{path}: contains the same case as {self.files[case]}")
