@@ -168,7 +168,7 @@ def test_small_balls_of_a_high_speed_series_are_no_cage(text, letters):
         return
     found = designation_of(text).letters
     assert found.small_balls == letters
-    assert ("--ball-diameter" in " ".join(found.meanings)) == bool(letters)
+    assert ("--ball-diameter" in " ".join(found.meanings())) == bool(letters)
     assert not letters or letters not in found.ignored.split()
 
 

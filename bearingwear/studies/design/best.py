@@ -11,7 +11,6 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,27 +38,30 @@ from bearingwear.studies.design.plan import (
 SWEPT_FACTORS = tuple(2.0 ** (k / 4) for k in range(-12, 21))
 """Preloads of the first lives, over the scene's own: an eighth to 32 times."""
 
-_RANGE_STEP, _RANGE_STEPS = 8.0, 3
-"""Factor by which a range is extended beyond an end with the best life, and how often at most."""
+_RANGE_STEP = 8.0
+"""Factor by which the range is extended once, beyond an end with the best life."""
 
 _LITTLE_LONGER = 1.1
 """Ratio of the lives beyond an end and at it up to which the preload at the end is taken."""
 
-_BETWEEN = 1.2  # times the longer of two neighbouring lives, at most the life between them
-_FAR = 0.1  # of a requirement: broken by so much on both sides, it is not met between them
-_ROUGH = 0.05  # of a requirement: broken by less, it may be the error of a quick life
-_EDGE = 5e-3  # width in log preload to which the edge of what new bearings allow is found
-_PEAK = 1e-2  # that width beside a peak of their margins at which they nearly meet one
-_NEAR_PEAK = 0.5  # share of a requirement by which such a peak may break it
-_GAIN = 5e-3  # share of the life for which no exact life is solved
-_NEAR = 0.1  # width in log preload within which a life is known to go evenly
-_EVEN = 0.3  # power of the preload with which a life that falls evenly may still rise
-_STEEPEST = 1.0  # power of the preload with which a life rises, other than at a jump
-_ROUNDS = 6  # of exact lives, at most
+_EDGE = 5e-3
+"""Width in log preload to which the edges of what requirements allow are found: a life may change
+with a power of the preload there."""
+
+_GAIN = 5e-3
+"""Share of the life for which no further life is solved."""
+
+_ROUGH = 0.05
+"""Share of a requirement; broken by less, it may be the error of a quick life."""
+
 SIMILAR = 0.9
 """Least share of the longest life at which a preload may be set in place of the recommended one."""
-_END_WIDTH = 0.06  # width in log preload to which the ends of these preloads are found
-_AT_LIMIT = 5e-3  # relative margin of a requirement below which it is on its limit
+
+_END_WIDTH = 0.06
+"""Width in log preload to which the ends of these preloads are found."""
+
+_AT_LIMIT = 5e-3
+"""Relative margin of a requirement below which it is on its limit."""
 
 NEW_BEARING, QUICK_LIFE, EXACT_LIFE = range(3)
 """What was solved at a preload: new bearings alone, a quick life, or the life that is printed."""
@@ -196,26 +198,21 @@ class PreloadSearch:
     def run(self) -> None:
         """Solves all that shows the best preload of each method, and where it may be set."""
         self.sweep()
-        for _ in range(_RANGE_STEPS):
-            ends = [self._extend(line) for line in self.lines]
-            if not any(ends):
-                break
+        ends = [self._extend(line) for line in self.lines]
+        if any(ends):
             self.sweep()
             for line, end in zip(self.lines, ends, strict=True):
                 if end is not None:
                     self._shorten(line, end)
-        for k in itertools.count():
-            if not self.solve(partial(self._exact_preloads, is_last=k >= _ROUNDS), EXACT_LIFE):
-                break
+        while self.solve(self._exact_preloads, EXACT_LIFE):
+            pass
 
-    def _exact_preloads(self, line: PreloadLine, is_last: bool) -> list[float]:
+    def _exact_preloads(self, line: PreloadLine) -> list[float]:
         """Returns preloads beside the best one, whose exact lives are solved.
 
         Without any, those that show where it may be set, of the line with the longest life.
-
-        is_last: whether no more lives are solved beside the best one.
         """
-        preloads = self._preloads_beside_best(line, is_last)
+        preloads = self._preloads_beside_best(line)
         if preloads:
             return preloads
         bests = [other.best(self.limits) for other in self.lines]
@@ -233,7 +230,7 @@ class PreloadSearch:
     def _preloads_between_new(self, line: PreloadLine) -> list[float]:
         """Returns preloads near those where new bearings come to meet the requirements.
 
-        They also lie beside those where new bearings nearly do.
+        They also lie beside those where they come nearest to that.
         """
         points = [line.new[p] for p in sorted(line.new)]
         least = [point.margins(self.limits).min() for point in points]
@@ -242,9 +239,9 @@ class PreloadSearch:
             if (least[k] >= 0.0) != (least[k + 1] >= 0.0) and _width(a, b) > _EDGE:
                 gaps.add(k)
         for k in range(1, len(points) - 1):
-            is_peak = -_NEAR_PEAK < least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1])
+            is_peak = least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1])
             for j in (k - 1, k):
-                if is_peak and _width(points[j], points[j + 1]) > _PEAK:
+                if is_peak and _width(points[j], points[j + 1]) > _EDGE:
                     gaps.add(j)
         return [_middle(points[k], points[k + 1]) for k in sorted(gaps)]
 
@@ -271,18 +268,10 @@ class PreloadSearch:
             k = bisect.bisect(order, p)
             neighbours = [line.lives[near] for near in order[max(k - 1, 0) : k + 1]]
             ends = {point.end_criterion for point in neighbours if point.life > 0.0}
-            most = max((point.life for point in neighbours), default=math.inf) * _BETWEEN
-            if (
-                len(ends) != 1
-                or len(neighbours) < 2
-                or (most >= longest and not self._break_one_limit(*neighbours))
-            ):
+            most = max((point.life for point in neighbours), default=math.inf)
+            if len(ends) != 1 or len(neighbours) < 2 or most >= longest:
                 preloads.append(p)
         return preloads
-
-    def _break_one_limit(self, a: PreloadPoint, b: PreloadPoint) -> bool:
-        """Whether both of two lives break the same requirement by far."""
-        return bool((np.maximum(a.margins(self.limits), b.margins(self.limits)) < -_FAR).any())
 
     def _extend(self, line: PreloadLine) -> PreloadPoint | None:
         """Extends the range of a line if its best preload is at an end, and returns that point."""
@@ -309,12 +298,11 @@ class PreloadSearch:
             for p in [p for p in points if not line.grid[0] <= p <= line.grid[-1]]:
                 del points[p]
 
-    def _preloads_beside_best(self, line: PreloadLine, is_last: bool) -> list[float]:
+    def _preloads_beside_best(self, line: PreloadLine) -> list[float]:
         """Returns the best preload, and those beside it where an exact life may be longer.
 
         A neighbour that a quick life refuses by little is solved itself, as is one beside which
         nothing else is solved.
-        is_last: whether no more lives are solved between them.
         """
         line.lives = {p: point for p, point in line.lives.items() if self._counts(line, point)}
         best = line.best(self.limits)
@@ -323,11 +311,8 @@ class PreloadSearch:
         preloads = {best.preload}
         points = line.points(self.limits)
         k = _index(points, best)
-        for side in (points[:k][::-1], points[k + 1 :]):
-            if not side:
-                continue
-            near, margin = side[0], side[0].margins(self.limits).min()
-            may_gain = not is_last and self._may_gain(best, *side[:2])
+        for near in (*points[max(k - 1, 0) : k], *points[k + 1 : k + 2]):
+            margin, may_gain = near.margins(self.limits).min(), self._may_gain(best, near)
             if near.solved == QUICK_LIFE and margin < 0.0 and (margin > -_ROUGH or not may_gain):
                 preloads.add(near.preload)
             elif may_gain:
@@ -336,24 +321,17 @@ class PreloadSearch:
             preloads - {p for p, point in line.lives.items() if point.solved == EXACT_LIFE}
         )
 
-    def _may_gain(
-        self, best: PreloadPoint, near: PreloadPoint, farther: PreloadPoint | None = None
-    ) -> bool:
+    def _may_gain(self, best: PreloadPoint, near: PreloadPoint) -> bool:
         """Whether a life between two preloads may be longer than the best one.
 
-        farther: the next point on the same side, which shows whether the life goes evenly.
+        Towards an edge, a life may rise by any power of the preload; else at most in proportion.
         """
         width = abs(_width(best, near))
-        if near.solved == NEW_BEARING or not near.is_allowed(self.limits):
+        is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.limits)
+        if is_edge or best.end_criterion != near.end_criterion:
             return width > _EDGE
-        if best.end_criterion != near.end_criterion:
-            return width > _EDGE  # towards where both are met, a life may rise by any power
         drop = math.log(best.life / near.life)
-        if width < _NEAR and farther is not None and farther.end_criterion == best.end_criterion:
-            if 0.0 < farther.life < near.life and farther.is_allowed(self.limits):
-                return 0.5 * (_EVEN * width - drop) > _GAIN
-        rise = _STEEPEST * width
-        return (rise if drop > rise else 0.5 * (rise - drop)) > _GAIN  # a drop so steep is a jump
+        return (width if drop > width else 0.5 * (width - drop)) > _GAIN  # so steep is a jump
 
     def _preload_between(self, best: PreloadPoint, near: PreloadPoint) -> float:
         """Returns a preload between two [N]: just within the requirements that near breaks.
