@@ -287,7 +287,14 @@ def preload_grown(e: Evidence) -> Finding | None:
     preload = e.mean("residual_preload")
     ratio = preload / operation.preload_N
     excess = ratio / MOST_GROWN
-    return {"ratio": ratio, "value": preload, "preload": operation.preload_N, "excess": excess}
+    when = "at speed" if operation.turns else "at rest"  # which temperatures or fits raised
+    return {
+        "ratio": ratio,
+        "value": preload,
+        "preload": operation.preload_N,
+        "when": when,
+        "excess": excess,
+    }
 
 
 def tilt_beyond_practice(e: Evidence) -> Finding:

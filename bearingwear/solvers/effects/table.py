@@ -246,7 +246,7 @@ EFFECTS = (
     Effect(
         "preload_grown",
         practice.preload_grown,
-        "the fixed-position preload at speed, {value:.3g} N, is {ratio:.2g} times the "
+        "the fixed-position preload {when}, {value:.3g} N, is {ratio:.2g} times the "
         "initial {preload:.4g} N (rule of thumb: at most three times)",
         "the results account for this increase; a spring would keep the preload constant",
     ),

@@ -144,6 +144,31 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     assert f"({digits(3.0 * preload)} N at speed)" in preload_document(dataset, design).title
 
 
+def test_the_preload_of_a_set_is_that_of_a_side_and_of_which_pair(files):
+    """Two bearings and one: a pair with 0.736 times the preload of the side."""
+    dataset = load(files["recommendation"])
+    scene = json.loads(dataset.attrs["scene"])
+    arrangement = {"kind": "rigid_pair", "orientation": "back_to_back", "tandem": [2, 1]}
+    scene["operation"]["preload_method"] = "fixed_position"
+    scene = scene_from_dict(scene | {"arrangement": arrangement})
+    dataset.attrs["scene"] = json.dumps(scene.to_dict())
+    for k in (0, 1):
+        dataset["life"][k] = 2.0 * float(dataset["life"].max())
+        words = sentences_of(preload_document(dataset))["lead"]
+        preload = float(dataset["preload"][k])
+        assert preload in numbers_in(words) and "on each side" in words
+        of_pair = [n for n in numbers_in(words) if n == pytest.approx(0.736 * preload, rel=5e-3)]
+        assert bool(of_pair) == (k == 1)  # spring bearings are not matched
+
+
+def test_a_method_without_a_preload_has_no_groove_model(files):
+    dataset = load(files["recommendation"])
+    dataset["life"][1] = np.nan
+    (table,) = [b for b in preload_document(dataset).blocks if b.title == "recommended"]
+    first, second = rows_of(table)["groove"].values
+    assert first and not second
+
+
 def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(files):
     """Title, offset and tolerance have the recommended preload; both ends are solved once more."""
     dataset = load(files["recommendation"])

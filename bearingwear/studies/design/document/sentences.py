@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import xarray as xr
 
+from bearingwear.document.bearing_line import pair_preload_N
 from bearingwear.document.rows import film_lines
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
@@ -177,12 +178,13 @@ def setting_sentence(recommendation: xr.Dataset) -> str:
     has_tolerance = low <= high
     text, unit = preload_text(best.point), "N"
     middle, ends = best.preload, (low, high)
-    setting = f"a preload of {text}\N{NO-BREAK SPACE}N"
+    side = _side_words(recommendation, best)
+    setting = f"a preload of {text}\N{NO-BREAK SPACE}N{side}"
     if best.method == "fixed_position":
         middle, unit = spacer_offset(recommendation, best.preload), "µm"
         if has_tolerance:
             ends = spacer_offset(recommendation, low), spacer_offset(recommendation, high)
-        setting = f"a spacer offset of {middle:.3g}\N{NO-BREAK SPACE}µm ({text} N at rest)"
+        setting = f"a spacer offset of {middle:.3g}\N{NO-BREAK SPACE}µm ({text} N at rest{side})"
     if not has_tolerance:
         return f"Specify {setting}."
     minus, plus = (_rounded_down(abs(end - middle)) for end in ends)
@@ -191,6 +193,18 @@ def setting_sentence(recommendation: xr.Dataset) -> str:
         f"from {low:.7g} to {high:.7g} N, all requirements are satisfied and the life is at least "
         "90 % of this life."
     )
+
+
+def _side_words(recommendation: xr.Dataset, best: RecommendedPoint) -> str:
+    """States that a preload is that of each side of a tandem set, and of which pair if rigid."""
+    arrangement = scene_of(recommendation).get("arrangement") or {}
+    if max(arrangement.get("tandem") or [1]) == 1:
+        return ""
+    words = " on each side"
+    if best.method == "fixed_position":
+        pair_N = digits(pair_preload_N(arrangement, best.preload))
+        words += f", as bearings matched for a pair of {pair_N} N give"
+    return words
 
 
 def _rounded_down(tolerance: float) -> float:

@@ -298,7 +298,11 @@ def _lives_to_error(recommendation: xr.Dataset) -> tuple[float, ...]:
 def _groove_rows(recommendation: xr.Dataset) -> list[Row]:
     """Returns rows of the groove model and, for worn grooves, of the life with Hertzian ones."""
     grooves = flag_names(recommendation["groove"])
-    words = tuple(GROOVE_WORDS[name] for name in grooves)
+    lives = _floats(recommendation["life"])
+    words = tuple(
+        GROOVE_WORDS[name] if math.isfinite(life) else ""
+        for name, life in zip(grooves, lives, strict=True)
+    )
     rows = [Row("  groove model", "", words, "groove")]
     if "worn" in grooves:
         hertzian = _floats(recommendation["hertzian_life"])
