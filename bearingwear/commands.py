@@ -497,8 +497,8 @@ def _trial_lines(path: str) -> list[str]:
         pair = RestingPair.of(scene)
         axial, radial = (1e-6 * stiffness for stiffness in pair.rigidity)
         lines.append(
-            f"stiffness of a rigid pair of these bearings at rest: {axial:.3g} N/um axial, "
-            f"{radial:.3g} N/um radial; an axial force of {plain(pair.lift_off)} N unloads one "
+            f"stiffness of a rigid pair of these bearings at rest: {plain(axial)} N/um axial, "
+            f"{plain(radial)} N/um radial; an axial force of {plain(pair.lift_off)} N unloads one "
             "bearing"
         )
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]

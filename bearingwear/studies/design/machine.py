@@ -12,6 +12,7 @@ from bearingwear.document.document import Block
 from bearingwear.document.launch import launch_verdict
 from bearingwear.document.margin import margin_block, margin_sentences
 from bearingwear.lives.margin import Corner, launched_by_wear, torque_corners
+from bearingwear.measures import plain
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.words import scene_of
 from bearingwear.scene.read import scene_from_dict
@@ -32,7 +33,7 @@ def machine_answers(scene: Scene) -> dict[str, Any]:
     if scene.launch is not None and a is not None and a.rotor_mass_kg and a.span_mm:
         states = launched_by_wear(scene)
         first = next(iter(states.values()))
-        loads = f"{first.axial_g:.3g} g axial, {first.radial_g:.3g} g radial"
+        loads = f"{plain(first.axial_g)} g axial, {plain(first.radial_g)} g radial"
         sentences += [f"launch, {loads}: {text}" for text in launch_verdict(scene, states)]
     if not sentences:
         return {}

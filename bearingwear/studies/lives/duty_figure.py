@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bearingwear.measures import ENDS
+from bearingwear.measures import ENDS, plain
 from bearingwear.plotting.drawing import SERIES, Figure, frame, new_figure, start_at_zero
 from bearingwear.results.quantiles import hours_in_words
 from bearingwear.results.words import scene_of
@@ -56,6 +56,6 @@ def duty_message(life: xr.Dataset) -> str:
     criterion = life["end_criterion"].attrs["flag_meanings"].split()[int(life["end_criterion"])]
     end = ENDS[criterion].words if criterion in ENDS else "no criterion"
     return (
-        f"{scene['name']}: life over the duty {when}, {float(life['life_cycles']):.3g} cycles, "
+        f"{scene['name']}: life over the duty {when}, {plain(float(life['life_cycles']))} cycles, "
         f"ended by {end} in {life.attrs['ended_in']}"
     )

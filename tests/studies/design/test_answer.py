@@ -18,6 +18,7 @@ from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.best import SIMILAR
 from bearingwear.studies.design.choice import limit_margins, limits_of
+from bearingwear.studies.design.document.charts import design_charts
 from bearingwear.studies.design.document.sentences import recommended_points
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_BECAUSE
@@ -25,7 +26,7 @@ from bearingwear.studies.design.map import design_point
 
 PLACE = "initial_axial_displacement"
 
-STIFFNESS = "system_axial_stiffness_N_um"
+POWER, STIFFNESS = "friction_power_W", "system_axial_stiffness_N_um"
 
 
 @pytest.fixture(scope="module")
@@ -159,6 +160,17 @@ def test_the_preload_of_a_set_is_that_of_a_side_and_of_which_pair(files):
         assert preload in numbers_in(words) and "on each side" in words
         of_pair = [n for n in numbers_in(words) if n == pytest.approx(0.736 * preload, rel=5e-3)]
         assert bool(of_pair) == (k == 1)  # spring bearings are not matched
+
+
+def test_achieved_values_have_no_power_of_ten(files, tmp_path):
+    dataset, changed = load(files["recommendation"]), tmp_path / "changed.nc"
+    dataset["friction_power"][...] = 1234.0
+    dataset.attrs["limits"] = json.dumps(json.loads(dataset.attrs["limits"]) | {POWER: 2000.0})
+    dataset.to_netcdf(changed)
+    design = load(files["design"])
+    design.assign_attrs(limits=dataset.attrs["limits"]).to_netcdf(tmp_path / "design.nc")
+    question = json.loads(design_charts(tmp_path / "design.nc", changed))["question"]
+    assert "1230 W" in question.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def test_a_method_without_a_preload_has_no_groove_model(files):

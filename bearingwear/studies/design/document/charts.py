@@ -15,7 +15,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import load_quantiles
-from bearingwear.results.units import printed_unit, scale_of
+from bearingwear.results.units import digits, printed_unit, scale_of
 from bearingwear.results.words import methods, scene_of
 from bearingwear.studies.design.choice import design_files, limit_margins, limits_of, line_of_scene
 from bearingwear.studies.design.document.sheets import (
@@ -97,7 +97,8 @@ def _achieved_requirements(recommendation: xr.Dataset) -> str:
     point = recommendation.isel(preload_method=best)
     for k, (name, value) in enumerate(limits.items()):
         measure = LIMITED[name]
-        achieved = f"{measure.shown(float(measure.worst(point))):.3g} {printed_unit(measure.unit)}"
+        achieved_value = digits(measure.shown(float(measure.worst(point))))
+        achieved = f"{achieved_value} {printed_unit(measure.unit)}"
         margin = f"margin {100.0 * abs(float(measure.margins(point, value))):.0f} %"
         where = critical_condition_words(recommendation, point, name)
         if where:

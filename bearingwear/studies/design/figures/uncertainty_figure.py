@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.measures import plain
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
@@ -55,7 +56,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
         colour = COLOURS[method]
         lives = choices.sel(preload_choice=available_preload_choice(choices))
         draw_cumulated(cumulated, lives.sel(uncertain_inputs=ALL_INPUTS), colour)
-        cumulated.set_title(f"{method_words(scene, method)}, {float(lives['preload']):.3g} N")
+        cumulated.set_title(f"{method_words(scene, method)}, {plain(float(lives['preload']))} N")
         _draw_tornado(tornado, lives, names, colour)
         _draw_indices(bars, lives, colour)
         failed += int(choices["status_count"].isel(life_status=slice(1, None)).sum())
