@@ -94,8 +94,8 @@ def _stop_lines(file: Any) -> list[str]:
         return []
     time = plain(float(values(file, "time")[on_stop[0]]))
     return [
-        f"warning: the spring is compressed to its stop (arrangement.stop_um {stop_um:g}) after "
-        f"{time} s: from then on the pair is rigid, and its preload rises above the one given here"
+        f"warning: arrangement.stop_um {stop_um:g} is reached after {time} s: the pair is rigid "
+        "from then on"
     ]
 
 

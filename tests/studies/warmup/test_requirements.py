@@ -163,7 +163,7 @@ def test_a_stop_that_the_spring_reaches_is_named(spindle):
     warmed = bearingwear.warmup(pair, seconds=10.0)
     text = str(bearingwear.show(warmed))
     reached = warmed["time"].values[np.argmax(warmed["spring_travel"].values < -1e-4)]
-    assert f"stop_um 100) after {reached:.3g} s" in " ".join(text.split())
+    assert f"stop_um 100 is reached after {reached:.3g} s" in " ".join(text.split())
     far = bearingwear.warmup(spring_pair(spindle, orientation="face_to_face", stop_um=200.0), 10.0)
     assert "stop_um" not in str(bearingwear.show(far))
 
