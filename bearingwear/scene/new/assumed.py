@@ -207,19 +207,11 @@ def numbers_of(
 
     bore, outside, entry = size.bore, size.outside, size.entry
     section = 0.5 * (outside - bore)
-    if entry is not None:
-        ball_diameter = Origin(rounded_to(entry.ball, 6), SOURCES[entry.source], assumed=False)
-    else:
-        ball_diameter = Origin(rounded_to(0.6 * section), "0.3 x (outside diameter - bore)")
-    D = decide("bearing.ball_diameter_mm", ball_diameter)
+    D = decide("bearing.ball_diameter_mm", _usual_ball_diameter(entry, section))
     if not 0.0 < D < section:
         allowed = f"a number > 0 and < {section:g}, half of the section height"
         raise refused_option("--ball-diameter", D, allowed)
-    if entry is not None and entry.pitch is not None:
-        pitch_diameter = Origin(entry.pitch, SOURCES[entry.source], assumed=False)
-    else:
-        pitch_diameter = Origin(0.5 * (bore + outside), "mean of bore and outside diameter")
-    dm = decide("bearing.pitch_diameter_mm", pitch_diameter)
+    dm = decide("bearing.pitch_diameter_mm", _usual_pitch_diameter(entry, bore, outside))
     if not bore + D < dm < outside - D:
         allowed = f"a number > {bore + D:g} and < {outside - D:g}"
         raise refused_option("--pitch-diameter", dm, allowed)
@@ -242,6 +234,20 @@ def numbers_of(
     decide("operation.shaft_speed_rpm", speed)
     decide("friction.ball_race", Origin(0.08, "starved or solid-lubricated steel"))
     return numbers
+
+
+def _usual_ball_diameter(entry: CatalogueBearing | None, section: float) -> Origin:
+    """Returns the ball diameter [mm] of the catalogue, or by the height of the section [mm]."""
+    if entry is not None:
+        return Origin(rounded_to(entry.ball, 6), SOURCES[entry.source], assumed=False)
+    return Origin(rounded_to(0.6 * section), "0.3 x (outside diameter - bore)")
+
+
+def _usual_pitch_diameter(entry: CatalogueBearing | None, bore: float, outside: float) -> Origin:
+    """Returns the pitch diameter [mm] of the catalogue, or in the middle of the section."""
+    if entry is not None and entry.pitch is not None:
+        return Origin(entry.pitch, SOURCES[entry.source], assumed=False)
+    return Origin(0.5 * (bore + outside), "mean of bore and outside diameter")
 
 
 def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: float) -> Origin:

@@ -226,7 +226,6 @@ class WornBearing:
         ]
         if not self.on_the_way and not self.check.passes(p, races, seat, slip, u, D, bare):
             return WornPoint(code.UNVERIFIED, wear, p)
-        r = p.g.R_o + seat.X2
         return WornPoint(
             status=status,
             wear=wear,
@@ -237,12 +236,7 @@ class WornBearing:
             qv_along=tuple(work.rates[k, : race.x.size].copy() for k, race in enumerate(races)),
             x=tuple(race.x.copy() for race in races),
             pressure=tuple(race.pressure.copy() for race in races),
-            track=np.array(
-                [
-                    r + s * middle_height(profile(r_g, 0.5 * D, f.a)) * np.cos(f.alpha)
-                    for s, r_g, f in zip(SIDES, (p.g.r_i, p.g.r_o), forces, strict=True)
-                ]
-            ),
+            track=_track_radii(p, seat, D),
             D=D,
         )
 
@@ -608,6 +602,17 @@ class WornBearing:
         is_wider = any(new is not old for new, old in zip(races, self.races, strict=True))
         self.races = tuple(races)
         return is_wider
+
+
+def _track_radii(p: ThrustProblem, seat: WornSeat, D: float) -> np.ndarray:
+    """Returns the radii (2,) of the middles of both contacts, from the axis of the bearing [m]."""
+    r = p.g.R_o + seat.X2
+    races = zip(SIDES, (p.g.r_i, p.g.r_o), (seat.inner, seat.outer), strict=True)
+    heights = [
+        s * middle_height(profile(r_g, 0.5 * D, force.a)) * np.cos(force.alpha)
+        for s, r_g, force in races
+    ]
+    return r + np.array(heights)
 
 
 def edge_gap(log_kappa: float, approach: float) -> float:
