@@ -454,7 +454,7 @@ def test_films_wear_through_in_all_phases_at_once(scene):
     cases = {name: case for name, case in CASES.items() if name != "hot"}
     changed_scene = scene("gyro_s1", HERTZ | FILM | POSITION | end | {"cases": cases} | duty(MIXED))
     result, cycle = even_life(changed_scene)
-    spans = np.array([phase["hours"] for phase in MIXED.values()])
+    spans = np.array([MIXED[name]["hours"] for name in cycle.cases])
     spans *= result.last.time / CYCLES / spans.sum()
     mixed = DutySurfaces(cycle, [solver_of(item) for item in cycle.scenes])
     ways = [OneWay(way, lambda worn, span, rate: worn + span * rate) for way in mixed.ways]
@@ -486,7 +486,7 @@ def test_grooves_wear_in_all_phases_at_once(scene, film):
     mixed_life = worn_duty_life(cycle)
     left = mixed_life.last.states[0].values.get("film_left", np.zeros(3))
     assert (left.min() < 0.0) == bool(film)
-    spans = np.array([phase["hours"] for phase in MIXED.values()])
+    spans = np.array([MIXED[name]["hours"] for name in cycle.cases])
     spans *= mixed_life.last.time / CYCLES / spans.sum()
     mixed = DutyGrooves(cycle)
 
@@ -778,13 +778,13 @@ def test_values_of_a_case_vary_with_those_of_the_scene(scene):
     changed_scene = scene(
         "gyro_s1", HERTZ | POSITION | {"cases": CASES} | duty({"hot": {"hours": 1.0}})
     )
-    friction = changed_scene.friction.ball_race
-    other = scene_with_values(changed_scene, {"ball_race": 1.5 * friction, "preload_N": 9.0})
+    nominal = changed_scene.friction.ball_race
+    other = scene_with_values(changed_scene, {"ball_race": 1.5 * nominal, "preload_N": 9.0})
     friction = {name: value.friction.ball_race for name, value in other.in_cases.items()}
     assert friction["hot"] == pytest.approx(1.5 * 0.05)
-    assert friction["idle"] == friction["nominal"] == pytest.approx(1.5 * friction)
+    assert friction["idle"] == friction["nominal"] == pytest.approx(1.5 * nominal)
     assert {case.operation.preload_N for case in other.in_cases.values()} == {9.0}
-    assert scene_with_values(changed_scene, {"ball_race": friction}) == changed_scene
+    assert scene_with_values(changed_scene, {"ball_race": nominal}) == changed_scene
 
 
 def test_a_start_of_the_duty_is_the_ramp_of_a_warm_up(scene):
