@@ -3,8 +3,9 @@
 `python benchmarks/compile_patches.py [--models steady worn dynamic] [--only NAME ...]` compiles the
 kernels of each model into an empty folder, with all extensions, with each of them (or each NAME)
 left out in its turn, and by numba's public interface alone. It prints CPU seconds, the least of
-`--repeats`, and how much longer it takes without the extension. Use an idle machine: CPU time of
-one core depends on what its neighbour does.
+`--repeats`, and how much longer it takes without the extension. The model `turn` is a shaft turn of
+the dynamic model that is already compiled. Use an idle machine: CPU time of one core depends on
+what its neighbour does.
 """
 
 import argparse
@@ -12,6 +13,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 
 from cold import cpu_of_children
@@ -71,30 +73,35 @@ LEFT_OUT: dict[str, Callable[[], None]] = {
     "two kernels in one library": _one_library_each,
     "level 1 for the steady model": _level_three,
     "types of calls kept": _without("get_call_type"),
-    "sizes of types kept": _without("get_abi_sizeof"),
     "no wrappers for C": _without("create_cfunc_wrapper"),
     "records returned whole": _without("as_return", "from_return"),
     "variables found quickly": _without("_rec_list_vars"),
     "no live variables": _without("run"),
-    "settings read once": _without("reload_config", "get_process_triple"),
-    "no events": _without("start_event", "end_event"),
     "no garbage collection": _garbage_collected,
 }
 """What is left out, by its name in kerneljit/README.md."""
 
 PLAIN = "all (public interface)"
+TURN, TURNS = "turn", 3
 
 
 def compile_without(name: str, model: str) -> None:
-    """Compile the kernels of a model here, in this process."""
+    """Compile the kernels of a model here, in this process; print the CPU time of a turn [s]."""
     LEFT_OUT[name]()
+    from bearingwear import example
+    from bearingwear.solvers.solve import solve
     from bearingwear.studies.compile_model import compile_model
 
-    compile_model(model)
+    compile_model("dynamic" if model == TURN else model)
+    if model == TURN:
+        scene = example().with_({"model.simulated_turns": TURNS})
+        before = time.process_time()
+        solve(scene, "dynamic")
+        print((time.process_time() - before) / TURNS)
 
 
 def seconds(name: str, model: str) -> float:
-    """CPU time of a process that compiles a model [s]."""
+    """CPU time of a process that compiles a model, or of a turn [s]."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         environment = os.environ | {"NUMBA_CACHE_DIR": folder}
         environment["BEARINGWEAR_PLAIN_NUMBA"] = "1" if name == PLAIN else ""
@@ -103,12 +110,13 @@ def seconds(name: str, model: str) -> float:
         done = subprocess.run(words, env=environment, capture_output=True, text=True)
         if done.returncode != 0:
             sys.exit(done.stderr)
-        return cpu_of_children() - before
+        return float(done.stdout) if model == TURN else cpu_of_children() - before
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--models", nargs="+", default=["steady", "worn", "dynamic"])
+    models = ["steady", "worn", "dynamic"]
+    parser.add_argument("--models", nargs="+", choices=[*models, TURN], default=models)
     parser.add_argument("--repeats", type=int, default=2)
     names = [*LEFT_OUT, PLAIN]
     parser.add_argument("--only", nargs="+", choices=names[1:], default=names[1:], metavar="NAME")
@@ -123,7 +131,7 @@ def main() -> None:
         for name in names:
             for model in args.models:
                 took = seconds(name, model)
-                print(f"{name}, {model}: {took:.1f} s", file=sys.stderr, flush=True)
+                print(f"{name}, {model}: {took:.3g} s", file=sys.stderr, flush=True)
                 least[name, model] = min(took, least.get((name, model), took))
     print("| left out | " + " | ".join(f"{model} [s]" for model in args.models) + " |")
     print("| --- |" + " ---: |" * len(args.models))
@@ -132,7 +140,7 @@ def main() -> None:
         for model in args.models:
             whole, now = least["nothing", model], least[name, model]
             longer = "" if name == "nothing" else f" (+{100 * (now / whole - 1):.0f} %)"
-            cells.append(f"{now:.1f}{longer}".replace("+-", "-"))
+            cells.append(f"{now:.3g}{longer}".replace("+-", "-"))
         print(f"| {name} | " + " | ".join(cells) + " |")
 
 

@@ -14,8 +14,7 @@ import itertools
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from numba.core import config, event, ir
-from numba.core.base import BaseContext
+from numba.core import ir
 from numba.core.codegen import CPUCodegen, JITCodeLibrary, ll
 from numba.core.compiler import Compiler, CompileResult
 from numba.core.compiler_lock import global_compiler_lock
@@ -215,7 +214,6 @@ def _without_garbage_collection() -> Iterator[None]:
 def _replacements() -> tuple[tuple[Any, str, Callable], ...]:
     """Functions of numba that `quick_typing` replaces: owner, name, and what stands there."""
     resolve, known = BaseFunction.get_call_type, {}
-    size_of, sizes = BaseContext.get_abi_sizeof, {}
 
     def get_call_type(self, context, args, kws):
         key = id(self), context, tuple(args), tuple(kws.items())
@@ -223,36 +221,24 @@ def _replacements() -> tuple[tuple[Any, str, Callable], ...]:
             known[key] = self, resolve(self, context, args, kws)  # it lives on, and so does its id
         return known[key][1]
 
-    def get_abi_sizeof(self, kind):
-        key = str(kind)
-        if key not in sizes:
-            sizes[key] = size_of(self, kind)
-        return sizes[key]
-
     return (
         (BaseFunction, "get_call_type", get_call_type),
-        (BaseContext, "get_abi_sizeof", get_abi_sizeof),
         (CPUContext, "create_cfunc_wrapper", _do_nothing),
         (StructModel, "as_return", _as_return),
         (StructModel, "from_return", _from_return),
         (ir.Inst, "_rec_list_vars", _variables),
         (PostProcessor, "run", _post_process),
         (CPUCodegen, "_pass_builder", _pass_builder),
-        (config, "reload_config", _do_nothing),
-        (ll, "get_process_triple", functools.cache(ll.get_process_triple)),
-        (event, "start_event", _do_nothing),
-        (event, "end_event", _do_nothing),
     )
 
 
 @contextlib.contextmanager
 def quick_typing() -> Iterator[None]:
-    """Takes 45 % off numba's part of the work and changes nothing in what the code does.
+    """Shortens numba's part of the work and changes nothing in what the code does.
 
     What an operator or a NumPy function returns for some types is asked for at each call, and found
-    by trying dozens of signatures: here once. So is the size of a type, for which LLVM parses a
-    module. The variables of a statement are found without making lists of what has none, nobody is
-    told of each time a lock is taken (some 80 000 times), and Python looks for no garbage.
+    by trying dozens of signatures: here once. The variables of a statement are found without making
+    lists of what has none, and Python looks for no garbage.
     A record is returned as it is, not number by number, and NumPy's functions get no wrapper for C.
     """
     with global_compiler_lock, contextlib.ExitStack() as stack:

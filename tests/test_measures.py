@@ -60,10 +60,12 @@ OF_RACES = {"gyroscopic_slip_share", "film_worn_share"}
 
 def states(measure: Measure, ratio: float) -> State:
     """A state whose measure is at that ratio; of all others next to nothing is known."""
-    known = {name: at(measure, ratio) for name in measure.variables}
-    known |= {name: np.array([0.1, 1.0]) * known[name] for name in OF_RACES & known.keys()}
+    limit_values = {name: at(measure, ratio) for name in measure.variables}
+    limit_values |= {
+        name: np.array([0.1, 1.0]) * limit_values[name] for name in OF_RACES & limit_values.keys()
+    }
     of_contact = dict.fromkeys(OF_EACH_CONTACT, np.ones(2))
-    return State(OK, {"ball_diameter_loss": 0.0, **of_contact, **known})
+    return State(OK, {"ball_diameter_loss": 0.0, **of_contact, **limit_values})
 
 
 def ended_by(name: str):
@@ -314,7 +316,7 @@ def test_of_several_variables_the_worst_counts_and_is_named():
         variables=("axial_stiffness", "skid_ratio"),
         kinds=("dynamic", "quasi-static"),
     )
-    known = {"axial_stiffness": np.array([3e6, 5e6]), "skid_ratio": np.array([4e6, 2e6])}
-    assert both.critical(known.__getitem__) == (2e6, "skid_ratio")
-    assert both.worst(known).tolist() == [3e6, 2e6]
-    assert both.margins(known, 2.5).tolist() == pytest.approx([0.2, -0.2])
+    case_values = {"axial_stiffness": np.array([3e6, 5e6]), "skid_ratio": np.array([4e6, 2e6])}
+    assert both.critical(case_values.__getitem__) == (2e6, "skid_ratio")
+    assert both.worst(case_values).tolist() == [3e6, 2e6]
+    assert both.margins(case_values, 2.5).tolist() == pytest.approx([0.2, -0.2])

@@ -105,8 +105,8 @@ def _unknown_material(key: str, data: Mapping[str, Any]) -> str:
         return ""
     if name in materials:
         return ""
-    known = [str(material) for material in materials]
-    return f"got the material {name}, expected {', '.join(known)}{did_you_mean(name, known)}"
+    names = [str(material) for material in materials]
+    return f"got the material {name}, expected {', '.join(names)}{did_you_mean(name, names)}"
 
 
 def _missing_block(data: Any, key: str) -> str | None:

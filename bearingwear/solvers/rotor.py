@@ -233,8 +233,8 @@ class OnRotor:
             return [sides[k].heat(state.sides[k]) for k in warm]
 
         error = max(self.sides[k].heat_error for k in warm)
-        found = find_joint_heat_balance([self.sides[k].scene for k in warm], heats, error)
-        return None if found is None else balances(found)
+        joint_balance = find_joint_heat_balance([self.sides[k].scene for k in warm], heats, error)
+        return None if joint_balance is None else balances(joint_balance)
 
     def _balance(
         self, sides: tuple[Solver, ...], conditions: Conditions, tolerance: float

@@ -232,10 +232,10 @@ def find_joint_heat_balance(
     def heat_made(h: np.ndarray) -> np.ndarray:
         nonlocal solves
         solves += 1
-        made = heats(warm_scenes(h))
-        if made is None:
+        heat_flows = heats(warm_scenes(h))
+        if heat_flows is None:
             raise _Unsolved
-        return np.ravel(made)
+        return np.ravel(heat_flows)
 
     from scipy.optimize import root  # loads slowly; few rotors need it
 
@@ -243,20 +243,22 @@ def find_joint_heat_balance(
         start = heat_made(np.zeros(size * len(scenes)))
         options = {"eps": JOINT_STEP**2, "factor": 1.0}
         h = root(lambda h: heat_made(h) - h, start, tol=JOINT_ROOT, options=options).x
-        made = heat_made(h)
-        step = JOINT_STEP * made.sum()
-        gains = [(heat_made(h + move) - made) / step for move in step * np.eye(h.size)]
+        heat_flows = heat_made(h)
+        step = JOINT_STEP * heat_flows.sum()
+        gains = [(heat_made(h + move) - heat_flows) / step for move in step * np.eye(h.size)]
         stable = float(np.linalg.eigvals(gains).real.max()) < 1.0
     except _Unsolved:
         return None
-    allowed = max(HEAT_BALANCED, heat_error) * made.reshape(-1, size).sum(axis=1, keepdims=True)
-    if not (stable and np.all(np.abs(made - h).reshape(-1, size) <= allowed)):
+    allowed = max(HEAT_BALANCED, heat_error) * heat_flows.reshape(-1, size).sum(
+        axis=1, keepdims=True
+    )
+    if not (stable and np.all(np.abs(heat_flows - h).reshape(-1, size) <= allowed)):
         return None
     return [
         Warmed(
             status=code.OK, scene=scene, heat=HeatFlow(*heat), solves=solves, slope=-np.eye(size)
         )
-        for scene, heat in zip(warm_scenes(h), made.reshape(-1, size).tolist(), strict=True)
+        for scene, heat in zip(warm_scenes(h), heat_flows.reshape(-1, size).tolist(), strict=True)
     ]
 
 

@@ -118,9 +118,9 @@ def test_constant_rates_add_as_palmgren_and_miner_say(scene):
     changed_scene = scene("gyro_s1", HERTZ | end | {"cases": CASES} | duty(phases))
     cycle = cycle_of(changed_scene)
     rates = [loss / (live * HOUR) for live in lives]
-    found = hertzian_duty_life(cycle, [SteadyRate(rate) for rate in rates])
-    assert hours(found) == pytest.approx(7400.37951, abs=1e-5)  # a cycle is an hour
-    shares = cycle.shares * rates * found.last.time / loss
+    over_duty = hertzian_duty_life(cycle, [SteadyRate(rate) for rate in rates])
+    assert hours(over_duty) == pytest.approx(7400.37951, abs=1e-5)  # a cycle is an hour
+    shares = cycle.shares * rates * over_duty.last.time / loss
     assert_allclose(100.0 * shares, [9.86717, 28.46300, 61.66983], atol=1e-5)
 
 

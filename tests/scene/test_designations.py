@@ -166,10 +166,10 @@ def test_small_balls_of_a_high_speed_series_are_no_cage(text, letters):
         with pytest.raises(SceneError):
             designation_of(text)
         return
-    found = designation_of(text).letters
-    assert found.small_balls == letters
-    assert ("--ball-diameter" in " ".join(found.meanings())) == bool(letters)
-    assert not letters or letters not in found.ignored.split()
+    of_text = designation_of(text).letters
+    assert of_text.small_balls == letters
+    assert ("--ball-diameter" in " ".join(of_text.meanings())) == bool(letters)
+    assert not letters or letters not in of_text.ignored.split()
 
 
 @pytest.mark.parametrize(

@@ -331,8 +331,8 @@ def test_a_pair_is_written(designation, pair, expected):
     text, lines = scene_text("mine", None, None, {}, designation=designation, pair=pair)
     scene = scene_from_dict(data_of(text, "mine"), "mine")
     arrangement = scene.arrangement
-    found = (arrangement.kind, scene.operation.preload_method, arrangement.orientation)
-    assert found == expected
+    written = (arrangement.kind, scene.operation.preload_method, arrangement.orientation)
+    assert written == expected
     assert not any("one bearing of it" in line for line in lines)
     assert solve(scene).status == "ok"
 
@@ -347,7 +347,7 @@ def test_a_film_gets_the_speed_and_the_pressure_of_its_tests():
     ids = {warning["id"] for warning in warnings_in(result.attrs)}
     assert result.status == "ok" and not ids & {"limit_passed", "film_too_fast"}
     assert usual_limits(scene).pressure == 1.5
-    given = {"operation.shaft_speed_rpm": 20_000.0}
-    text, _ = scene_text("mine", None, None, given, designation="7204AC", lubrication="mos2")
+    speed = {"operation.shaft_speed_rpm": 20_000.0}
+    text, _ = scene_text("mine", None, None, speed, designation="7204AC", lubrication="mos2")
     result = solve(scene_from_dict(data_of(text, "mine"), "mine"))
     assert "film_too_fast" in {warning["id"] for warning in warnings_in(result.attrs)}

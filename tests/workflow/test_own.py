@@ -67,10 +67,10 @@ def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
     assert (folder / "results/verdict.txt").read_text() == "all 8 solved and verified\n"
 
     # again: nothing to do, and the same result
-    found = output.splitlines()[-2:]
+    last_lines = output.splitlines()[-2:]
     status, output = study("-j2", "--stiffness", "3")
     assert status == 0 and "Nothing to be done" in output
-    assert output.splitlines()[-2:] == found and headline[1:] in found[0]
+    assert output.splitlines()[-2:] == last_lines and headline[1:] in last_lines[0]
 
     # a deleted result that a figure is made from
     config = yaml.safe_load((folder / "config/config.yaml").read_text(encoding="utf-8"))

@@ -104,8 +104,8 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
         title=f"Warm-up: {scene.name}",
         course=[*course.times, *course.shares],
     )
-    known = {name: variable for name, variable in _SUMMARY.items() if name in summary}
-    return over_time.merge(dataset_of_rows(known, {}, [summary]), combine_attrs="override")
+    summary_table = {name: variable for name, variable in _SUMMARY.items() if name in summary}
+    return over_time.merge(dataset_of_rows(summary_table, {}, [summary]), combine_attrs="override")
 
 
 def peaks_of(scene: Scene, warmup: WarmUp) -> dict[str, float]:
@@ -155,13 +155,15 @@ def _error_of_peaks(peaks: Mapping[str, float], coarse: Mapping[str, float]) -> 
 
     That of the spring is relative to the longer of its two ways.
     """
-    known = [name for name in PEAKS if f"peak_{name}" in peaks]
-    sizes = {name: abs(peaks[f"peak_{name}"]) for name in known}
-    longest = max(sizes[name] for name in known if name in SPRING) if SPRING[0] in sizes else 0.0
+    peak_names = [name for name in PEAKS if f"peak_{name}" in peaks]
+    sizes = {name: abs(peaks[f"peak_{name}"]) for name in peak_names}
+    longest = (
+        max(sizes[name] for name in peak_names if name in SPRING) if SPRING[0] in sizes else 0.0
+    )
     sizes |= {name: longest for name in SPRING if name in sizes}
     return max(
         abs(coarse[f"peak_{name}"] - peaks[f"peak_{name}"]) / sizes[name]
-        for name in known
+        for name in peak_names
         if sizes[name]
     )
 

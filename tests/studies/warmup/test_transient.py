@@ -176,9 +176,9 @@ def test_longer_ramps_that_break_a_limit_again_are_named(
 ):
     """Ramps whose peaks do not fall with their length, as given by a function."""
     monkeypatch.setattr(shortest_ramps, "limits_hold", lambda _, s, *given: kept(s))
-    found = shortest_ramp(spindle, {"preload": 1.0})
-    assert seconds <= found.seconds <= 1.03 * seconds and kept(found.seconds)
-    assert found.broken_by[: len(broken_by)] == broken_by
+    shortest = shortest_ramp(spindle, {"preload": 1.0})
+    assert seconds <= shortest.seconds <= 1.03 * seconds and kept(shortest.seconds)
+    assert shortest.broken_by[: len(broken_by)] == broken_by
 
 
 def test_the_answer_keeps_its_limit_with_fine_steps(spindle, monkeypatch):
