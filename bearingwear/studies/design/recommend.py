@@ -22,6 +22,7 @@ from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import merged_warnings, warnings_in
+from bearingwear.results.words import scene_of
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.checking.errors import SceneError
@@ -312,7 +313,7 @@ def _dataset(
 
 def is_of_scene(dataset: xr.Dataset, scene: Scene) -> bool:
     """Whether a file was computed for a scene: all agrees that decides a life."""
-    return decisive_data(json.loads(dataset.attrs["scene"])) == decisive_data(scene.to_dict())
+    return decisive_data(scene_of(dataset)) == decisive_data(scene.to_dict())
 
 
 def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:
