@@ -34,9 +34,10 @@ def test_data_belong_to_the_module_that_names_them():
     assert "page/page.html" in source_files("bearingwear.page.page")
     assert "plotting/style.mplstyle" in source_files("bearingwear.studies.grid.figures.draw")
     assert "scene/new/new_scene.yaml.j2" in source_files("bearingwear.scene.new.scene_file")
-    # a warning compares the speed with the limit of the bearing's maker
+    # warnings compare speed and preload with the limits of the bearing's maker
     assert [p for p in source_files(*SOLVER) if not p.endswith(".py")] == [
-        "scene/new/catalogue.csv"
+        "scene/new/skf_minimum_load.csv",
+        "scene/new/catalogue.csv",
     ]
 
 

@@ -119,8 +119,12 @@ def test_wear_values_of_both_materials_go_together(scene):
 @pytest.mark.parametrize(
     ("option", "problem"),
     [
-        (["--samples", "100"], "--samples: got 100, expected a power of two"),
-        (["--samples", "0"], "--samples: got 0, expected a whole number from 1 to 1048576"),
+        (["--samples", "100"], "--samples: got 100, expected a power of two, such as 128"),
+        (
+            ["--samples", "0"],
+            "bearingwear uncertainty: argument --samples: got '0', expected 1 or more; see "
+            "bearingwear uncertainty --help",
+        ),
         (
             ["--samples", "4194304"],
             "--samples: got 4194304, expected a whole number from 1 to 1048576",
