@@ -226,6 +226,8 @@ class PreloadSearch:
             pass
         self.solve(self._first_preloads, QUICK_LIFE)
         self.solve(self._further_preloads, QUICK_LIFE)
+        while self.solve(self._preloads_at_worn_edges, QUICK_LIFE):
+            pass
 
     def _preloads_between_new(self, line: PreloadLine) -> list[float]:
         """Returns preloads near those where new bearings come to meet the requirements.
@@ -271,6 +273,22 @@ class PreloadSearch:
             most = max((point.life for point in neighbours), default=math.inf)
             if len(ends) != 1 or len(neighbours) < 2 or most >= longest:
                 preloads.append(p)
+        return preloads
+
+    def _preloads_at_worn_edges(self, line: PreloadLine) -> list[float]:
+        """Returns preloads where worn bearings come to meet the requirements, for quick lives.
+
+        They lie between a life that is longer than the best but breaks requirements, and one that
+        meets them: a narrow range between may be allowed, if another criterion soon ends the life.
+        """
+        best, points, preloads = line.best(self.limits), line.points(self.limits), []
+        longest = best.life if best else 0.0
+        for pair in itertools.pairwise(points):
+            for broken, met in (pair, pair[::-1]):
+                is_longer = broken.solved != NEW_BEARING and broken.life > longest
+                is_edge = broken.margins(self.limits).min() < 0.0 <= met.margins(self.limits).min()
+                if is_longer and is_edge and met is not best and abs(_width(*pair)) > _EDGE:
+                    preloads.append(self._preload_between(met, broken))
         return preloads
 
     def _extend(self, line: PreloadLine) -> PreloadPoint | None:

@@ -267,6 +267,19 @@ def test_the_recommendation_is_at_the_end_of_a_steep_rise():
     assert float(point["life"]) > 0.99 * max(lives.values())
 
 
+def test_a_narrow_range_within_the_requirements_is_found_where_slip_ends_lives_above_it():
+    """48 to 52 N live 0.73 h; worn, less is too soft, and more slips. Above 120 N: 0.35 h."""
+    warm = {"inner_ring_C": 30.0, "balls_C": 30.0, "outer_ring_C": 20.0}
+    scene = bearingwear.new(designation="7202AC", speed=26400.0).with_(
+        {"model.contact": "hertz"} | {f"temperature.{key}": C for key, C in warm.items()}
+    )
+    limits = DesignLimits(axial_stiffness_N_um=2.0, maximum_pressure_GPa=1.67)
+    point = recommendation(scene, limits).isel(preload_method=0)
+    at = design_point(held_by(scene, PRELOAD_METHODS[0], 48.75), limits)
+    assert min(limit_margins(at, limits)) > 0.0
+    assert float(point["life"]) > 0.99 * at["life"] / 3600.0 > 0.7
+
+
 def test_a_required_life_decides_what_is_feasible():
     """It is 1.4 h at best with the stiffness that is required."""
     scene = bearingwear.new(designation="7008C", speed=18000.0).with_({"model.contact": "hertz"})
