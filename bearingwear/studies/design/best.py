@@ -30,7 +30,7 @@ from bearingwear.studies.design.choice import (
 from bearingwear.studies.design.map import design_point, new_point
 from bearingwear.studies.design.plan import (
     DesignLimits,
-    most_preload,
+    largest_permitted_preload,
     round_factor,
     round_number,
 )
@@ -164,7 +164,7 @@ class PreloadSearch:
     def __post_init__(self) -> None:
         centre = self.scene.operation.preload_N
         preloads = {round_factor(factor, centre) for factor in SWEPT_FACTORS}
-        grid = sorted(preload for preload in preloads if preload <= most_preload())
+        grid = sorted(preload for preload in preloads if preload <= largest_permitted_preload())
         self.lines = [PreloadLine(method, grid) for method in PRELOAD_METHODS]
 
     def solve(self, choice: PreloadChoice, solved: int, limits: DesignLimits | None = None) -> bool:
@@ -281,7 +281,7 @@ class PreloadSearch:
         sign = 1.0 if best.preload == line.grid[-1] else -1.0
         factors = _RANGE_STEP ** (sign * np.arange(1, 7) / 6)
         more = [float(f"{best.preload * factor:.3g}") for factor in factors.tolist()]
-        more = [p for p in more if p <= most_preload()]
+        more = [p for p in more if p <= largest_permitted_preload()]
         line.grid = sorted({*line.grid, *more})
         return best if more else None
 
