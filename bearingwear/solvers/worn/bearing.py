@@ -403,13 +403,13 @@ class WornBearing:
     ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
         """Returns seat, motion, races and friction buffers, with the cells that the state needs."""
         arcs, bare = self._arcs(wear), [UNWORN_ARC, UNWORN_ARC]
-        without = AS_WITH_FILM if self.films is None else self.films.without
-        if without >= 0.0:
+        bare_friction = AS_WITH_FILM if self.films is None else self.films.bare_friction
+        if bare_friction >= 0.0:
             shares = [self.bare(wear, k) for k in range(2)]
             bare = list(map(depth_spline, self.arc, self.arc_step, shares))
         for _ in range(_MOST_WIDENINGS):
             races = tuple(
-                race._replace(groove=arcs[k], uncovered=bare[k], without=without)
+                race._replace(groove=arcs[k], uncovered=bare[k], without=bare_friction)
                 for k, race in enumerate(self.races)
             )
             work = self._friction_work(p, races)
