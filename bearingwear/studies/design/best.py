@@ -118,8 +118,8 @@ class PreloadLine:
     grid: Sequence[float]  # preloads of the first lives [N], rising
     new: dict[float, PreloadPoint] = field(default_factory=dict)
     lives: dict[float, PreloadPoint] = field(default_factory=dict)
-    # where the longest life is at an end of the range: a preload beyond it that was tried
-    beyond: PreloadPoint | None = None
+    # where the longest life is at an end of the range: the best point beyond it
+    best_beyond_end: PreloadPoint | None = None
 
     def points(self, limits: DesignLimits) -> list[PreloadPoint]:
         """Returns lives, and new bearings that do not meet the requirements; rising in preload."""
@@ -276,7 +276,11 @@ class PreloadSearch:
     def _extend(self, line: PreloadLine) -> PreloadPoint | None:
         """Extends the range of a line if its best preload is at an end, and returns that point."""
         best = line.best(self.limits)
-        if best is None or line.beyond or best.preload not in (line.grid[0], line.grid[-1]):
+        if (
+            best is None
+            or line.best_beyond_end
+            or best.preload not in (line.grid[0], line.grid[-1])
+        ):
             return None
         sign = 1.0 if best.preload == line.grid[-1] else -1.0
         factors = _RANGE_STEP ** (sign * np.arange(1, 7) / 6)
@@ -291,7 +295,7 @@ class PreloadSearch:
         assert best is not None
         if best is end or best.life >= _LITTLE_LONGER * end.life:
             return
-        line.beyond = best
+        line.best_beyond_end = best
         is_low = best.preload < end.preload
         line.grid = [p for p in line.grid if (p >= end.preload if is_low else p <= end.preload)]
         for points in (line.new, line.lives):
