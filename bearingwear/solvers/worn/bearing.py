@@ -270,6 +270,7 @@ class WornBearing:
         """Sets as the start the state to which less and less regularised friction leads.
 
         Friction decides which of several states there are: past a fold the next one lies far off.
+        Returns True: the solve may be tried again.
         """
         self._reset_pressures()
         for level in range(_GRIPS, 0, -1):
@@ -327,7 +328,10 @@ class WornBearing:
     def _start_through_grooves(
         self, status: int, p: ThrustProblem, D: float, wear: WornDepths
     ) -> bool:
-        """Sets as the start the state reached through grooves from even to worn ones."""
+        """Sets as the start the state reached through grooves from even to worn ones.
+
+        Returns True: the solve may be tried again.
+        """
         self.even = self._start_where_worn(p, wear)
         self._reset_pressures()
         mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
