@@ -93,7 +93,8 @@ class _ComparedNode(NamedTuple):
     """A node of a life with worn grooves, and other states of its bearings with the same wear."""
 
     node: Node
-    states: list[States]  # solved again, then with each accuracy of `WEIGHTS`
+    solved_again: States
+    by_accuracy: list[States]  # in the order of `WEIGHTS`
 
 
 class _ComparedGrooves(Grooves):
@@ -110,12 +111,12 @@ class _ComparedGrooves(Grooves):
 
     def completed(self, node: Node) -> Node:
         if self._node_count % EVERY == 0:
-            self.compare(node)
+            self.compared.append(self.compared_node(node))
         self._node_count += 1
         return node
 
-    def compare(self, node: Node) -> None:
-        """Solves the bearings of a node again, and with each other accuracy."""
+    def compared_node(self, node: Node) -> _ComparedNode:
+        """Solves the bearings of a node again, and with each accuracy of `WEIGHTS`."""
         problems = [side.problem for side in self.sides]
         others = [side.problem.perturbed(side.scene) for side in self.sides]
         states = []
@@ -123,7 +124,7 @@ class _ComparedGrooves(Grooves):
             self._set_problems(of_sides)
             states.append(self.state(node.worn))
         self._set_problems(problems)
-        self.compared.append(_ComparedNode(node, states))
+        return _ComparedNode(node, solved_again=states[0], by_accuracy=states[1:])
 
     def _set_problems(self, problems: Sequence[ThrustProblem]) -> None:
         for side, problem in zip(self.sides, problems, strict=True):
@@ -146,9 +147,9 @@ def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
     """
     if not length > 0.0:
         return {}
-    wearing = _ComparedGrooves(scene)
+    grooves = _ComparedGrooves(scene)
     coarse_life = follow_grooves(Grooves(scene, QUICK_GROOVES._replace(cells=EXACT_GROOVES.cells)))
-    few_cells_life = follow_grooves(wearing)
+    few_cells_life = follow_grooves(grooves)
     coarse, few_cells = (
         other.last.time if (other.status, other.criterion) == (code.OK, criterion) else math.nan
         for other in (coarse_life, few_cells_life)
@@ -157,26 +158,38 @@ def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
     values = {"life_error_bound": bound}
     estimate = ROUNDING + (bound + abs(few_cells - coarse)) / length
     if math.isfinite(estimate):
-        estimate += _accuracy_error(wearing, few_cells_life, Criteria(scene))
+        estimate += _accuracy_error(grooves, few_cells_life, Criteria(scene))
     if math.isfinite(estimate):
         values["life_error_estimate"] = estimate
     return values
 
 
-def _accuracy_error(wearing: _ComparedGrooves, life: Life, ends: Criteria) -> float:
-    """Returns the relative error of a life by v_r and by points; NaN where it is not known."""
-    if wearing.compared[-1].node is not life.last:
-        wearing.compare(life.last)
-    compared = wearing.compared
-    if not all(state.is_solved for entry in compared for sides in entry.states for state in sides):
+def _accuracy_error(grooves: _ComparedGrooves, life: Life, ends: Criteria) -> float:
+    """Returns the estimated error of a life by v_r and by points, relative to the life [1].
+
+    It is the sum over `WEIGHTS`, for the bearing with the larger change. It is NaN where a state
+    is not solved, or where another criterion ends the life with another accuracy.
+
+    grooves: those that the life was computed with.
+    """
+    compared = grooves.compared
+    if compared[-1].node is not life.last:
+        compared = [*compared, grooves.compared_node(life.last)]
+    if not all(
+        state.is_solved
+        for entry in compared
+        for states in (entry.solved_again, *entry.by_accuracy)
+        for state in states
+    ):
         return math.nan
-    # (nodes, solved again and with each accuracy, bearings)
-    rates = np.array([[wearing.loss_rates(sides) for sides in entry.states] for entry in compared])
     nodes = [entry.node for entry in compared]
+    # (nodes, bearings)
+    rates = np.array([grooves.loss_rates(entry.solved_again) for entry in compared])
     total = 0.0
-    for k, weight in enumerate(WEIGHTS.values(), 1):
-        slowing = (rates[:, 0] - rates[:, k]) / np.maximum(rates[:, k], np.finfo(float).tiny)
-        change = relative_life_change(life, slowing, nodes, compared[-1].states[k], ends)
+    for k, weight in enumerate(WEIGHTS.values()):
+        others = np.array([grooves.loss_rates(entry.by_accuracy[k]) for entry in compared])
+        slowing = (rates - others) / np.maximum(others, np.finfo(float).tiny)
+        change = relative_life_change(life, slowing, nodes, compared[-1].by_accuracy[k], ends)
         total += math.nan if change is None else weight * change.max()
     return total
 

@@ -138,7 +138,7 @@ class Life:
     status: int = code.CRITERION_NOT_REACHED
     error: float = 0.0  # of the last time, by the steps [s]
     solves: int = 0
-    beyond: Node | None = None  # the node that could not be solved
+    unsolved_node: Node | None = None  # beyond the last one
 
     @property
     def last(self) -> Node:
@@ -147,7 +147,7 @@ class Life:
     @property
     def tried_nodes(self) -> list[Node]:
         """Returns the nodes, and the one that could not be solved."""
-        return self.nodes if self.beyond is None else [*self.nodes, self.beyond]
+        return self.nodes if self.unsolved_node is None else [*self.nodes, self.unsolved_node]
 
     @property
     def times(self) -> np.ndarray:
@@ -191,14 +191,14 @@ class Life:
                 earliest = min(earliest, brent_root(PchipInterpolator(times, margin), a, b))
         return earliest if np.isfinite(earliest) else np.nan
 
-    def fail(self, beyond: Node) -> None:
+    def fail(self, unsolved_node: Node) -> None:
         """Ends the life before a node that is not solved.
 
         Its status is that of the node, unless the life has one with a physical reason.
         """
-        self.beyond = beyond
+        self.unsolved_node = unsolved_node
         if self.status in REASONLESS:
-            self.status = beyond.status
+            self.status = unsolved_node.status
 
 
 def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:

@@ -5,7 +5,7 @@ A corner of the torque is a case, a state of wear and a friction. Theory: docs/t
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -186,7 +186,7 @@ def wear_states(scene: Scene, life: Life | None) -> list[WearState]:
     return wear
 
 
-def corners_of_case(scene: Scene, case: str, wear: Iterable[WearState]) -> list[Corner]:
+def corners_of_case(scene: Scene, case: str, wear: Sequence[WearState]) -> list[Corner]:
     """Returns the corners of one case of a scene with a drive, in some states of wear."""
     drive = scene.drive
     assert drive is not None

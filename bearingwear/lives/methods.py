@@ -170,7 +170,7 @@ class InTime(Method):
     """Steps in time from the last node and the one before; a node within one is solved once."""
 
     now: Any = None  # the last node
-    before: Any  # the one before, if rates are smooth from there to the last
+    previous: Any  # the one before, if rates are smooth from there to the last
     rates: Any = None  # at the last node
     rates_before: Any
     nodes_by_time: dict[float, Node]  # after the last node
@@ -196,7 +196,7 @@ class InTime(Method):
             self.rates_before, self.rates = self.rates, self.wearing.rates(now)
             before = life.nodes[-2] if len(life.nodes) > 1 else None
             is_smooth = before is not None and self.is_smooth_between(before, now)
-            self.before = before if is_smooth else None
+            self.previous = before if is_smooth else None
             self.now, self.nodes_by_time = now, {}
             self.longest = self.wearing.longest_step(now, self.rates)
         if math.isinf(self.longest):
@@ -240,9 +240,9 @@ class Adams(InTime):
         """Returns a node by a predictor and a corrector, which share the rates of the last node."""
         wearing, now, rates = self.wearing, self.now, self.rates
         h, ratio, rates_before = x - now.x, 0.0, rates  # a ratio of 0 is Heun's method
-        if self.before is not None:
-            stretch = h / (now.x - self.before.x)
-            wearing.start_ahead(self.before, now, stretch)
+        if self.previous is not None:
+            stretch = h / (now.x - self.previous.x)
+            wearing.start_ahead(self.previous, now, stretch)
             if stretch <= MOST_STRETCHED:
                 ratio, rates_before = stretch, self.rates_before
         predictor = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, rates_before)
@@ -274,8 +274,8 @@ class Trapezoid(InTime):
         """Returns a node by the rates of a run at the wear that a predictor expects."""
         wearing, now, rates = self.wearing, self.now, self.rates
         h, mean_rates = x - now.x, rates
-        if self.before is not None:
-            slope = (rates - self.rates_before) / (now.x - self.before.x)
+        if self.previous is not None:
+            slope = (rates - self.rates_before) / (now.x - self.previous.x)
             mean_rates = np.maximum(rates + 0.5 * h * slope, 0.0)  # nothing grows back
         worn = now.worn + h * mean_rates
         node = Node(x, worn, wearing.state(worn, now.states), x)

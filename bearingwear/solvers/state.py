@@ -96,15 +96,19 @@ def case_state(loss: float, values: Mapping[str, Any]) -> State:
 
 _MEANS = {*OF_EACH_CONTACT, "qv", "ball_wear_rate", "friction_coefficient"}
 _LARGEST = {"maximum_pressure", "friction_used_by_gyroscopic_moment"}
+_LARGEST_OF_EACH_RACE = {"gyroscopic_slip_share"}
 _OF_A_CASE = {*HISTORY, "axial_stiffness", "quasistatic_axial_stiffness", "friction_coefficient"}
 _OF_A_CASE -= {"ball_diameter_loss"}
 
 
 def _over_balls(name: str, values: Any) -> Any:
-    """Returns a value for all balls: their largest, their mean, or the value itself."""
+    """Returns one value for all balls: the largest, the mean, or the value itself if not of balls.
+
+    values: (n,) of each ball, or (n, 2) of each contact, which keeps its races.
+    """
     if name in _LARGEST:
         return float(np.max(values))
-    if name == "gyroscopic_slip_share":
+    if name in _LARGEST_OF_EACH_RACE:
         return np.max(values, axis=0)
     return np.mean(values, axis=0) if name in _MEANS else values
 

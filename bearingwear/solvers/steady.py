@@ -3,7 +3,7 @@
 import copy
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -122,14 +122,14 @@ class Steady:
             return State.unsolved(solution.status, loss)
         g, contacts = problem.g, case.contacts
         D, qv = float(g.D0 - loss), contacts[:, summary.QV].tolist()
-        ball_rate, race_rate, loss_rate = rates_when_new(solution.scene, self.films, D, contacts)
+        rates = rates_when_new(solution.scene, self.films, D, contacts)
         gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(float(case.u[3] * case.u[2]))
         used_share = friction_used(
             contacts[:, summary.FRICTION], D, gyroscopic, contacts[:, summary.LOAD]
         )
         values = {
             "ball_diameter_loss": loss,
-            "ball_diameter_loss_rate": loss_rate,
+            "ball_diameter_loss_rate": rates.diameter_loss,
             "residual_preload": solution.force,
             "contact_load": contacts[:, summary.LOAD],
             "contact_angle": contacts[:, summary.ANGLE],
@@ -142,8 +142,8 @@ class Steady:
             "axial_stiffness": solution.stiffness,
             "quasistatic_axial_stiffness": solution.quasistatic,
             "friction_power": self.heat(solution).total,
-            "ball_wear_rate": sum(ball_rate),
-            "race_wear_rate": g.n_balls * np.array(race_rate),
+            "ball_wear_rate": sum(rates.ball),
+            "race_wear_rate": g.n_balls * np.array(rates.race),
             "axial_displacement": solution.place,
             "friction_used_by_gyroscopic_moment": float(used_share),
             "friction_coefficient": contacts[:, summary.FRICTION],
@@ -255,17 +255,23 @@ def steady_quantities(
     for case in cases:
         columns = case.contacts.T.tolist()
         qv, heat = (balls * sum(columns[k]) for k in (summary.QV, summary.HEAT))
-        *_, loss_rate = rates_when_new(scene, films, D, case.contacts)
+        loss_rate = rates_when_new(scene, films, D, case.contacts).diameter_loss
         shaft_torque = balls * columns[summary.TORQUE][0]  # of the inner contacts
         power = heat + drag_power(problem, D, case)
         rows.append([qv, axial_force(case, balls), loss_rate, shaft_torque, power])
     return np.array(rows)
 
 
-def rates_when_new(
-    scene: Scene, films: Films, D: float, c: np.ndarray
-) -> tuple[list[float], list[float], float]:
-    """Returns wear rates of ball and race in both contacts [m3/s], and `diameter_loss_rate`.
+class UnwornRates(NamedTuple):
+    """Wear rates of a bearing whose balls are alike."""
+
+    ball: list[float]  # in both contacts [m3/s]
+    race: list[float]  # in both contacts [m3/s]
+    diameter_loss: float  # see `diameter_loss_rate` [m/s]
+
+
+def rates_when_new(scene: Scene, films: Films, D: float, c: np.ndarray) -> UnwornRates:
+    """Returns the wear rates of a bearing with new surfaces.
 
     All balls are alike. Numbers are used, since NumPy takes ten times as long.
 
@@ -275,7 +281,7 @@ def rates_when_new(
     factors = unworn_factors(scene, films, major)
     ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
     loss_rate = diameter_loss_rate(scene, D, ball_rate, race_rate, major.tolist(), track)
-    return ball_rate, race_rate, loss_rate
+    return UnwornRates(ball_rate, race_rate, loss_rate)
 
 
 def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:

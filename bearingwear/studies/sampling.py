@@ -17,7 +17,7 @@ from bearingwear.scene.scene import UNCERTAIN, WORN, Bearing, Scene
 
 
 def usable_cores() -> int:
-    """Cores that this process may use."""
+    """Returns the number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -276,7 +276,7 @@ def test_any_phase_may_end_the_life(scene):
     changed_scene = scene("gyro_s1", HERTZ | POSITION | {"cases": CASES} | duty(MIXED))
     result, cycle = even_life(changed_scene)
     assert CRITERIA[result.criterion] == "preload_fraction"
-    assert cycle.cases[DutyLife(cycle, result).ending_case] == "idle"
+    assert cycle.cases[DutyLife(cycle, result).ending_case_index] == "idle"
     margins = DutyCriteria(cycle).margins_by_case(result.last.states)
     left = {name: value[result.criterion] for name, value in zip(cycle.cases, margins, strict=True)}
     assert left["idle"] == pytest.approx(0.0, abs=1e-6)

@@ -48,7 +48,7 @@ def test_a_solve_that_fails_before_the_criterion_is_no_end_of_life():
     """Both ends of the step are solved, and what lies between them is not."""
     life = life_with(lambda x: 0.6 < x < 1.0)
     assert (life.status, life.criterion) == (code.BEYOND_GROOVE, NO_CRITERION)
-    assert life.last.x < 0.6 + 1e-6 and isinstance(life.beyond, Node)
+    assert life.last.x < 0.6 + 1e-6 and isinstance(life.unsolved_node, Node)
 
 
 def test_a_solve_that_fails_beyond_the_criterion_does_not_matter():

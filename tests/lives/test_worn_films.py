@@ -158,7 +158,7 @@ def test_ball_film_and_running_in(scene):
     on_balls = {f"{STEEL}.film": {"thickness_um": 0.2, "wear_coefficient": 3e-7}}
     films = WornFilms.of(scene("gyro_s1", WORN | on_balls))
     film = replace(films.films.race, film=None, thickness=0.0)
-    films = WornFilms(Films(films.films.ball, film), films.without)
+    films = WornFilms(Films(films.films.ball, film), films.bare_friction)
     for ball_depth, K in ((0.0, 3e-7), (0.3e-6, 5e-6)):
         for factor in films.factors(np.zeros(3), np.zeros(3), ball_depth):
             assert_allclose(np.broadcast_to(factor, 3) * 6.6e9, K, rtol=1e-12)

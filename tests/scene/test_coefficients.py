@@ -87,7 +87,7 @@ def test_a_scene_takes_a_lubrication_with_its_spread(lubrication, balls):
     scene = scene_from_dict(data_of(text, "a"), "a")
     films = Films.of(scene)
     for part in (films.race, films.ball)[: 1 if films.race.film else 2]:  # the film is on the races
-        assert_allclose((part.film or part.below).factor, coefficients.wear.median, rtol=0.03)
+        assert_allclose((part.film or part.substrate).factor, coefficients.wear.median, rtol=0.03)
     spread = scene.uncertainty["wear_coefficient"]
     assert_allclose(spread.factor, coefficients.wear.factor, rtol=0.02)
     if lubrication != "mos2":
@@ -127,5 +127,5 @@ def test_the_scene_with_a_film_takes_the_pair():
     measured = MEASURED_WEAR["bearing_in_vacuum"].wear[1], MEASURED_WEAR["two_discs"].wear[1]
     steel = MEASURED_WEAR["archard"].wear
     assert_allclose(race.film.factor, M2_PER_N * np.sqrt(np.prod(measured)), rtol=0.03)
-    below = race.below.factor
+    below = race.substrate.factor
     assert M2_PER_N * steel[0] <= below <= 1.01 * M2_PER_N * steel[1]

@@ -253,7 +253,7 @@ def test_parts_wear_as_their_own_film_then_their_partners_then_as_themselves(sce
     ):
         ball, race = films.contact_factors(np.array(cover))
         for factor, K_s in ((ball, balls), (race, races)):
-            assert_allclose(np.broadcast_to(factor * films.ball.below.H, 2), K_s, rtol=1e-14)
+            assert_allclose(np.broadcast_to(factor * films.ball.substrate.H, 2), K_s, rtol=1e-14)
         inner, outer, on_ball = cover
         bare = not on_ball and not inner, not on_ball and not outer
         assert films.bare(cover) == bare

@@ -42,7 +42,7 @@ def test_known_multipliers(largest, others):
     multipliers = np.concatenate([others * np.exp(1j * np.arange(-2, 3)), phases[::-1]])
     growth = GrowthRates.of(multipliers, n, turns)
     assert_allclose(growth.spacing, np.log(largest) / turns, rtol=1e-12)
-    assert_allclose(growth.other, np.log(others) / turns, rtol=1e-12)
+    assert_allclose(growth.slip_and_spin, np.log(others) / turns, rtol=1e-12)
 
 
 def test_a_small_radial_load_settles_like_the_steady_state(scene):
@@ -50,7 +50,7 @@ def test_a_small_radial_load_settles_like_the_steady_state(scene):
     nearly = scene("gyro_s1", RADIAL | {"operation.radial_load_N": [0.0, -1e-3]}).without_cage
     system, motion = motion_of(nearly)
     slow = start_of(nearly).scales["slow_time_scale"]
-    assert_allclose(motion.growth.other, -system.turn / slow, rtol=0.02)
+    assert_allclose(motion.growth.slip_and_spin, -system.turn / slow, rtol=0.02)
     assert abs(motion.growth.spacing) < 1e-6
 
 
@@ -90,7 +90,7 @@ def test_uneven_spacing_grows_in_a_march_as_stated(scene):
     grown = np.log(apart[-1] / apart[7]) / (6.0 * orbit / system.turn)
     assert motion.growth.spacing > 5e-3
     assert_allclose(motion.growth.spacing, grown, rtol=3e-3)
-    assert motion.growth.other < 0.0
+    assert motion.growth.slip_and_spin < 0.0
 
 
 def test_spacing_is_warned_of_where_no_cage_keeps_it(scene):
@@ -105,7 +105,9 @@ def test_spacing_is_warned_of_where_no_cage_keeps_it(scene):
 
 def test_a_motion_that_does_not_last_is_marched(scene, monkeypatch):
     """By auto, which says why; it is kept, and warned of, where it is asked for."""
-    monkeypatch.setattr(Passing, "growth", lambda self, states: GrowthRates(spacing=0.0, other=0.1))
+    monkeypatch.setattr(
+        Passing, "growth", lambda self, states: GrowthRates(spacing=0.0, slip_and_spin=0.1)
+    )
     marched = solve(scene("gyro_s1", RADIAL | {"model.simulated_turns": 1.0}))
     assert "unstable" in marched.attrs["start"]
     assert 10.0 in numbers_in(marched.attrs["start"])  # turns for growth by a factor of e

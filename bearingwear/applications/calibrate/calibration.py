@@ -477,5 +477,5 @@ def _rounded(value: float) -> float:
 def _wear_over_hardness(scene: Scene) -> float:
     """Returns K_s/H of the rubbing surfaces while the races are new [m2/N]."""
     race = Films.of(scene).race
-    archard = race.below if race.film is None else race.film
+    archard = race.substrate if race.film is None else race.film
     return archard.factor

@@ -16,10 +16,10 @@ def margin_options(sub: argparse.ArgumentParser) -> None:
     from bearingwear.options import add_formats, add_scene, number_in
     from bearingwear.scene.scene import key_of_scene
 
-    drive = key_of_scene("drive.torque_Nm")
-    assert drive is not None
+    torque_part = key_of_scene("drive.torque_Nm")
+    assert torque_part is not None
     add_scene(sub)
-    sub.add_argument("--drive", type=number_in(drive), metavar="N_M",
+    sub.add_argument("--drive", type=number_in(torque_part), metavar="N_M",
         help="drive torque (sets drive.torque_Nm)")
     sub.add_argument("--standard", choices=("ecss", "nasa", "own"),
         help="standard that defines the margin (sets drive.standard; default: ecss)")

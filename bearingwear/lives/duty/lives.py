@@ -51,7 +51,7 @@ class DutyLife:
         nodes = [
             node._replace(states=node.states[case * n : (case + 1) * n]) for node in life.nodes
         ]
-        return replace(life, nodes=nodes, wearing=life.wearing.ways[case], beyond=None)
+        return replace(life, nodes=nodes, wearing=life.wearing.ways[case], unsolved_node=None)
 
     @property
     def ends_in_all_cases(self) -> bool:
@@ -59,8 +59,8 @@ class DutyLife:
         return self.life.status == code.OK and max(self._final_margins()) <= _MET
 
     @property
-    def ending_case(self) -> int:
-        """Index of the case that ends the life: that meets its criterion, or is not solved.
+    def ending_case_index(self) -> int:
+        """Index of the case that ends the life: it meets the criterion, or is not solved.
 
         A life without an end of its own has the first case.
         """

@@ -50,11 +50,11 @@ def life_over_duty(scene: Scene, fidelity: str | None = None) -> Result:
     model = next(iter(choices.values())).fidelity
     with Interrupt():
         over_duty = duty_life(scene, model)
-        cycle, ending_case = over_duty.cycle, over_duty.cycle.cases[over_duty.ending_case]
+        cycle, ending_case = over_duty.cycle, over_duty.cycle.cases[over_duty.ending_case_index]
         values_by_case = _values_by_case(scene, over_duty, model)
     elapsed = time.perf_counter() - started
     values = values_by_case[ending_case]
-    phase = cycle.phases[cycle.case_of_phase.index(over_duty.ending_case)]
+    phase = cycle.phases[cycle.case_of_phase.index(over_duty.ending_case_index)]
     attrs = {
         "phases": " ".join(cycle.phases),
         "ended_in": "all phases" if over_duty.ends_in_all_cases else f"phase {phase}",
@@ -84,7 +84,7 @@ def _values_by_case(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[st
     """
     assert scene.duty is not None
     cycle, life = over_duty.cycle, over_duty.life
-    ending_case = cycle.cases[over_duty.ending_case]
+    ending_case = cycle.cases[over_duty.ending_case_index]
     if life.nodes[0].status != code.OK:
         return {ending_case: {"status": life.status, "end_criterion": life.criterion}}
     by_case = {}

@@ -33,7 +33,7 @@ def duty_values(duty: Duty, over_duty: DutyLife, alone: Mapping[str, Life]) -> d
     time_shares = np.array([duty.phase_s(phase) for phase in phases]) / duty.cycle_s
     values: dict[str, Any] = {
         "life_cycles": life.last.time / duty.cycle_s,
-        "ending_phase": cycle.case_of_phase.index(over_duty.ending_case),
+        "ending_phase": cycle.case_of_phase.index(over_duty.ending_case_index),
         "phase_time_share": time_shares,
     }
     for name, by_case in worst_by_case(over_duty).items():

@@ -168,7 +168,7 @@ def parts(record_type: Any) -> Mapping[str, Part]:
         hint, key = hints[field_.name], field_.metadata.get("key") or Key()
         optional = field_.default is not MISSING or field_.default_factory is not MISSING
         default = field_.default if field_.default is not MISSING else {} if optional else None
-        part = _part(hint, key, field=field_.name, required=not optional, default=default)
+        part = _part_of_hint(hint, key, field=field_.name, required=not optional, default=default)
         resolved[key.name or field_.name] = part
     return types.MappingProxyType(resolved)
 
@@ -197,15 +197,26 @@ def keys(block: Part, path: str = "") -> Iterator[tuple[str, Part]]:
             yield from keys(part.item, f"{key}{'.NAME' if part.kind == 'mapping' else '[]'}.")
 
 
-def _part(hint: Any, key: Key, **more: Any) -> Part:
-    """Resolves the type hint of a field; `more` are further fields of the part."""
-    nullable = False
-    if get_origin(hint) in (Union, types.UnionType):
-        hints = [part for part in get_args(hint) if part is not type(None)]
-        nullable = len(hints) < len(get_args(hint))
-        hint = hints[0]
-        if len(hints) > 1:
-            return Part("choice_or_number", key, nullable=nullable, **more)
+def _split_none(hint: Any) -> tuple[list[Any], bool]:
+    """Returns the alternatives of a type hint other than None, and whether None is one."""
+    if get_origin(hint) not in (Union, types.UnionType):
+        return [hint], False
+    alternatives = [alternative for alternative in get_args(hint) if alternative is not type(None)]
+    return alternatives, len(alternatives) < len(get_args(hint))
+
+
+def _part_of_hint(hint: Any, key: Key, **more: Any) -> Part:
+    """Returns the part that a type hint describes.
+
+    With None as an alternative, the part is nullable. Several other alternatives give a choice or
+    a number, a tuple a list, and any other generic a mapping. A class with `from_plain` is its own
+    part, and a dataclass a block, which is nullable if not required.
+
+    more: further fields of the part.
+    """
+    (hint, *others), nullable = _split_none(hint)
+    if others:
+        return Part("choice_or_number", key, nullable=nullable, **more)
     item_key = replace(
         key, meaning=key.each, each="", least=0, most=None, names=(), single=False, allowed=""
     )
@@ -213,9 +224,9 @@ def _part(hint: Any, key: Key, **more: Any) -> Part:
         element, *more_elements = get_args(hint)
         if more_elements != [...]:
             key = replace(key, least=len(get_args(hint)), most=len(get_args(hint)))
-        return Part("list", key, item=_part(element, item_key), nullable=nullable, **more)
+        return Part("list", key, item=_part_of_hint(element, item_key), nullable=nullable, **more)
     if get_origin(hint) is not None:
-        item = _part(get_args(hint)[1], item_key)
+        item = _part_of_hint(get_args(hint)[1], item_key)
         return Part("mapping", key, item=item, nullable=nullable, **more)
     if hasattr(hint, "from_plain"):
         return Part("own", key, hint, nullable=nullable, **more)

@@ -45,20 +45,20 @@ class Archard(NamedTuple):
 class Surface:
     """A ball, or the groove of a race, as it wears."""
 
-    below: Archard  # below the film, worn in
+    substrate: Archard  # below the film, run in
     film: Archard | None  # its own film, None without one
     thickness: float  # of the film: 0 without one, infinite if it never wears through [m]
-    first: float  # wear coefficient below the film before running in [1]
+    initial_K_s: float  # wear coefficient of the substrate before running in [1]
     running_in: float  # depth over which it approaches the final one, 0 without running in [m]
 
-    def below_at(self, depth: float | np.ndarray) -> float | np.ndarray:
-        """Returns K_s/H below the film as it runs in: K + (K_0 - K) exp(-depth/h_0) [1/Pa]."""
+    def substrate_factor(self, depth: float | np.ndarray) -> float | np.ndarray:
+        """Returns K_s/H of the substrate as it runs in: K + (K_0 - K) exp(-depth/h_0) [1/Pa]."""
         if not self.running_in:
-            return self.below.factor
+            return self.substrate.factor
         depths_run_in = np.maximum(depth - self.thickness, 0.0) / self.running_in
         return (
-            self.below.K_s + (self.first - self.below.K_s) * np.exp(-depths_run_in)
-        ) / self.below.H
+            self.substrate.K_s + (self.initial_K_s - self.substrate.K_s) * np.exp(-depths_run_in)
+        ) / self.substrate.H
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +121,7 @@ def surface_factor(part: Surface, partner: Surface, depth, covered, partner_cove
 
     covered, partner_covered: shares of each place that the films cover, or whether they do.
     """
-    factor = part.below_at(depth)
+    factor = part.substrate_factor(depth)
     for film, share in ((partner.film, partner_covered), (part.film, covered)):
         if film is not None:
             factor = share * table_factor * film.K_s / film.H + (1.0 - share) * factor
@@ -241,10 +241,12 @@ def _surface(
         film = Archard(friction_film.wear_coefficient, hardness * GPA if hardness else H)
     running_in = material.running_in
     return Surface(
-        below=Archard(material.wear_coefficient, H),
+        substrate=Archard(material.wear_coefficient, H),
         film=film,
         thickness=thickness,
-        first=material.wear_coefficient if running_in is None else running_in.wear_coefficient,
+        initial_K_s=material.wear_coefficient
+        if running_in is None
+        else running_in.wear_coefficient,
         running_in=0.0 if running_in is None else running_in.depth_um * UM,
     )
 

@@ -53,13 +53,13 @@ def running_geometry(scene: Scene, growth: Growth) -> Geometry:
     g = mounted_geometry(scene)
     if growth.is_none:
         return g
-    axial = 0.0
+    axial_growth = 0.0
     if growth.heat.shaft or growth.heat.housing:
-        a = scene.arrangement or Arrangement()
-        span = MM * (a.span_mm or 0.0)
+        arrangement = scene.arrangement or Arrangement()
+        span = MM * (arrangement.span_mm or 0.0)
         A1 = g.BD * math.sin(g.alpha0) + static_place(scene)
-        axial = axial_change(growth.heat, A1, span, a.orientation)
-    return grown(g, growth, axial)
+        axial_growth = axial_change(growth.heat, A1, span, arrangement.orientation)
+    return grown(g, growth, axial_growth)
 
 
 def operating_point(scene: Scene, bare: Bare = COVERED) -> OperatingPoint:

@@ -80,7 +80,7 @@ class _Secants:
 
     nearby: Nearby
     runs_away: bool = False
-    before: tuple[float, float] | None = None  # last place [m] and its unbalanced force [N]
+    last_trial: tuple[float, float] | None = None  # its place [m] and its unbalanced force [N]
     low: float = -math.inf  # nearest place where the unbalanced force is negative [m]
     high: float = math.inf  # nearest place where it is positive [m]
 
@@ -93,8 +93,8 @@ class _Secants:
     def step(self, x: float, trial: RotorTrial) -> float:
         """Returns the step from a trial at a place [m]."""
         unbalanced, slope = trial.unbalanced, self.nearby.steeper * trial.slope
-        if self.before is not None and x != self.before[0]:
-            last_x, last_unbalanced = self.before
+        if self.last_trial is not None and x != self.last_trial[0]:
+            last_x, last_unbalanced = self.last_trial
             secant = (unbalanced - last_unbalanced) / (x - last_x)
             nearer = abs(unbalanced) < abs(last_unbalanced)
             turned = unbalanced * last_unbalanced < 0.0
@@ -103,7 +103,7 @@ class _Secants:
                 near = trial.slope / _STEEPER < secant < _STEEPER * trial.slope
                 slope = secant if near else trial.slope
         self.nearby.steeper = slope / trial.slope
-        self.before = x, unbalanced
+        self.last_trial = x, unbalanced
         self.low, self.high = (self.low, x) if unbalanced > 0.0 else (x, self.high)
         if self.runs_away:
             return -_FASTER * unbalanced / trial.slope

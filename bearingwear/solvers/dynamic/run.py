@@ -193,7 +193,7 @@ def usable_periodic(
     if motion is None:
         return None, start_words
     # instability of the spacing does not count, because a cage keeps it
-    is_unstable = motion.growth is not None and motion.growth.other > LEAST_GROWTH
+    is_unstable = motion.growth is not None and motion.growth.slip_and_spin > LEAST_GROWTH
     if is_unstable and scene.model.dynamic_solution == "auto":
         system.unpack(*start_state)
         return (

@@ -64,7 +64,7 @@ class GrowthRates:
     """
 
     spacing: float  # of the balls' even spacing, the fastest
-    other: float  # the slowest to die out of all others
+    slip_and_spin: float  # of all others, the slowest to die out
 
     @classmethod
     def of(cls, multipliers: np.ndarray, balls: int, turns: float) -> "GrowthRates":
@@ -84,21 +84,21 @@ class GrowthRates:
     @property
     def values(self) -> dict[str, float]:
         """Returns the rates as result variables."""
-        return dict(zip(GROWTHS, (self.spacing, self.other), strict=True))
+        return dict(zip(GROWTHS, (self.spacing, self.slip_and_spin), strict=True))
 
     @property
     def sentence(self) -> str:
         """Returns the stability in words."""
-        if self.other > LEAST_GROWTH:
-            return f"unstable: disturbances grow by a factor of e in {_turns(self.other)}"
+        if self.slip_and_spin > LEAST_GROWTH:
+            return f"unstable: disturbances grow by a factor of e in {_turns(self.slip_and_spin)}"
         spacing_words = (
             f"grow by a factor of e in {_turns(self.spacing)}"
             if self.spacing > LEAST_GROWTH
             else "do not grow"
         )
         return (
-            f"disturbances decay by a factor of e in {_turns(self.other)}; disturbances to the "
-            f"even ball spacing {spacing_words}"
+            f"disturbances decay by a factor of e in {_turns(self.slip_and_spin)}; "
+            f"disturbances to the even ball spacing {spacing_words}"
         )
 
 

@@ -52,8 +52,8 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
     for part, surface in surfaces.items():
         if surface.running_in:
             yield (
-                f"running-in of the {part}: K_s from {surface.first:g} to "
-                f"{float(surface.below.K_s):g}, over {surface.running_in / UM:g} um"
+                f"running-in of the {part}: K_s from {surface.initial_K_s:g} to "
+                f"{float(surface.substrate.K_s):g}, over {surface.running_in / UM:g} um"
             )
 
 

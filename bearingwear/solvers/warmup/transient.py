@@ -208,8 +208,8 @@ class HeatEquation:
         ]
         return max(1.0 / float(rates.min()), *followed)
 
-    def beside(self, time: float) -> np.ndarray:
-        """Heat that flows from shaft and housing at 0 degC (parts,) [W]."""
+    def heat_from_surroundings(self, time: float) -> np.ndarray:
+        """Returns the heat that shaft and housing conduct into parts at 0 degC (parts,) [W]."""
         flows = []
         for n in self.networks:
             G, now = n.conductance_W_K, network_at(n, time)
@@ -224,7 +224,7 @@ class HeatEquation:
         """dT/dt (parts,) [K/s]."""
         temperatures = np.reshape(y, (-1, PARTS_OF_BEARING))
         heat = self.bearings.heat(time, self.course.at(time), temperatures)
-        return (heat + self.beside(time) - self.G @ y) / self.C
+        return (heat + self.heat_from_surroundings(time) - self.G @ y) / self.C
 
 
 def network_at(network: Thermal, time: float) -> Thermal:

@@ -270,6 +270,7 @@ class WornBearing:
         """Sets as the start the state to which less and less regularised friction leads.
 
         Friction decides which of several states there are: past a fold the next one lies far off.
+        Returns True: the solve may be tried again.
         """
         self._reset_pressures()
         for level in range(_GRIPS, 0, -1):
@@ -327,7 +328,10 @@ class WornBearing:
     def _start_through_grooves(
         self, status: int, p: ThrustProblem, D: float, wear: WornDepths
     ) -> bool:
-        """Sets as the start the state reached through grooves from even to worn ones."""
+        """Sets as the start the state reached through grooves from even to worn ones.
+
+        Returns True: the solve may be tried again.
+        """
         self.even = self._start_where_worn(p, wear)
         self._reset_pressures()
         mean, share, step = self.reference[:, None], 0.0, _FIRST_ON_THE_WAY
@@ -403,13 +407,13 @@ class WornBearing:
     ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
         """Returns seat, motion, races and friction buffers, with the cells that the state needs."""
         arcs, bare = self._arcs(wear), [UNWORN_ARC, UNWORN_ARC]
-        without = AS_WITH_FILM if self.films is None else self.films.without
-        if without >= 0.0:
+        bare_friction = AS_WITH_FILM if self.films is None else self.films.bare_friction
+        if bare_friction >= 0.0:
             shares = [self.bare(wear, k) for k in range(2)]
             bare = list(map(depth_spline, self.arc, self.arc_step, shares))
         for _ in range(_MOST_WIDENINGS):
             races = tuple(
-                race._replace(groove=arcs[k], uncovered=bare[k], without=without)
+                race._replace(groove=arcs[k], uncovered=bare[k], without=bare_friction)
                 for k, race in enumerate(self.races)
             )
             work = self._friction_work(p, races)

@@ -36,18 +36,15 @@ class WornFilms:
     """Films of a scene whose balls wear evenly."""
 
     films: Films
-    without: float  # friction coefficient where none is left, or `AS_WITH_FILM` [1]
+    bare_friction: float  # coefficient where no film is left, or `AS_WITH_FILM` [1]
 
     @classmethod
     def of(cls, scene: Scene) -> "WornFilms":
         """Returns the films of a scene."""
-        friction_film, films = scene.friction.film, Films.of(scene)
-        bare = (
-            None
-            if friction_film is None or not films.wear_through
-            else friction_film.bare_ball_race
-        )
-        return cls(films, AS_WITH_FILM if bare is None else bare)
+        film, films = scene.friction.film, Films.of(scene)
+        if film is None or not films.wear_through or film.bare_ball_race is None:
+            return cls(films, AS_WITH_FILM)
+        return cls(films, film.bare_ball_race)
 
     def cover_of_race(self, depth: np.ndarray, spread: float) -> np.ndarray:
         """Returns the share of each place that its film covers, averaged over the track's wander.

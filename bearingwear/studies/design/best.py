@@ -30,7 +30,7 @@ from bearingwear.studies.design.choice import (
 from bearingwear.studies.design.map import design_point, new_point
 from bearingwear.studies.design.plan import (
     DesignLimits,
-    most_preload,
+    largest_permitted_preload,
     round_factor,
     round_number,
 )
@@ -118,8 +118,8 @@ class PreloadLine:
     grid: Sequence[float]  # preloads of the first lives [N], rising
     new: dict[float, PreloadPoint] = field(default_factory=dict)
     lives: dict[float, PreloadPoint] = field(default_factory=dict)
-    # where the longest life is at an end of the range: a preload beyond it that was tried
-    beyond: PreloadPoint | None = None
+    # where the longest life is at an end of the range: the best point beyond it
+    best_beyond_end: PreloadPoint | None = None
 
     def points(self, limits: DesignLimits) -> list[PreloadPoint]:
         """Returns lives, and new bearings that do not meet the requirements; rising in preload."""
@@ -164,7 +164,7 @@ class PreloadSearch:
     def __post_init__(self) -> None:
         centre = self.scene.operation.preload_N
         preloads = {round_factor(factor, centre) for factor in SWEPT_FACTORS}
-        grid = sorted(preload for preload in preloads if preload <= most_preload())
+        grid = sorted(preload for preload in preloads if preload <= largest_permitted_preload())
         self.lines = [PreloadLine(method, grid) for method in PRELOAD_METHODS]
 
     def solve(self, choice: PreloadChoice, solved: int, limits: DesignLimits | None = None) -> bool:
@@ -294,12 +294,16 @@ class PreloadSearch:
     def _extend(self, line: PreloadLine) -> PreloadPoint | None:
         """Extends the range of a line if its best preload is at an end, and returns that point."""
         best = line.best(self.limits)
-        if best is None or line.beyond or best.preload not in (line.grid[0], line.grid[-1]):
+        if (
+            best is None
+            or line.best_beyond_end
+            or best.preload not in (line.grid[0], line.grid[-1])
+        ):
             return None
         sign = 1.0 if best.preload == line.grid[-1] else -1.0
         factors = _RANGE_STEP ** (sign * np.arange(1, 7) / 6)
         more = [float(f"{best.preload * factor:.3g}") for factor in factors.tolist()]
-        more = [p for p in more if p <= most_preload()]
+        more = [p for p in more if p <= largest_permitted_preload()]
         line.grid = sorted({*line.grid, *more})
         return best if more else None
 
@@ -309,7 +313,7 @@ class PreloadSearch:
         assert best is not None
         if best is end or best.life >= _LITTLE_LONGER * end.life:
             return
-        line.beyond = best
+        line.best_beyond_end = best
         is_low = best.preload < end.preload
         line.grid = [p for p in line.grid if (p >= end.preload if is_low else p <= end.preload)]
         for points in (line.new, line.lives):

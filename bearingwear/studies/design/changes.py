@@ -66,8 +66,8 @@ class Change:
 
     name: str
     now: float
-    below: float = math.nan
-    above: float = math.nan
+    other_better_below: float = math.nan
+    other_better_above: float = math.nan
     tried: tuple[float, float]
 
 
@@ -75,8 +75,8 @@ def changes_dataset(changes: Sequence[Change]) -> xr.Dataset:
     """Returns what would change the choice, as variables of a file over `change`."""
     columns = {
         "value_now": [change.now for change in changes],
-        "other_better_below": [change.below for change in changes],
-        "other_better_above": [change.above for change in changes],
+        "other_better_below": [change.other_better_below for change in changes],
+        "other_better_above": [change.other_better_above for change in changes],
         "tried_from": [change.tried[0] for change in changes],
         "tried_to": [change.tried[1] for change in changes],
     }
@@ -113,7 +113,13 @@ def _limit_change(search: PreloadSearch, name: str, better: int) -> Change:
     now = search.limits.given[name]
     low, high = _limit_range(now, name)
     below, above = (_limit_end(search, name, farthest, better) for farthest in (low, high))
-    return Change(name=f"{LIMIT_KEY}{name}", now=now, below=below, above=above, tried=(low, high))
+    return Change(
+        name=f"{LIMIT_KEY}{name}",
+        now=now,
+        other_better_below=below,
+        other_better_above=above,
+        tried=(low, high),
+    )
 
 
 def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -> float:
@@ -326,8 +332,8 @@ class _Assumption:
         return Change(
             name=self.name,
             now=self.now,
-            below=low.zero if low else math.nan,
-            above=high.zero if high else math.nan,
+            other_better_below=low.zero if low else math.nan,
+            other_better_above=high.zero if high else math.nan,
             tried=(
                 low.start if low and low.is_open else min(self.advantages),
                 high.start if high and high.is_open else max(self.advantages),
@@ -344,7 +350,8 @@ def _groove_change(best: Sequence[PreloadPoint], better: int) -> list[Change]:
     if not all(point.values.get("groove") for point in best) or not np.isfinite(lives).all():
         return []
     is_other = lives[better] < lives[1 - better]
-    return [Change(name=GROOVE_KEY, now=1.0, below=1.0 if is_other else math.nan, tried=(0.0, 1.0))]
+    below = 1.0 if is_other else math.nan
+    return [Change(name=GROOVE_KEY, now=1.0, other_better_below=below, tried=(0.0, 1.0))]
 
 
 def friction_of(scene: Scene) -> tuple[str, float]:

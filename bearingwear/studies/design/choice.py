@@ -108,8 +108,11 @@ class _LineOfMap(NamedTuple):
     margins: np.ndarray  # (limits and practice, preloads)
 
     @property
-    def best(self) -> int | None:
-        """Index of the longest life within the limits; None where no preload is."""
+    def best_index(self) -> int | None:
+        """Index along the preload of the longest life within the limits.
+
+        None if no preload is within them.
+        """
         is_allowed = self.is_solved & (self.lives > 0.0) & np.all(self.margins >= 0.0, axis=0)
         lives = np.where(is_allowed, self.lives, -np.inf)
         return int(np.argmax(lives)) if is_allowed.any() else None
@@ -151,7 +154,7 @@ def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray,
     for place in np.ndindex(index.shape):
         line_margins = np.array([margin[place] for margin in margins])
         line = _LineOfMap(is_solved[place], lives[place], line_margins)
-        best = line.best
+        best = line.best_index
         if best is not None:
             index[place] = best
             active[place] = line.active_limit(best, names)

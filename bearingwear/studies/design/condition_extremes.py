@@ -165,7 +165,7 @@ class _Unsolved(Exception):
 
 
 def new_states(scene: Scene) -> States:
-    """Solves bearings as they are when new."""
+    """Returns the states of new bearings."""
     solver = solver_of(scene, tolerance=WELL_BALANCED)
     return solver(solver.bearings.start)
 

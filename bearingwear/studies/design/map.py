@@ -284,7 +284,7 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
         return worst
     del worst[DECIDING]["life"]  # which is of all phases, and ends in one of them or in all
     if not over_duty.ends_in_all_cases:
-        ending = over_duty.cycle.cases[over_duty.ending_case]
+        ending = over_duty.cycle.cases[over_duty.ending_case_index]
         worst[DECIDING]["life"] = {**points[ending][DECIDING]["life"], "case": ending}
     return worst
 

@@ -124,11 +124,11 @@ class MapAxes:
         return methods, self.friction, self.shaft_speed_rpm, self.preload_N
 
 
-def most_preload() -> float:
+def largest_permitted_preload() -> float:
     """Returns the largest preload that a scene may have [N]."""
-    preload = key_of_scene("operation.preload_N")
-    assert preload is not None
-    return preload.key.ends[1]
+    preload_part = key_of_scene("operation.preload_N")
+    assert preload_part is not None
+    return preload_part.key.ends[1]
 
 
 DIGITS = 3
@@ -167,12 +167,12 @@ def axes_around(
     if centre <= 0.0:
         problem = f"got {centre:g}, expected a number > 0 as the centre of a map"
         raise SceneError("operation.preload_N", problem, source=source)
-    preloads = {round_factor(factor, centre) for factor in factors}
+    around = {round_factor(factor, centre) for factor in factors}
+    largest = largest_permitted_preload()
+    preloads = {centre, *(preload for preload in around if preload <= largest)}
     return MapAxes(
         preload_method=PRELOAD_METHODS,
         friction=RisingAxis(frictions),
         shaft_speed_rpm=RisingAxis([scene.operation.shaft_speed_rpm]),
-        preload_N=RisingAxis(
-            sorted({centre, *(preload for preload in preloads if preload <= most_preload())})
-        ),
+        preload_N=RisingAxis(sorted(preloads)),
     )

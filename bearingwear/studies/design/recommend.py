@@ -221,8 +221,8 @@ def _row(search: PreloadSearch, line: PreloadLine, best: PreloadPoint) -> dict[s
     settable = search.settable_points(line)
     if settable[0].solved == settable[-1].solved == EXACT_LIFE:
         row |= {"least_preload": settable[0].preload, "most_preload": settable[-1].preload}
-    if line.beyond:
-        row |= {"beyond_preload": line.beyond.preload, "beyond_life": line.beyond.life}
+    if beyond := line.best_beyond_end:
+        row |= {"beyond_preload": beyond.preload, "beyond_life": beyond.life}
     return row
 
 

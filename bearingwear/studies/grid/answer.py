@@ -168,8 +168,8 @@ class _Comparison(NamedTuple):
     """Both preload methods at one friction coefficient of a scene."""
 
     friction: float
-    longest: str | None  # the better method; None: equal; empty: both lives are zero
-    other: str
+    better_method: str | None  # None: equal; empty: both lives are zero
+    other_method: str
     ratio: float  # longer life over the shorter
 
 
@@ -183,17 +183,17 @@ def _comparisons(lives: Iterable[MethodLife]) -> list[_Comparison]:
 
 
 def _comparison(pair: Sequence[MethodLife]) -> _Comparison:
-    """Compares two lives of a scene at the same friction coefficient."""
+    """Returns the comparison of two lives of a scene at the same friction coefficient."""
     shorter, longer = sorted(pair, key=lambda life: life.hours)
     ratio = math.inf if longer.hours > 0.0 else 1.0
     if shorter.hours > 0.0:
         ratio = longer.hours / shorter.hours
     errors = sum(life.error for life in pair if math.isfinite(life.error))
-    longest = longer.method if ratio - 1.0 > errors else None
+    better_method = longer.method if ratio - 1.0 > errors else None
     return _Comparison(
         friction=longer.friction,
-        longest=longest if longer.hours else "",
-        other=shorter.method,
+        better_method=better_method if longer.hours else "",
+        other_method=shorter.method,
         ratio=ratio,
     )
 
@@ -202,7 +202,7 @@ def _headline(lives: Sequence[MethodLife], comparisons: Sequence[_Comparison]) -
     """States which method gives the longer life, for a title."""
     if not any(math.isfinite(life.hours) for life in lives):
         return "no end of life was found"
-    winners = {comparison.longest for comparison in comparisons}
+    winners = {comparison.better_method for comparison in comparisons}
     if not winners:
         names = dict.fromkeys(name_in_words(life.method) for life in lives)
         return f"life with {' and '.join(names)}"
@@ -245,8 +245,8 @@ def _frictions_by_text(pairs: Iterable[tuple[str, float]]) -> dict[str, str]:
 def _comparison_sentences(comparisons: Sequence[_Comparison]) -> list[str]:
     """States for each better method where and by how much it is better, or that none is."""
     sentences = []
-    frictions_of = _frictions_by_text((str(c.longest), c.friction) for c in comparisons)
-    for winner in dict.fromkeys(comparison.longest for comparison in comparisons):
+    frictions_of = _frictions_by_text((str(c.better_method), c.friction) for c in comparisons)
+    for winner in dict.fromkeys(comparison.better_method for comparison in comparisons):
         frictions = frictions_of[str(winner)]
         if winner is None:
             sentences.append(
@@ -258,10 +258,10 @@ def _comparison_sentences(comparisons: Sequence[_Comparison]) -> list[str]:
                 "criterion is met when the bearing is new."
             )
         else:
-            won = [comparison for comparison in comparisons if comparison.longest == winner]
+            won = [comparison for comparison in comparisons if comparison.better_method == winner]
             ratios = _frictions_by_text((_ratio_phrase(c.ratio), c.friction) for c in won)
             margins = ", ".join(f"{ratio} at {where}" for ratio, where in ratios.items())
-            better, other = _method_words(winner), _method_words(won[0].other)
+            better, other = _method_words(winner), _method_words(won[0].other_method)
             sentences.append(_sentence(f"{better} gives a longer life than {other}: {margins}"))
     return sentences
 
@@ -329,8 +329,8 @@ def _other_scenes_sentences(lives: Sequence[MethodLife]) -> list[str]:
     comparisons = _comparisons(lives)
     hours = _hours_text([life.hours for life in lives])
     phrases = [f"lives: {hours}, based on the wear that each scene specifies"]
-    for winner in dict.fromkeys(comparison.longest for comparison in comparisons):
-        count = sum(comparison.longest == winner for comparison in comparisons)
+    for winner in dict.fromkeys(comparison.better_method for comparison in comparisons):
+        count = sum(comparison.better_method == winner for comparison in comparisons)
         name = f"{name_in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]
         phrases.append(f"{name} in {count} of {len(comparisons)} comparisons")
     return [_sentence(phrase) for phrase in phrases]

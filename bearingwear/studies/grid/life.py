@@ -101,12 +101,15 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
 
 
 def _with_arrangement_stiffness(line: xr.Dataset, preload_method: str) -> xr.Dataset:
-    """Adds the stiffness of the arrangement to the cases of a single bearing."""
+    """Returns the cases of a single bearing with the stiffness of the arrangement."""
     bearings = bearings_holding(preload_method)
-    for of_arrangement, of_bearing in OF_ARRANGEMENT.items():
-        if of_arrangement not in line and of_bearing in line:
-            line[of_arrangement] = bearings * line[of_bearing]
-    return line
+    return line.assign(
+        {
+            of_arrangement: bearings * line[of_bearing]
+            for of_arrangement, of_bearing in OF_ARRANGEMENT.items()
+            if of_arrangement not in line and of_bearing in line
+        }
+    )
 
 
 def _lines(line: xr.Dataset, scene: Scene) -> list[Line]:

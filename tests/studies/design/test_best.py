@@ -163,7 +163,7 @@ def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
     best = made_up.best_point()
     assert best.preload == pytest.approx(preload, rel=0.01)
     assert ACTIVE[made_up.search.active_limit(made_up.line, best)] == held_by_what
-    assert (made_up.line.beyond is not None) == bool(beyond)
+    assert (made_up.line.best_beyond_end is not None) == bool(beyond)
 
 
 def test_no_preload_within_the_limits_is_explained(scene):
@@ -237,8 +237,8 @@ def test_the_stiffness_at_which_the_other_method_is_better(scene):
     made_up.search.limits = limits
     made_up.search.run()
     change = _limit_change(made_up.search, "axial_stiffness_N_um", 0)
-    assert math.isnan(change.below) and change.tried == (150.0, 600.0)
-    assert change.above == pytest.approx(equal, rel=0.03)
+    assert math.isnan(change.other_better_below) and change.tried == (150.0, 600.0)
+    assert change.other_better_above == pytest.approx(equal, rel=0.03)
 
 
 def test_numbers_have_as_few_digits_as_fit_between_two():

@@ -1,6 +1,6 @@
 """Figures of the study of accuracy: error over computing time, and effects of simplifications."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,6 +17,7 @@ from workflow.studies.accuracy.gather import distinct_texts, points_where, reduc
 from workflow.studies.accuracy.groove_figure import grooves_figure
 
 LEAST_ERROR = 1e-8  # smaller errors are drawn there
+LEAST_DIFFERENCE = 1e-6  # smaller differences between models are drawn there
 _CPU = "processor_time"
 
 _STEADY_SWEEPS = ("strips", "gauss", "split", "regularisation", "life_tolerance")
@@ -243,6 +244,7 @@ class ModelPoint(NamedTuple):
     sweep: str
     label: str
     text: str
+    variable: str = ""  # drawn in the panel of total QV alone; if empty, the error of each panel
 
 
 SIMPLER = (
@@ -255,11 +257,11 @@ SIMPLER = (
     ModelPoint("fidelity", "no cage", "all balls, dynamic, without the cage"),
     ModelPoint("hertz", "fit", "Hamrock and Brewe's fit"),
 )
-NEGLECTED_WORK = {
-    "coriolis_energy_share": "Coriolis force neglected",
-    "azimuth_energy_share": "circumferential force neglected",
-}
-"""Variables of the work of neglected forces at the reference, relative to the heat."""
+NEGLECTED_WORK = (
+    ModelPoint("long", "reference", "Coriolis force neglected", "coriolis_energy_share"),
+    ModelPoint("long", "reference", "circumferential force neglected", "azimuth_energy_share"),
+)
+"""Work of neglected forces at the reference, relative to the heat."""
 _MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
 
@@ -267,25 +269,39 @@ def models_figure(trade: xr.Dataset) -> Figure:
     """Draws differences between models, rather than between numerical settings."""
     figure, panels = new_figure(1, 3, 8.6, 4.8, sharey=True)
     scenes = distinct_texts(points_where(trade, kind="reference"), "scene")
-    rows = [*(point.text for point in SIMPLER), *NEGLECTED_WORK.values()]
+    texts = [point.text for point in (*SIMPLER, *NEGLECTED_WORK)]
     marks = {
         scene: {**series_look(k), "marker": _MARKERS[k % len(_MARKERS)], "linestyle": "none"}
         for k, scene in enumerate(scenes)
     }
     for axes, quantity in zip(panels[0], ("total_qv", "contact_qv", "wear_rate"), strict=True):
-        variables_shown = [(p.sweep, p.label, f"error_{quantity}") for p in SIMPLER]
-        if quantity == "total_qv":
-            variables_shown += [("long", "reference", share) for share in NEGLECTED_WORK]
-        for row, (sweep, label, name) in enumerate(variables_shown):
-            for k, scene in enumerate(scenes):
-                point = points_where(trade, sweep=sweep, label=label, scene=scene)
-                if point.sizes["point"] and np.isfinite(value := abs(point[name].values[0])):
-                    axes.plot(max(value, 1e-6), row + 0.09 * (k - 2.5), **marks[scene])
-        axes.set_xscale("log")
-        axes.set_title(QUANTITY[quantity].replace("error", "difference"))
-        axes.set_xlabel("relative to the more complete model")
-    panels[0, 0].set_yticks(range(len(rows)), rows)
+        _draw_differences(axes, trade, quantity, marks)
+    panels[0, 0].set_yticks(range(len(texts)), texts)
     panels[0, 0].invert_yaxis()
+    handles = [key(name_in_words(scene), **mark) for scene, mark in marks.items()]
+    frame(figure, _models_title(trade), handles, columns=6)
+    return figure
+
+
+def _draw_differences(
+    axes: Any, trade: xr.Dataset, quantity: str, marks: Mapping[str, Mapping[str, Any]]
+) -> None:
+    """Draws a row of marks for each simpler model, a mark for each scene."""
+    points = (*SIMPLER, *NEGLECTED_WORK) if quantity == "total_qv" else SIMPLER
+    middle = 0.5 * (len(marks) - 1)
+    for row, point in enumerate(points):
+        variable = point.variable or f"error_{quantity}"
+        for k, (scene, mark) in enumerate(marks.items()):
+            solved = points_where(trade, sweep=point.sweep, label=point.label, scene=scene)
+            if solved.sizes["point"] and np.isfinite(value := abs(solved[variable].values[0])):
+                axes.plot(max(value, LEAST_DIFFERENCE), row + 0.09 * (k - middle), **mark)
+    axes.set_xscale("log")
+    axes.set_title(QUANTITY[quantity].replace("error", "difference"))
+    axes.set_xlabel("relative to the more complete model")
+
+
+def _models_title(trade: xr.Dataset) -> str:
+    """Returns the title of `models_figure`, with the largest differences over the scenes."""
     race_control = points_where(trade, sweep="fidelity_steady", label="race control")
     total, contact = (
         percent_in_text(_worst(race_control, quantity)) for quantity in ("total_qv", "contact_qv")
@@ -293,12 +309,10 @@ def models_figure(trade: xr.Dataset) -> Figure:
     cage = percent_in_text(
         _worst(points_where(trade, sweep="fidelity", label="no cage"), "total_qv")
     )
-    title = (
+    return (
         f"With race control, the error is up to {total} in total QV and up to {contact} in QV at "
         f"one contact; without the cage, total QV changes by up to {cage}"
     )
-    frame(figure, title, [key(name_in_words(s), **marks[s]) for s in scenes], columns=6)
-    return figure
 
 
 _FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {

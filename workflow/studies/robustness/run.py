@@ -41,6 +41,9 @@ TRIALS = table(
 _ESTIMATES = ("_error_estimate", "torque_lost_to_regularisation")
 """Ends of the names of estimates, which a solve may lack."""
 
+LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-9, 1e-5
+"""Limits of the tolerances that depend on rounding."""
+
 
 def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1) -> xr.Dataset:
     """Solves random scenes of a class of a plan; returns `TRIALS` and the drawn keys over `trial`.
@@ -114,23 +117,26 @@ def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[s
 
 
 def _pair_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
-    """Returns what is wrong with a pair: with either bearing, or with the balance of the rotor."""
+    """Returns a line for each violation in either bearing, or in the balance of the rotor.
+
+    The list is empty for a valid pair.
+    """
     problems = []
     for k, side in enumerate(scene.sides):
         by_bearing = {name: value for name, value in values.items() if name != "status"}
         bearing_values = of_bearing(by_bearing, k)
-        # NaN fills what only one of them has: more states, an estimate
-        states = {
+        # NaN pads what only one bearing has: further steady states, error estimates
+        finite_values = {
             name: value
             for name, value in bearing_values.items()
             if not (name.startswith("steady_state_") or name.endswith(_ESTIMATES))
         }
         problems += [
-            f"bearing {k + 1}: {text}" for text in _bearing_violations(side, fidelity, states)
+            f"bearing {k + 1}: {text}"
+            for text in _bearing_violations(side, fidelity, finite_values)
         ]
-    rounding = np.max(values["equilibrium_rounding"])
     residual = values["rotor_balance_residual"]
-    if not residual <= max(1e-9, min(1e-5, rounding)):
+    if not residual <= _tolerance(np.max(values["equilibrium_rounding"])):
         problems.append(f"rotor_balance_residual {residual:.1e}")
     return problems
 
@@ -170,7 +176,12 @@ def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
             "friction_residual": "friction_rounding",
             "power_balance_error": "power_rounding",
         }
-    return flows | {name: max(1e-9, min(1e-5, values[key])) for name, key in rounding.items()}
+    return flows | {name: _tolerance(values[key]) for name, key in rounding.items()}
+
+
+def _tolerance(rounding: float) -> float:
+    """Returns the largest residual of a correct answer with an estimated rounding error."""
+    return max(LEAST_TOLERANCE, min(LARGEST_TOLERANCE, rounding))
 
 
 def study_attributes(kind: str, name: str) -> dict[str, str]:

@@ -95,7 +95,7 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
             panels.T, methods(scene.sel(friction=friction)), strict=False
         ):
             column[0].set_title(name_in_words(name))
-            ratios.append(percent(_qv_of_a_life(column, life, power, look)))
+            ratios.append(percent(_draw_life_and_qv_ratio(column, life, power, look)))
             if ratios[-1] == percent(np.nan):
                 failed.append(f"{label}, {name_in_words(name)}")
         ratio_texts.append(f"{label} {' and '.join(ratios)}")
@@ -119,10 +119,13 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
     return figure
 
 
-def _qv_of_a_life(
+def _draw_life_and_qv_ratio(
     column: np.ndarray, life: xr.Dataset, power: Display, look: Mapping[str, Any]
 ) -> float:
-    """Draws a life in the two panels of a column; returns its last QV over its first."""
+    """Draws a life in the two panels of a column; returns its last QV over its first.
+
+    Without a solved state, it draws nothing and returns NaN.
+    """
     if "history_time" not in life:
         return float("nan")
     time = life["history_time"].values

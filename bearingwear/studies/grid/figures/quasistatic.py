@@ -150,7 +150,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     cases = [study.sel(friction=mu) for study, mu in zip(studies, frictions, strict=True)]
     power = power_unit(*cases)
     for column, friction_cases, mu in zip(panels.T, cases, frictions, strict=True):
-        failed |= _wear_column(column, friction_cases, power)
+        failed |= _draw_wear_column(column, friction_cases, power)
         states = methods(friction_cases)
         name, state = states[-1]
         share = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
@@ -177,7 +177,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     return figure
 
 
-def _wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> bool:
+def _draw_wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> bool:
     """Draws the four panels of a column; returns whether a case was not solved."""
     mean = cases[["qv", "contact_angle", "ball_wear_rate"]].mean("ball")
     ball = mean["qv"].sum("race", skipna=False)
@@ -230,7 +230,7 @@ def life_figure(
             elif end not in criteria_met:
                 criteria_met.append(end)
             line = {"color": COLOURS[name], "linestyle": styles[mu]}
-            _life_column(column, life, line, END_MARKS[end].marker)
+            _draw_life_column(column, life, line, END_MARKS[end].marker)
     column[0].set_title(f"wear of {counted_words(scene_of(lives))}")
     column[1].set_xlabel("running time (h)")
     for panel in column:
@@ -267,7 +267,7 @@ def _is_interpolated(lives: xr.Dataset, frictions: Sequence[float]) -> bool:
 _INTERPOLATED = {"linestyle": "none", "marker": ".", "markersize": 3}
 
 
-def _life_column(column: np.ndarray, life: xr.Dataset, line: dict, end_mark: str) -> None:
+def _draw_life_column(column: np.ndarray, life: xr.Dataset, line: dict, end_mark: str) -> None:
     """Draws a life in two panels, and the interpolated life as dots of the same colour."""
     scales = {"ball_diameter_loss": 1e6, "residual_preload": 1.0}
     for panel, (variable, scale) in zip(column, scales.items(), strict=True):
