@@ -106,15 +106,21 @@ def test_violations_of_a_wrong_life_are_reported():
         assert len(life_violations(scene, solved | wrong)) > 0
 
 
-@settings(max_examples=6, deadline=None, derandomize=True, database=None)
-@given(seed=st.integers(0, 2**32))
-def test_random_runs_in_time_end(seed):
-    """They keep their account of energy or stop with a status."""
-    scene = of_class("dynamic_stress", seed)
-    if scene is not None and scene.bearing.ball_count <= 12:
-        values = solved_values(scene, "dynamic")
-        if values["status"] == code.OK:
+def test_random_dynamic_runs_conserve_energy_or_say_why_not():
+    solved = 0
+
+    @settings(max_examples=6, deadline=None, derandomize=True, database=None)
+    @given(seed=st.integers(0, 2**32))
+    def one(seed):
+        nonlocal solved
+        scene = of_class("dynamic_stress", seed)
+        if scene is not None and scene.bearing.ball_count <= 12:
+            values = solved_values(scene, "dynamic")
+            solved += values["status"] == code.OK
             assert violations(scene, "dynamic", values) == []
+
+    one()
+    assert solved >= 3
 
 
 def test_a_wrong_number_is_a_violation():
