@@ -247,10 +247,9 @@ def test_a_cage_of_phenolic_bears_no_heat(scene):
     """The rings bear 150 degrees, the cage does not; of steel it does."""
     hot = {"temperature": dict.fromkeys(("inner_ring_C", "balls_C", "outer_ring_C"), 150)}
     for material, expected in (("phenolic", True), ("bearing_steel", False)):
-        changed_scene = scene("gyro_s1", hot | {"cage.material": material})
+        at_150_C = scene("gyro_s1", hot | {"cage.material": material})
         sentences = {
-            item["id"]: item["sentence"]
-            for item in warnings_of(changed_scene, choice(changed_scene))
+            item["id"]: item["sentence"] for item in warnings_of(at_150_C, choice(at_150_C))
         }
         assert ("temperature_beyond_practice" in sentences) == expected
         assert not expected or "phenolic" in sentences["temperature_beyond_practice"]
