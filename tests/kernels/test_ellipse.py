@@ -56,7 +56,7 @@ def placed(rule, c, contact=CONTACT, v_r=V_R):
 
 
 def test_places_across_have_the_same_bits_wherever_they_lie_in_memory():
-    """A sum in a loop that stores took another order where its arrays lay close together."""
+    """The order of their sum does not depend on how close together the two arrays lie."""
     rule, c = ellipse_rule("split", 5, 8), (3.0, 0.02, 5.0, 4e5)
     memory, computed = np.zeros(512), set()
     for distance in range(rule.across.size, 200):

@@ -27,7 +27,7 @@ def trials():
         yield pytest.param(result, marks=marks, id=f"trial-{result['trial']}")
 
 
-@pytest.mark.parametrize("trial", trials())
+@pytest.mark.parametrize("trial", list(trials()))
 def test_a_life_found_at_random_ends_by_its_criterion(trial):
     """At the loss that ends it, of the worse bearing of a pair."""
     scene = LIGHT.drawn_scene(trial["draw"]).one_of_alike
