@@ -65,13 +65,14 @@ def test_the_example_is_the_scene_of_the_study():
 def test_new_is_that_of_the_command(tmp_path):
     argv = [str(tmp_path / "mine.yaml"), "--bore", "40", "--outside", "68", "--ball-diameter", "8"]
     assert main(["new", *argv, "--ball-material", "silicon_nitride"]) == 0
-    changed_scene = bearingwear.new(
+    by_function = bearingwear.new(
         bore=40, outside=68, ball_diameter=8, name="mine", ball_material="silicon_nitride"
     )
-    typed = bearingwear.load(tmp_path / "mine.yaml")
-    assert changed_scene.description.startswith(typed.description)
-    assert "operation.shaft_speed_rpm: 19000" in changed_scene.description  # an assumed value
-    assert changed_scene.to_dict() | {"description": typed.description} == typed.to_dict()
+    by_command = bearingwear.load(tmp_path / "mine.yaml")
+    assert by_function.description.startswith(by_command.description)
+    assert "operation.shaft_speed_rpm: 19000" in by_function.description  # an assumed value
+    description = {"description": by_command.description}
+    assert by_function.to_dict() | description == by_command.to_dict()
 
 
 @pytest.mark.parametrize(

@@ -35,13 +35,17 @@ numbers = {
 numbers["strips"] = (None, found.sizes["strip"])
 print(json.dumps(["kerneljit.code" in sys.modules, numbers]))
 """
-KERNELS = """
+ARGUMENTS = """(
+    Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0),
+    2e-3,
+    BallLoad(1, 0.0, 3000.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    0.0, 0.3, 0.9, 0.2, 0.95,
+)"""
+KERNEL = f"""
 import json, sys
 from bearingwear.kernels.equilibrium.body_forces import body_forces
 from bearingwear.kernels.params import BallLoad, Geometry
-g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
-load = BallLoad(1, 0.0, 3000.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-numbers = list(body_forces(g, 2e-3, load, 0.0, 0.3, 0.9, 0.2, 0.95))
+numbers = list(body_forces(*{ARGUMENTS}))
 print(json.dumps(["kerneljit.code" in sys.modules, numbers]))
 """
 OTHER_VERSION = """
@@ -63,13 +67,12 @@ def run(program, *arguments, **environment):
     return done.stdout.strip()
 
 
-def test_kernels_give_the_same_numbers_by_the_public_interface_alone():
-    """What whole solves give is asked by the test below, which compiles them: a minute."""
-    g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
-    load = BallLoad(1, 0.0, 3000.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+def test_a_kernel_gives_the_same_numbers_without_numbas_internals():
+    """One kernel here and in a process with SWITCH set; whole solves: the next test (long)."""
     assert isinstance(body_forces, Kernel)
-    numbers = list(body_forces(g, 2e-3, load, 0.0, 0.3, 0.9, 0.2, 0.95))
-    builds_on_internals, others = json.loads(run(KERNELS, **{SWITCH: "1"}))
+    arguments = eval(ARGUMENTS, {"Geometry": Geometry, "BallLoad": BallLoad})
+    numbers = list(body_forces(*arguments))
+    builds_on_internals, others = json.loads(run(KERNEL, **{SWITCH: "1"}))
     assert not builds_on_internals and any(numbers)
     np.testing.assert_allclose(others, numbers, rtol=1e-12)
 

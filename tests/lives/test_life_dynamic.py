@@ -125,15 +125,15 @@ def test_the_cage_ends_the_life(cage_ends):
 
 def test_a_film_of_the_cage_wears_through(scene):
     """The film, which wears a fifth as fast, then the cage itself, in the same motion."""
-    changed_scene = scene("gyro_s1", CAGE)
-    material = changed_scene.materials[changed_scene.cage.material]
+    caged = scene("gyro_s1", CAGE)
+    material = caged.materials[caged.cage.material]
     film = {"thickness_um": 0.5, "wear_coefficient": 0.2 * material.wear_coefficient}
     limit = {
         "model.cage_results": True,
         "cage.film": film,
         "wear.end_of_life": {"pocket_clearance_mm": 0.153},
     }
-    values = life(changed_scene.with_(limit), "dynamic").values
+    values = life(caged.with_(limit), "dynamic").values
     assert (
         values["status"] == code.OK and CRITERIA[values["end_criterion"]] == "pocket_clearance_mm"
     )

@@ -27,7 +27,7 @@ def trials():
         yield pytest.param(result, marks=marks, id=f"trial-{result['trial']}")
 
 
-@pytest.mark.parametrize("trial", trials())
+@pytest.mark.parametrize("trial", list(trials()))
 def test_a_life_found_at_random_ends_by_its_criterion(trial):
     """At the loss that ends it, of the worse bearing of a pair."""
     scene = LIGHT.drawn_scene(trial["draw"]).one_of_alike
@@ -55,13 +55,13 @@ def test_the_draws_are_those_of_the_benchmark():
 )
 def test_lives_over_light_preloads_have_no_gaps(designation):
     """Neighbours differ by little, and no preload among them ends a life by its solver."""
-    changed_scene = bearingwear.new(designation=designation, speed=20600.0)
+    spindle = bearingwear.new(designation=designation, speed=20600.0)
     warm = {"inner_ring_C": 26.0, "balls_C": 26.0, "outer_ring_C": 20.0}
     changes = {"operation.preload_method": "constant_force", "temperature": warm}
     changes |= {"wear.end_of_life": {"ball_diameter_loss_um": 0.5}, "model.contact": "worn"}
     lives = []  # preload [N] and time [s]
     for preload in (8.0, 10.57, 12.14, 14.96, 17.2, 19.76, 22.71, 26.0, 30.0):
-        scene = changed_scene.with_(changes | {"operation.preload_N": preload})
+        scene = spindle.with_(changes | {"operation.preload_N": preload})
         life = follow_grooves(Grooves(scene))
         assert life.status == OK
         lives.append((preload, life.last.time))
@@ -98,11 +98,11 @@ def test_worn_grooves_that_press_on_their_shoulder_are_solved_when_slow():
     The preload left there rises with the preload and hardly changes up to 3000 r/min. Cells are
     added where a contact needs them, and not without bound.
     """
-    changed_scene = bearingwear.new(designation="7004C", speed=60000.0)
+    spindle = bearingwear.new(designation="7004C", speed=60000.0)
     at_rest = []
     for preload in (20.0, 28.0, 35.0, 45.0, 51.0, 60.0):
         keys = {"operation.preload_N": preload, "operation.preload_method": "fixed_position"}
-        scene = changed_scene.with_(keys | {"model.contact": "worn", "cage": None})
+        scene = spindle.with_(keys | {"model.contact": "worn", "cage": None})
         wearing = Grooves(scene, QUICK_GROOVES)
         life = follow_grooves(wearing)
         assert life.status == OK

@@ -117,10 +117,10 @@ def test_interval_of_the_friction(scene):
     inputs = {"normal": {"standard_deviation": 0.01}, "uniform": {"low": 0.0, "high": 1.0}}
     for name, ends in (("normal", [0.06355, 0.08, 0.09645]), ("uniform", [0.05, 0.08, 0.95])):
         distribution = {"distribution": name} | inputs[name]
-        changed_scene = plain.with_(
+        uncertain = plain.with_(
             {"uncertainty": {"ball_race": distribution}, "friction.ball_race": 0.08}
         )
-        assert friction_interval(changed_scene)[1] == pytest.approx(ends, rel=1e-4)
+        assert friction_interval(uncertain)[1] == pytest.approx(ends, rel=1e-4)
     key, values = friction_interval(plain.with_(NONE))  # of the table of coefficients
     assert key == "friction.ball_race" and len(values) == 3
     film = load_scene(scene_file("mos2_gyro"))
@@ -130,10 +130,10 @@ def test_interval_of_the_friction(scene):
 @pytest.fixture(scope="module")
 def filmed():
     """Of a slow bearing with MoS2 at a fixed position, whose preload wears off with the film."""
-    changed_scene = bearingwear.new(
+    spindle = bearingwear.new(
         designation="7004C", lubrication="mos2", speed=60.0, preload_method="fixed_position"
     )
-    return changed_scene.with_({"friction.slip_regularisation_m_s": 1e-6, "drive.torque_Nm": 0.05})
+    return spindle.with_({"friction.slip_regularisation_m_s": 1e-6, "drive.torque_Nm": 0.05})
 
 
 def bare_torque(scene, loss):

@@ -172,8 +172,8 @@ def test_ball_film_and_running_in(scene):
 def test_worn_through_place_by_place(scene):
     """The middle of the track goes first; the share grows, and ends the life where asked for."""
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7, "film_worn_share": 0.1}}
-    changed_scene = scene("gyro_s1", FILM | THICK | {"friction.film.thickness_um": 0.2} | end)
-    groove_life = follow_grooves(Grooves(changed_scene))
+    filmed = scene("gyro_s1", FILM | THICK | {"friction.film.thickness_um": 0.2} | end)
+    groove_life = follow_grooves(Grooves(filmed))
     assert CRITERIA[groove_life.criterion] == "film_worn_share"
     share = np.array([s["film_worn_share"] for s in groove_life.states])
     assert share[-1].max() == pytest.approx(0.1, rel=1e-2)

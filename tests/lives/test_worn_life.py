@@ -96,7 +96,8 @@ def test_worn_volumes_are_those_of_archard(wander):
 
 
 def test_friction_of_cells_is_resolved_where_outer_races_control():
-    """A high-speed 7008 at mu 0.16: lines of pure rolling pass cells, and once stopped the life."""
+    """The life of a high-speed 7008 at mu 0.16, whose lines of pure rolling pass cells, ends by
+    its criterion."""
     scene = new(designation="7008C", speed=18000.0, friction=0.16)
     groove_life = follow_grooves(Grooves(scene.with_({"model.contact": "worn", "cage": None})))
     assert groove_life.status == code.OK
@@ -119,8 +120,8 @@ class UniformWear(Grooves):
 def test_even_wear_in_the_same_steps_is_the_hertzian_life(method):
     scene = scene_of(method)
     # what a step leaves out falls fourfold
-    shorter = UniformWear(scene, EXACT_GROOVES._replace(step=0.5 * STEP))
-    even, hertz = follow_grooves(shorter), HertzianLives(scene)(scene)
+    half_steps = UniformWear(scene, EXACT_GROOVES._replace(step=0.5 * STEP))
+    even, hertz = follow_grooves(half_steps), HertzianLives(scene)(scene)
     assert even.status == hertz.status == code.OK
     loss = np.array([s.loss for s in hertz.states])
     (side,) = even.wearing.sides

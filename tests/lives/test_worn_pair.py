@@ -95,7 +95,8 @@ def test_a_pair_without_a_state_when_new_has_lifted_off():
 
 
 def test_a_lightly_preloaded_pair_wears_to_its_criterion():
-    """Places of the rotor foretold by short steps are far off there; found once at 17 to 30 N."""
+    """At light preload, short steps predict a rotor place far off; each life still ends at its
+    criterion, and more preload still means a shorter life."""
     warm = {"inner_ring_C": 40.0, "balls_C": 40.0, "outer_ring_C": 30.0}
     pair = {
         "operation.preload_method": "fixed_position",
@@ -117,4 +118,5 @@ def test_a_lightly_preloaded_pair_wears_to_its_criterion():
             limit, rel=1e-3
         )
         lives.append(groove_life.last.time)
-    assert lives[0] > 1.01 * lives[1] > 1.02 * lives[2]
+    assert lives[0] > 1.01 * lives[1]
+    assert lives[1] > 1.01 * lives[2]

@@ -117,5 +117,5 @@ def test_contradictions_are_refused_in_one_line():
     ],
 )
 def test_films_and_running_in_have_a_thickness_or_change_with_wear(scene, changes, thick, changing):
-    changed_scene = scene("gyro_s1", changes)
-    assert (has_thickness(changed_scene), changes_as_it_wears(changed_scene)) == (thick, changing)
+    gyro = scene("gyro_s1", changes)
+    assert (has_thickness(gyro), changes_as_it_wears(gyro)) == (thick, changing)

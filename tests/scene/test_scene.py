@@ -225,9 +225,9 @@ def test_defaults_decided_by_the_accuracy_are_those_of_the_standard():
 )
 def test_wear_of_a_cage_takes_finer_steps(changes, expected):
     """The presets' own tolerance is meant for balls; what the scene says stays."""
-    changed_scene = variant(S1, changes)
-    assert changed_scene.model.dynamic_tolerance == expected
-    assert config.as_scene(changed_scene) == changed_scene
+    gyro = variant(S1, changes)
+    assert gyro.model.dynamic_tolerance == expected
+    assert config.as_scene(gyro) == gyro
 
 
 def test_plain_validators_agree(plain):

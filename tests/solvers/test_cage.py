@@ -96,19 +96,23 @@ def test_free_cage_keeps_its_momentum(scene, method):
     assert_allclose(R[:, 0], exact, atol=2e-3 * half)
 
 
+STEPS = 50
+
+
 def test_rotation_has_no_singularity():
-    """Turns about any axis, a half turn among them, put together to the whole."""
+    """Fifty equal steps about a random axis add up to the half turn, where formulas of rotation
+    tend to be singular."""
     rng = np.random.default_rng(4)
     for _ in range(20):
         theta = rng.normal(size=3)
         theta *= math.pi / np.linalg.norm(theta)
-        R, step = np.empty((3, 3)), np.eye(3)
-        turn(theta, np.eye(3), R)
-        for _ in range(50):
+        whole, stepped = np.empty((3, 3)), np.eye(3)
+        turn(theta, np.eye(3), whole)
+        for _ in range(STEPS):
             new = np.empty((3, 3))
-            turn(theta / 50, step, new)
-            step = new
-        assert_allclose(step, R, atol=1e-12)
+            turn(theta / STEPS, stepped, new)
+            stepped = new
+        assert_allclose(stepped, whole, atol=1e-12)
 
 
 def test_frictionless_undamped_bouncing_gains_nothing(scene):

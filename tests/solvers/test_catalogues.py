@@ -88,7 +88,7 @@ def test_each_group_of_comparisons_keeps_its_limit(groups, name, source, count):
 
 
 def test_all_torques_of_the_maker_are_compared(groups, catalogues):
-    """Every bearing of the two pages, as a pair and as a quad; half of them had agreed to 4 %."""
+    """Sixteen bearings, each as a pair and as a quad, differ by 14 % from one coefficient."""
     (torque,) = [group for group in groups if group.fails]
     assert torque.name == "low-speed torque, one coefficient"
     printed = catalogues.makers.printed_rows(catalogues.makers.PRINTED / "snfa_ball_screw.csv")
@@ -149,7 +149,10 @@ def test_a_solve_and_a_plain_program_have_the_same_rigidity(catalogues, designat
     known = {"designation": designation, "maker": "NSK", "preload_class": preload_class}
     scene = bearingwear.new(**known, speed=0.0).with_({"arrangement.kind": "rigid_pair"})
     axial, radial = RestingPair.of(scene).rigidity
-    with pytest.warns(UserWarning, match="temperature"):
+    with (
+        pytest.warns(UserWarning, match="temperature is neglected"),
+        pytest.warns(UserWarning, match="no interference fit"),
+    ):
         case = bearingwear.solve(scene)
     assert case.status == "ok"
     assert float(case.system_axial_stiffness) == pytest.approx(axial, rel=1e-6)

@@ -66,11 +66,9 @@ def test_the_accuracy_sets_keys_that_the_scene_omits(scene):
     assert bare.model.dynamic_tolerance == NAMED_PRESETS["draft"].dynamic_tolerance
     assert bare.model.strips == NAMED_PRESETS["draft"].strips
     assert bare.friction.slip_regularisation_m_s == 1e-3  # the scene's own
-    changed_scene = scene("gyro_s1", {"model.accuracy": "draft", "model.strips": 60})
-    assert (
-        changed_scene.model.strips == 60
-        and changed_scene.model.quadrature == NAMED_PRESETS["draft"].quadrature
-    )
+    with_strips = scene("gyro_s1", {"model.accuracy": "draft", "model.strips": 60})
+    assert with_strips.model.strips == 60
+    assert with_strips.model.quadrature == NAMED_PRESETS["draft"].quadrature
 
 
 def test_targets_take_the_cheapest_rung_that_is_meant_for_them():

@@ -194,13 +194,13 @@ def test_a_network_finds_the_temperature_of_the_film(scene):
     conductance = dict.fromkeys(("inner_ring_shaft", "outer_ring_housing", "ball_race"), 0.02)
     network = {"conductance_W_K": conductance, "shaft_C": 60.0, "housing_C": 40.0}
     changes = TABLE | HERTZ | {"operation.preload_N": 15.0, "wear.end_of_life": None}
-    changed_scene = scene("mos2_gyro", changes | {"thermal": network})
-    case = solve(changed_scene).values
+    networked = scene("mos2_gyro", changes | {"thermal": network})
+    case = solve(networked).values
     inner, balls, outer = case["part_temperature"][:3]
     assert len({inner, balls, outer}) == 3 and min(inner, balls, outer) > 40.0
     plain = solve(scene("mos2_gyro", changes | {SET: None, "thermal": network})).values
     contacts = 0.5 * (np.array([inner, outer]) + balls)
-    factor = Films.of(changed_scene).table.factor(case["maximum_pressure"][0], contacts)
+    factor = Films.of(networked).table.factor(case["maximum_pressure"][0], contacts)
     assert_allclose(case["race_wear_rate"] / plain["race_wear_rate"], factor, rtol=0.02)
     changes |= {"thermal": network, "wear.end_of_life": {"film_worn_share": 0.5}}
     v = life(scene("mos2_gyro", changes)).values
@@ -241,8 +241,8 @@ def test_wear_of_a_film_by_pressure(scene):
 
 def test_wear_by_a_table_in_a_dynamic_case(scene):
     """Pure thrust: as the steady state has it, in the means and in the history."""
-    changed_scene = scene("mos2_gyro", HERTZ | TABLE)
-    steady, dynamic = (solve(changed_scene, fidelity) for fidelity in ("steady", "dynamic"))
+    tabulated = scene("mos2_gyro", HERTZ | TABLE)
+    steady, dynamic = (solve(tabulated, fidelity) for fidelity in ("steady", "dynamic"))
     for name in ("race_wear_rate", "ball_wear_rate"):
         assert_allclose(dynamic.values[name].mean(), steady.values[name].mean(), rtol=1e-3)
         history = dynamic.values[f"history_{name}"].mean(axis=0)

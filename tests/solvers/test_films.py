@@ -164,18 +164,14 @@ def test_a_film_like_what_lies_below_changes_nothing(scene):
 
 def test_time_to_wear_through_is_thickness_over_rate(scene):
     """While wear is even: of a film so thin that nothing else changes."""
-    changed_scene = scene("gyro_s1", THIN | {"friction.film.thickness_um": 1e-5})
-    state = solver_of(changed_scene).at(0.0)
+    filmed = scene("gyro_s1", THIN | {"friction.film.thickness_um": 1e-5})
+    state = solver_of(filmed).at(0.0)
     rate = state["loss_per_wear"][1] * 1e-6 / 6.6e9
     first, later = np.argsort(-rate)
-    result = through(life(changed_scene))
+    result = through(life(filmed))
     assert result[first] == pytest.approx(1e-11 / rate[first], rel=1e-6)
     # then one track is bare, and the other slips as it did not before
-    after = (
-        solver_of(changed_scene).at(1e-11, (first == 0, first == 1))["loss_per_wear"][1]
-        * 1e-6
-        / 6.6e9
-    )
+    after = solver_of(filmed).at(1e-11, (first == 0, first == 1))["loss_per_wear"][1] * 1e-6 / 6.6e9
     rest = (1e-11 - result[first] * rate[later]) / after[later]
     assert result[later] == pytest.approx(result[first] + rest, rel=1e-4)
 

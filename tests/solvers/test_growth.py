@@ -165,11 +165,11 @@ def test_a_fit_follows_the_warmth_of_shaft_and_housing(scene):
 
 def test_geometry_without_growth_is_bit_for_bit_the_mounted_one(scene):
     for name in ("gyro_s1", "turbopump", "turbine", "bearing218"):
-        changed_scene = scene(name)
-        assert parameters.geometry(changed_scene) == mounted_geometry(changed_scene)
+        without_growth = scene(name)
+        assert parameters.geometry(without_growth) == mounted_geometry(without_growth)
     for changes in ({"temperature.reference_C": 35.0}, {"fits.shaft_interference_um": 0.0}):
-        changed_scene = scene("gyro_s1", changes)
-        assert parameters.geometry(changed_scene) == mounted_geometry(changed_scene)
+        without_growth = scene("gyro_s1", changes)
+        assert parameters.geometry(without_growth) == mounted_geometry(without_growth)
 
 
 ALIKE = {f"temperature.{part}_C": 120.0 for part in

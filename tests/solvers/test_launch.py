@@ -179,11 +179,11 @@ def test_miles_equation(pair):
     launch = launch_result(random)
     by_hand = 3.0 * math.sqrt(0.5 * math.pi * launch.frequencies[0] * 20.0 * 0.1)
     assert launch.axial_g == pytest.approx(by_hand, rel=1e-12)
-    longer = launch_result(random.with_({"launch.duration_s": 120.0}))
+    lasting = launch_result(random.with_({"launch.duration_s": 120.0}))
     factor = math.sqrt(2.0 * math.log(120.0 * launch.frequencies[0]))
-    assert longer.random["axial"].three_sigma_g == pytest.approx(by_hand, rel=1e-12)
-    assert longer.axial_g == pytest.approx(by_hand * factor / 3.0, rel=1e-12)
-    assert longer.pressure_share > launch.pressure_share
+    assert lasting.random["axial"].three_sigma_g == pytest.approx(by_hand, rel=1e-12)
+    assert lasting.axial_g == pytest.approx(by_hand * factor / 3.0, rel=1e-12)
+    assert lasting.pressure_share > launch.pressure_share
     plain = launch_result(pair.with_({"launch.axial_g": by_hand}))
     assert plain.gap == pytest.approx(launch.gap, rel=1e-12) and plain.gap > 0.0
 

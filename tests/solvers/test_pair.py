@@ -80,8 +80,8 @@ def test_unequal_wear(solved, losses, shift, preload):
 
 def test_slope_of_the_force(scene):
     """4.86141 N/um, the angle 20.4758 degrees and 2.21610 um of one bearing."""
-    changed_scene = scene("gyro_s1")
-    g, place, h = parameters.geometry(changed_scene), parameters.static_place(changed_scene), 1e-10
+    gyro = scene("gyro_s1")
+    g, place, h = parameters.geometry(gyro), parameters.static_place(gyro), 1e-10
     at_rest = Mechanics(g, g.D0)
     slope = (at_rest.force(place + h) - at_rest.force(place - h)) / (2.0 * h)
     assert_allclose([slope * 1e-6, place * 1e6], [4.86141, 2.21610], atol=6e-6)
@@ -155,8 +155,8 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
         LOSS: 0.3,
     }  # fmt: skip
     v = solved(changes)
-    changed_scene = scene("gyro_s1")
-    g, mounted = parameters.geometry(changed_scene), parameters.static_place(changed_scene)
+    gyro = scene("gyro_s1")
+    g, mounted = parameters.geometry(gyro), parameters.static_place(gyro)
     worn = Mechanics(g, g.D0 - 0.3e-6)
 
     def left(F_2):
@@ -180,15 +180,15 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
 
 def test_the_rotor_check_rejects_another_place_or_force(scene):
     """Another place or force by a millionth is seen."""
-    changed_scene = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
-    pair = solver_of(changed_scene, "steady", Accuracy.CHECKED).bearings
+    rigid = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
+    pair = solver_of(rigid, "steady", Accuracy.CHECKED).bearings
     state = pair.solve(pair.start)
     cases = [side.case(value)[0] for side, value in zip(pair.sides, state.sides, strict=True)]
     mounted = [side.mounted for side in pair.sides]
-    assert rotor_balance(changed_scene, mounted, cases) < 1e-9
+    assert rotor_balance(rigid, mounted, cases) < 1e-9
     for name in ("residual_preload", "axial_displacement"):
         wrong = [cases[0] | {name: cases[0][name] * (1.0 + 1e-6)}, cases[1]]
-        assert rotor_balance(changed_scene, mounted, wrong) > 1e-7
+        assert rotor_balance(rigid, mounted, wrong) > 1e-7
 
 
 # lift-off

@@ -170,7 +170,7 @@ def decaying(few, D, case, within):
 @pytest.mark.parametrize(("mu", "v_r"), [(1e-6, 1e-8), (1e-6, 1e-6), (4.8e-6, 4e-6)])
 def test_slow_damping_that_few_points_miss(scene, mu, v_r):
     """With 32 points a motion seems to last minutes or hours; its rates converge to faster ones."""
-    changed_scene = scene(
+    few_strips = scene(
         "gyro_s1",
         {
             "operation.preload_method": "fixed_position",
@@ -180,13 +180,13 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
             "model.strips": 32,
         },
     )
-    D = float(ball_diameters(changed_scene)[0])
-    few = ThrustProblem.of(changed_scene)
+    D = float(ball_diameters(few_strips)[0])
+    few = ThrustProblem.of(few_strips)
     case = few.solve(D)
     slowest = few.decay_rates(D, case).real.max()
     rates = decaying(few, D, case, within=0.1)
     assert 5e-3 * rates.max() < slowest < 0.0
-    assert few.stable(D, case) and solve(changed_scene).values["status"] == code.OK
+    assert few.stable(D, case) and solve(few_strips).values["status"] == code.OK
 
 
 @pytest.mark.parametrize(
@@ -194,7 +194,7 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
 )
 def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, v_r):
     """Few fixed points with traction: a motion seems to grow, with many all decay."""
-    changed_scene = scene(
+    few_strips = scene(
         "gyro_s1",
         {
             "operation.shaft_speed_rpm": 3500,
@@ -205,12 +205,12 @@ def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, 
             "model.strips": strips,
         },
     )
-    D = float(ball_diameters(changed_scene)[0])
-    few = ThrustProblem.of(changed_scene)
+    D = float(ball_diameters(few_strips)[0])
+    few = ThrustProblem.of(few_strips)
     case = few.solve(D)
     assert case.status == code.OK and few.decay_rates(D, case).real.max() > 0.0
     decaying(few, D, case, within=1e-3)
-    assert few.stable(D, case) and solve(changed_scene).values["stable"] == 1
+    assert few.stable(D, case) and solve(few_strips).values["stable"] == 1
 
 
 def test_a_bearing_at_rest_has_no_friction_heat(scene):

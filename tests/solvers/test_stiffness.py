@@ -169,11 +169,9 @@ def test_the_stiffness_of_a_pair_is_the_slope_of_force_over_its_shift(scene, cha
 
 @pytest.mark.parametrize("radial", [[0.0, 0.0], [0.3, -0.5]])
 def test_race_control(scene, radial):
-    changed_scene = scene(
-        "turbopump", {"operation.radial_load_N": radial, "model.fidelity": "race_control"}
-    )
-    problem = RaceControlProblem.of(changed_scene)
-    values, _ = solve_race_control(changed_scene, problem)
+    pump = scene("turbopump", {"operation.radial_load_N": radial, "model.fidelity": "race_control"})
+    problem = RaceControlProblem.of(pump)
+    values, _ = solve_race_control(pump, problem)
     stiffness = values["quasistatic_axial_stiffness"]
     h = 1e-4 * float(values["residual_preload"]) / stiffness
     ends = []
@@ -181,7 +179,7 @@ def test_race_control(scene, radial):
         held = replace(
             problem, constant_force=False, delta_a=float(values["axial_displacement"]) + place
         )
-        ends.append(float(solve_race_control(changed_scene, held)[0]["residual_preload"]))
+        ends.append(float(solve_race_control(pump, held)[0]["residual_preload"]))
     assert_allclose((ends[1] - ends[0]) / (2.0 * h), stiffness, rtol=1e-6)
     assert abs(stiffness / values["axial_stiffness"] - 1.0) > 1e-5  # the forces do follow
 

@@ -43,10 +43,10 @@ def test_two_and_two_in_tandem_live_as_the_single_bearing(scene):
 @pytest.mark.parametrize("F_ext", [0.0, 4.0, -3.0])
 def test_two_against_one(scene, F_ext):
     """At rest, against the root of a plain balance: twice the balls on the first side."""
-    changed_scene = scene("gyro_s1", RIGID | REST | {
+    two_against_one = scene("gyro_s1", RIGID | REST | {
         "arrangement.tandem": [2, 1], "arrangement.external_axial_N": F_ext,
     })  # fmt: skip
-    v = solve(changed_scene).values
+    v = solve(two_against_one).values
     one_bearing = scene("gyro_s1", REST)
     g = parameters.geometry(one_bearing)
     places = [
@@ -80,16 +80,16 @@ def test_heaviest_share_limits(scene):
 )
 def test_a_set_of_bearings_matched_as_a_pair(scene, tandem, printed):
     """The same offset at the faces, by the root of the exact static displacements."""
-    changed_scene, pair = scene("gyro_s1", REST), 7.0
+    one_bearing, pair_preload = scene("gyro_s1", REST), 7.0
 
     def place(F):
-        return parameters.static_place(changed_scene.with_({"operation.preload_N": F}))
+        return parameters.static_place(one_bearing.with_({"operation.preload_N": F}))
 
     def offset(F):
-        return sum(place(F / n) for n in tandem) - 2.0 * place(pair)
+        return sum(place(F / n) for n in tandem) - 2.0 * place(pair_preload)
 
-    force = brentq(offset, 0.5 * pair, 4.0 * pair)
-    assert_allclose(set_over_pair(tandem), force / pair, rtol=5e-3)
+    force = brentq(offset, 0.5 * pair_preload, 4.0 * pair_preload)
+    assert_allclose(set_over_pair(tandem), force / pair_preload, rtol=5e-3)
     assert_allclose(set_over_pair(tandem), printed, atol=6e-3)
 
 

@@ -106,8 +106,8 @@ def test_computed_temperatures_given_as_input_change_nothing(scene):
 def test_few_solves_do(scene):
     for name in ("constant_force", "fixed_position"):
         for changes in (MILD, network(0.1, 0.1, 0.05), network(1.0, 1.0, 0.1)):
-            changed_scene = scene("gyro_s1", changes | {"operation.preload_method": name})
-            assert 2 <= warmed_steady(changed_scene).solves <= 6
+            networked = scene("gyro_s1", changes | {"operation.preload_method": name})
+            assert 2 <= warmed_steady(networked).solves <= 6
 
 
 def warmed_steady(scene) -> Warmed:
@@ -138,8 +138,8 @@ def test_random_networks_against_the_plain_way(scene):
     for _ in range(24):
         G = 10.0 ** random.uniform([-4.5, -3.0, -3.5], [-1.5, -1.0, -1.0])
         changes = HELD | network(*G) | {"friction.ball_race": float(random.choice([0.05, 0.1]))}
-        changed_scene = scene("gyro_s1", changes)
-        result, (end, heat) = warmed_steady(changed_scene), followed_up(changed_scene)
+        networked = scene("gyro_s1", changes)
+        result, (end, heat) = warmed_steady(networked), followed_up(networked)
         assert end != "slow"
         assert (result.status == code.OK) == (end == "balance")
         if end == "balance":
@@ -207,8 +207,8 @@ def test_temperatures_follow_a_life(scene):
     end = {"wear.end_of_life.gyroscopic_slip_share": None, "wear.end_of_life.skid_ratio": None}
     base = HELD | end
     cold = life(scene("gyro_s1", base), fidelity).values
-    changed_scene = scene("gyro_s1", base | POOR)
-    result = life(changed_scene, fidelity)
+    badly_cooled = scene("gyro_s1", base | POOR)
+    result = life(badly_cooled, fidelity)
     v = result.values
     assert result.status == "ok" and v["heat_flow_residual"] < 1e-6
     t = v["history_part_temperature"]
@@ -217,7 +217,7 @@ def test_temperatures_follow_a_life(scene):
     assert v["life"] < cold["life"]
     k = len(t) // 2
     loss = 1e6 * v["history_ball_diameter_loss"][k]
-    there = solve(changed_scene.with_({"wear.ball_diameter_loss_um": float(loss)}), fidelity).values
+    there = solve(badly_cooled.with_({"wear.ball_diameter_loss_um": float(loss)}), fidelity).values
     assert_allclose(there["part_temperature"], t[k], atol=1e-5)
     assert_allclose(there["residual_preload"], v["history_residual_preload"][k], rtol=1e-6)
 

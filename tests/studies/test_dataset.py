@@ -34,14 +34,18 @@ def test_rows_along_axes():
     assert dataset.attrs["title"] == "sides" and dataset.attrs["source"].startswith("bearingwear")
 
 
-def test_values_that_a_row_omits_are_nan(tmp_path):
+def test_values_that_a_row_omits_are_nan():
     dataset = dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{"side": 1}, {}])
     assert np.isnan(dataset["shear"].values).all() and dataset["shear"].shape == (2, 2)
     np.testing.assert_array_equal(dataset["side"], [1.0, np.nan])
     assert "row" not in dataset.coords
+
+
+def test_writing_leaves_the_callers_encoding(tmp_path):
+    dataset = dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{"side": 1}, {}])
     dataset["shear"].encoding["dtype"] = np.dtype("f4")
     write_dataset(dataset, tmp_path / "sides.nc")
-    assert dataset["shear"].encoding == {"dtype": np.dtype("f4")}  # is the caller's
+    assert dataset["shear"].encoding == {"dtype": np.dtype("f4")}
 
 
 def test_rows_over_two_axes_are_in_c_order():

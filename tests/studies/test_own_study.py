@@ -99,8 +99,8 @@ def test_own_friction_is_among_those_studied(scene, mu, frictions):
 
 def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, tmp_path):
     assert "config/cage.yaml" not in plan_of(scene, "mine", LIMITS, "mine.yaml")
-    changed_scene = scene.with_({"cage_uncertainty": {}})
-    plan = plan_of(changed_scene, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
+    with_cage_study = scene.with_({"cage_uncertainty": {}})
+    plan = plan_of(with_cage_study, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
     (tmp_path / "cage.yaml").write_text(yaml.safe_dump(plan), encoding="utf-8")
     (tmp_path / "scenes").mkdir()
     (tmp_path / "scenes/mine.yaml").write_bytes(scene_file("gyro_s1").read_bytes())

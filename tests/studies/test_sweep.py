@@ -55,9 +55,14 @@ def test_a_point_is_what_solve_finds(coarse):
 
 def test_processes_find_the_same(coarse):
     changes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 6, 7]}
-    alone, shared = (
-        bearingwear.sweep(coarse, changes, what="life", workers=workers) for workers in (1, 2)
-    )
+    results = []
+    for workers in (1, 2):
+        with (
+            pytest.warns(UserWarning, match="6 cases, .* wear depth"),
+            pytest.warns(UserWarning, match="3 cases, .* temperature is neglected"),
+        ):
+            results.append(bearingwear.sweep(coarse, changes, what="life", workers=workers))
+    alone, shared = results
     xr.testing.assert_identical(alone, shared)
     lives = shared.life.sel(preload_method="fixed_position")
     assert lives.dims == ("preload_N",) and (lives > 0.0).all() and lives.attrs["units"] == "h"
@@ -75,7 +80,9 @@ def test_warnings_of_a_sweep_are_counted(coarse):
 
 
 def test_file_of_a_sweep(coarse, tmp_path):
-    dataset = bearingwear.sweep(coarse, {METHOD: ["fixed_position", "constant_force"]}, workers=1)
+    methods = {METHOD: ["fixed_position", "constant_force"]}
+    with pytest.warns(UserWarning, match="temperature is neglected"):
+        dataset = bearingwear.sweep(coarse, methods, workers=1)
     bearingwear.save(dataset, tmp_path / "sweep.nc")
     with xr.open_dataset(tmp_path / "sweep.nc") as file:
         assert file.preload_method.values.tolist() == [1, 0] and file.race.values.tolist() == [0, 1]

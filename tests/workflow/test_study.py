@@ -281,8 +281,9 @@ def test_one_value_of_friction_edited(solved):
     assert planned.jobs["solve"] == 2 and planned.jobs["gather"] == 1
 
 
-def test_edits_that_the_grid_replaces_solve_no_case(solved):
-    """Neither what the grid replaces nor a description solves a case again."""
+def test_edits_that_no_case_reads_solve_none(solved):
+    """friction.ball_race is overridden by the study's axis, the description is words, the page is
+    drawn later."""
     solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.08", "ball_race: 0.09")
     assert "solve" not in solved.run("-n").jobs
     solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.09", "ball_race: 0.08")

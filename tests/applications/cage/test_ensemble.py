@@ -160,7 +160,8 @@ def test_a_cage_run_moves_as_in_the_dynamic_solver(scene):
     changes = {"friction.cage": 0.1, "model.cage_results": True, "model.simulated_turns": 80}
     changes["model.strips"] = 10
     s = scene("gyro_s1", NOTHING | changes | {"model.evaluated_turns": 20})
-    solved = bearingwear.solve(s, fidelity="dynamic")
+    with pytest.warns(UserWarning, match="gravity is not specified"):
+        solved = bearingwear.solve(s, fidelity="dynamic")
     row = cage_run(s, CageStart(), 80, 80)
     per_joule = 1e-4 / 0.3e9
     turn = 60.0 / 30000.0

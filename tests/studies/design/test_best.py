@@ -131,7 +131,8 @@ def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
         return 20e6 * max(1.08 - abs(math.log(p / 330.0)) * 3.33, (p / 700.0) ** 0.5)
 
     made_up = MadeUp(scene, falling, stiffness)
-    assert made_up.best_point().life > 0.99 * made_up.best_of_all() > 3.0
+    assert made_up.best_of_all() > 3.0
+    assert made_up.best_point().life > 0.99 * made_up.best_of_all()
 
 
 def test_a_preload_may_be_set_where_the_life_is_similar(scene):
@@ -252,7 +253,7 @@ def test_numbers_have_as_few_digits_as_fit_between_two():
 
 
 def test_the_recommendation_is_at_the_end_of_a_steep_rise():
-    """It was 117 N with 0.454 h, where 109.2 N last 0.475 h; slip ends the life soon below."""
+    """No preload from 106 to 114 N, where slip ends lives soon below, lasts 1 % longer."""
     warm = {"inner_ring_C": 30.0, "balls_C": 30.0, "outer_ring_C": 20.0}
     scene = bearingwear.new(designation="7202AC", speed=24000.0).with_(
         {"model.contact": "hertz"} | {f"temperature.{key}": C for key, C in warm.items()}
@@ -310,5 +311,5 @@ def test_a_film_is_recommended_for_as_life_computes_it(counts):
     values = life(taken).values
     assert float(point["life"]) == pytest.approx(float(values["life"]) / 3600.0, rel=1e-9)
     assert np.isfinite(np.asarray(values["race_film_worn_through"])).any()
-    less = design_point(held_by(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"])), limits)
-    assert min(limit_margins(less, limits)) < 0.0
+    less_preloaded = held_by(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"]))
+    assert min(limit_margins(design_point(less_preloaded, limits), limits)) < 0.0

@@ -26,9 +26,9 @@ def change_in(found, name):
 @pytest.fixture(scope="module")
 def chosen(scene):
     """Function of a limit of system stiffness -> the recommendation of gyro_s1."""
-    changed_scene = scene("gyro_s1")
+    gyro = scene("gyro_s1")
     return lambda limit: recommendation(
-        changed_scene, DesignLimits(**{STIFFNESS: limit}, at_speed_only=True)
+        gyro, DesignLimits(**{STIFFNESS: limit}, at_speed_only=True)
     )
 
 

@@ -262,9 +262,9 @@ def test_the_lowest_speed_ends_the_range(spindle):
     speeds = [item["speed_rpm"] for item in conditions_of(scene)]
     assert min(speeds) == 9000.0 and max(speeds) == 18000.0 and len(speeds) >= 5
     held = held_by(scene, "fixed_position", 20.0)
-    changed_scene = held_by(spindle, "fixed_position", 20.0)
+    held_at_all_speeds = held_by(spindle, "fixed_position", 20.0)
     limits = DesignLimits(system_axial_stiffness_N_um=30.0)
-    assert new_point(held, limits)[STIFFNESS] > new_point(changed_scene, limits)[STIFFNESS]
+    assert new_point(held, limits)[STIFFNESS] > new_point(held_at_all_speeds, limits)[STIFFNESS]
     with pytest.raises(SceneError, match="lowest_speed_rpm: got 20000"):
         spindle.with_({"operation.lowest_speed_rpm": 2e4})
 

@@ -168,8 +168,8 @@ def test_recommended_preload_stands_on_its_limit(folder, scene):
         assert preload == float(f"{preload:.4g}")
         assert 3.0e6 <= float(LIMITED["axial_stiffness_N_um"].worst(point)) < 3.0e6 * 1.01
         unit = 10.0 ** (math.floor(math.log10(preload)) - 2)
-        less = life_point(held_by(scene, METHODS[k], preload - unit), None)
-        assert LIMITED["axial_stiffness_N_um"].worst(less) < 3.0e6
+        less_preloaded = life_point(held_by(scene, METHODS[k], preload - unit), None)
+        assert LIMITED["axial_stiffness_N_um"].worst(less_preloaded) < 3.0e6
         assert float(point["gyroscopic_slip_share"]) <= 0.25
         assert 0.0 < float(point["life_error_estimate"]) < 0.1
     # no preload of the map within the limits lasts longer

@@ -28,22 +28,22 @@ UNLIKE = PUSHED | {"arrangement.tandem": [2, 1]}
 @pytest.mark.parametrize("method", METHODS)
 def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
     """New, the lowest of what a case of the pair has."""
-    changed_scene = held_by(scene("gyro_s1", changes), method)
-    new = HertzianLives(changed_scene)(changed_scene).states[0]
+    held = held_by(scene("gyro_s1", changes), method)
+    new = HertzianLives(held)(held).states[0]
     result = (
         new["lowest_frequency"]
         if np.isfinite(new["lowest_frequency"])
-        else lowest_frequency(changed_scene, (new, new))
+        else lowest_frequency(held, (new, new))
     )
-    case = solve(changed_scene).values
+    case = solve(held).values
     assert_allclose(result, case["natural_frequency"].min(), rtol=1e-5)
-    assert life_point(changed_scene, None)["lowest_frequency"] <= result * (1.0 + 1e-12)
+    assert life_point(held, None)["lowest_frequency"] <= result * (1.0 + 1e-12)
 
 
 def test_a_point_of_the_map_is_a_life(scene):
     """Of an unlike pair; what limits look at is that of the worse bearing."""
-    changed_scene = held_by(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
-    point, lived = life_point(changed_scene, None), life(changed_scene).values
+    rigid = held_by(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
+    point, lived = life_point(rigid, None), life(rigid).values
     assert_allclose(point["life"], lived["life"], rtol=1e-5)
     assert_allclose(point["loss_at_end"], lived["loss_at_end"].max(), rtol=1e-5)
     stiffness = lived["history_system_axial_stiffness"]
@@ -55,16 +55,16 @@ def test_a_point_of_the_map_is_a_life(scene):
 
 
 def test_spring_pair_against_rigid_pair(scene, tmp_path):
-    changed_scene = scene("gyro_s1", PUSHED)
+    pushed = scene("gyro_s1", PUSHED)
     limits = DesignLimits(
         lowest_frequency_Hz=2100.0, rotor_shift_um=3.0, preload_kept=0.3, at_speed_only=True
     )
-    recommended = recommendation(changed_scene, limits)
+    recommended = recommendation(pushed, limits)
     assert (recommended["lowest_frequency"] >= 2100.0 * (1.0 - 1e-6)).all()
     names = recommended["active_limit"].attrs["flag_meanings"].split()
     assert {names[int(k)] for k in recommended["active_limit"].values} == {"lowest_frequency_Hz"}
     for k, method in enumerate(METHODS):
-        again = life_point(held_by(changed_scene, method, float(recommended["preload"][k])), None)
+        again = life_point(held_by(pushed, method, float(recommended["preload"][k])), None)
         assert_allclose(again["life"] / 3600.0, recommended["life"][k], rtol=1e-9)
     recommended.to_netcdf(tmp_path / "recommendation.nc")
     with open_result(tmp_path / "recommendation.nc") as file:

@@ -106,15 +106,21 @@ def test_violations_of_a_wrong_life_are_reported():
         assert len(life_violations(scene, solved | wrong)) > 0
 
 
-@settings(max_examples=6, deadline=None, derandomize=True, database=None)
-@given(seed=st.integers(0, 2**32))
-def test_random_runs_in_time_end(seed):
-    """They keep their account of energy or stop with a status."""
-    scene = of_class("dynamic_stress", seed)
-    if scene is not None and scene.bearing.ball_count <= 12:
-        values = solved_values(scene, "dynamic")
-        if values["status"] == code.OK:
+def test_random_dynamic_runs_conserve_energy_or_say_why_not():
+    solved = 0
+
+    @settings(max_examples=6, deadline=None, derandomize=True, database=None)
+    @given(seed=st.integers(0, 2**32))
+    def one(seed):
+        nonlocal solved
+        scene = of_class("dynamic_stress", seed)
+        if scene is not None and scene.bearing.ball_count <= 12:
+            values = solved_values(scene, "dynamic")
+            solved += values["status"] == code.OK
             assert violations(scene, "dynamic", values) == []
+
+    one()
+    assert solved >= 3
 
 
 def test_a_wrong_number_is_a_violation():
@@ -129,7 +135,7 @@ def test_a_wrong_number_is_a_violation():
 
 
 def test_a_spring_beside_a_large_centrifugal_force():
-    """The race's Newton stopped at a step that was small for the grooves, not for the spring."""
+    """0.1 N beside balls of 70 mm at 2000 r/min: the spring's force is met to 1e-9 of itself."""
     data = with_values(
         BASE,
         {
@@ -141,8 +147,8 @@ def test_a_spring_beside_a_large_centrifugal_force():
     )
     data["cage"] = data["wear"]["end_of_life"] = None
     values = solved_values(scene_from_dict(data), "race_control")
-    if values["status"] == code.OK:
-        assert values["residual_preload"] == pytest.approx(0.1, rel=1e-9)
+    assert values["status"] == code.OK
+    assert values["residual_preload"] == pytest.approx(0.1, rel=1e-9)
 
 
 def test_crossing_is_found_and_bisected():
