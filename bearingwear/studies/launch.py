@@ -57,9 +57,10 @@ def run_study(
     Returns the exit status of Snakemake.
     """
     if not (folder / CONFIG).is_file():
-        scene = Path(f"{target}.yaml")
-        if scene.is_file():
-            raise NoStudy(f"study: got {target}, expected SCENE.yaml; did you mean {scene}")
+        scene_file = Path(f"{target}.yaml")
+        if scene_file.is_file():
+            problem = f"got {target}, expected SCENE.yaml; did you mean {scene_file}"
+            raise NoStudy(f"study: {problem}")
         raise NoStudy(
             f"study: got {target} in a folder without {CONFIG}, expected SCENE.yaml, or a folder "
             "that contains a study"

@@ -184,7 +184,7 @@ def test_order_of_phases_changes_nothing_beyond_a_film(scene, film):
     assert one.last.states[0]["film_left"].min() <= 0.0
     assert one.last.time == other.last.time > 0.0
     assert cut_in_two.last.time == pytest.approx(one.last.time, rel=1e-6)
-    assert len({result.ending_case for result in results}) == 1
+    assert len({result.ending_case_index for result in results}) == 1
 
 
 # phases by their own histories

@@ -9,6 +9,7 @@ once the rest has settled stays, or the balls bunch, which a cage prevents.
 
 import contextlib
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,6 +47,14 @@ class PeriodicMotion:
     def sentence(self) -> str:
         """Returns the stability of the motion in words."""
         return self.growth.sentence if self.growth else "stability unknown"
+
+
+class RepeatedStates(NamedTuple):
+    """States of the balls that a passing repeats."""
+
+    states: np.ndarray  # as `Passing.states`
+    error: float  # largest change by the passing; infinite where the search failed [1]
+    inverse: np.ndarray  # of the derivative of the change, as Broyden's method left it
 
 
 class Passing:
@@ -158,15 +167,12 @@ class Passing:
         multipliers = np.linalg.eigvals(np.roll(derivative, self.ahead * BALL, axis=0))
         return GrowthRates.of(multipliers, self.n, float(states[-1]))
 
-    def solve(
-        self, states: np.ndarray, inverse: np.ndarray | None = None
-    ) -> tuple[np.ndarray, float, np.ndarray]:
-        """Returns states that repeat themselves, and by how much they do not.
+    def solve(self, states: np.ndarray, inverse: np.ndarray | None = None) -> RepeatedStates:
+        """Returns states that repeat themselves, by Broyden's method.
 
-        Broyden's method starts from `slope`, or from the inverse of a solution nearby. Its last
-        inverse is the third result. The second one is infinite where the search fails.
+        It starts from `slope`, or from the inverse of a solution nearby.
         """
-        failure = states, np.inf, np.empty((0, 0))
+        failure = RepeatedStates(states, np.inf, np.empty((0, 0)))
         change: np.ndarray | None
         if inverse is None:
             linearised = self.change_and_tangents(states)
@@ -194,7 +200,7 @@ class Passing:
             inverse_change = inverse @ (new_change - change)
             inverse += np.outer(step - inverse_change, step @ inverse) / (step @ inverse_change)
             change = new_change
-        return best, best_size, inverse
+        return RepeatedStates(best, best_size, inverse)
 
 
 def tangents(system: DynamicSystem, control: StepControl, duration: float) -> np.ndarray | None:
@@ -248,17 +254,17 @@ def periodic_motion(
             return None
         if orbits and not passing.march(orbits):
             return None
-        states, error, inverse = passing.solve(passing.states(), inverse)
-        if error <= ACCEPTED:
-            growth = passing.growth(states) if near is None else None
-            duration = passing.put_balls(states)
+        repeated = passing.solve(passing.states(), inverse)
+        if repeated.error <= ACCEPTED:
+            growth = passing.growth(repeated.states) if near is None else None
+            duration = passing.put_balls(repeated.states)
             return PeriodicMotion(
                 balls=system.balls.copy(),
                 time=passing.start_state[1],
                 passing=duration,
-                error=error,
+                error=repeated.error,
                 turns=passing.simulated / system.turn,
-                inverse=inverse,
+                inverse=repeated.inverse,
                 growth=growth,
             )
         system.unpack(*passing.start_state)

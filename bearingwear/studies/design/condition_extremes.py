@@ -112,10 +112,10 @@ def state_extremes(
                 continue
             value = measure.extreme(worse[variable]) / divisor
             by_side = [measure.extreme(side[variable]) / divisor for side in sides]
-            bearing = 0
+            bearing_number = 0  # not of one alone
             if len(by_side) == 2 and by_side[0] != by_side[1] and value in by_side:
-                bearing = 1 + by_side.index(value)
-            extremes[name] = {**where, "bearing": bearing, "value": value}
+                bearing_number = 1 + by_side.index(value)
+            extremes[name] = {**where, "bearing": bearing_number, "value": value}
     return extremes
 
 

@@ -29,8 +29,9 @@ def machine_answers(scene: Scene) -> dict[str, Any]:
     if scene.drive is not None:
         corners = torque_corners(scene)
         sentences += margin_sentences(scene, corners)
-    a = scene.arrangement
-    if scene.launch is not None and a is not None and a.rotor_mass_kg and a.span_mm:
+    arrangement = scene.arrangement
+    has_rotor = arrangement is not None and arrangement.rotor_mass_kg and arrangement.span_mm
+    if scene.launch is not None and has_rotor:
         states = launched_by_wear(scene)
         first = next(iter(states.values()))
         loads = f"{plain(first.axial_g)} g axial, {plain(first.radial_g)} g radial"

@@ -106,8 +106,10 @@ def _end_phrase(life: xr.Dataset, scene: Mapping[str, Any]) -> str:
     if criterion not in ENDS:
         return NO_END
     measure = ENDS[criterion]
-    limit = measure.limit_text(scene["wear"]["end_of_life"][criterion])
-    return f"{measure.words} {'falls to' if measure.falls else 'reaches'} {printed_unit(limit)}"
+    limit_text = measure.limit_text(scene["wear"]["end_of_life"][criterion])
+    return (
+        f"{measure.words} {'falls to' if measure.falls else 'reaches'} {printed_unit(limit_text)}"
+    )
 
 
 def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:

@@ -278,12 +278,12 @@ def _causes(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
     for k, name in enumerate(names):
         changed_rows[2 * k : 2 * k + 2, k] = value_at(scene, name, np.array([0.1, 0.9]))
     rows = np.vstack([base_rows.reshape(-1, len(names)), changed_rows])
-    life = sampled_lives(scene, rows, pool).life
-    base_lives = life[: -len(changed_rows)].reshape(base_rows.shape[:2])
-    changed_lives = life[-len(changed_rows) :] * HOURS_PER_SECOND
-    wear = [k for k, name in enumerate(names) if name in WORN]
-    wear_values = base_rows[..., wear].reshape(-1, len(wear))
-    factor = wear_factor(scene, [names[k] for k in wear], wear_values).reshape(base_lives.shape)
+    lives = sampled_lives(scene, rows, pool).life
+    base_lives = lives[: -len(changed_rows)].reshape(base_rows.shape[:2])
+    changed_lives = lives[-len(changed_rows) :] * HOURS_PER_SECOND
+    columns = [k for k, name in enumerate(names) if name in WORN]
+    wear_values = base_rows[..., columns].reshape(-1, len(columns))
+    factor = wear_factor(scene, [names[k] for k in columns], wear_values).reshape(base_lives.shape)
     answers = np.stack([base_lives, base_lives / factor], axis=1)  # all inputs, all but wear
     unknown = np.full((2, len(names)), np.nan)  # for the samples that vary one class
     causes: dict[str, Any] = {

@@ -60,8 +60,8 @@ def varied_names(scene: Scene, inputs: int) -> list[str]:
 
 def _columns(names: Sequence[str]) -> tuple[list[int], list[int]]:
     """Returns the columns of wear coefficient and hardness, and those of other uncertain values."""
-    wear = [k for k, name in enumerate(names) if name in WORN]
-    return wear, [k for k in range(len(names)) if k not in wear]
+    wear_columns = [k for k, name in enumerate(names) if name in WORN]
+    return wear_columns, [k for k in range(len(names)) if k not in wear_columns]
 
 
 def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:

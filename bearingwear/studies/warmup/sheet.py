@@ -30,11 +30,11 @@ def warm_up_sheet(file: Any) -> Document:
     scene = json.loads(file.scene)
     ending = ENDINGS[int(values(file, "ending"))]
     times, _ = np.reshape(np.atleast_1d(file.course), (2, -1))
-    speed = f"{plain(scene['operation']['shaft_speed_rpm'], 6)} r/min"
+    speed_text = f"{plain(scene['operation']['shaft_speed_rpm'], 6)} r/min"
     if len(times) == 1:
-        course = f"at {speed} from the start"
+        course = f"at {speed_text} from the start"
     else:
-        course = f"{speed} after {plain(times[-1])} s"
+        course = f"{speed_text} after {plain(times[-1])} s"
     summary = f"{scene['name']}: {_ending_sentence(file, ending)}"
     heading = (summary, course, *minimum_preload_lines(scene))
     facts = {"kind": "warm-up", "scene": scene["name"], "ending": ending}

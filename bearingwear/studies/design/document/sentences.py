@@ -142,9 +142,9 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
         intervals.append(f"{BEARINGS_BETWEEN}, wear only: {band.text} h")
     text += f" ({'; '.join(intervals)})" if intervals else ""
     if end := ending_measure(point):
-        limit = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
+        limit_text = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
         reaches = "falls to" if end.falls else "reaches"
-        text += f"; it ends when the {end.words} {reaches} {printed_unit(limit)}"
+        text += f"; it ends when the {end.words} {reaches} {printed_unit(limit_text)}"
         if scene.get("duty") and (ending := worst_condition(recommendation, point, "life")):
             text += f" in the case {ending['case']}"
     return f"{text}."

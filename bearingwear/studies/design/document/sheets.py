@@ -139,8 +139,8 @@ def preload_document(
     has_preload = bool(recommended_points(recommendation))
     blocks = []
     if has_preload:
-        life = life_sentence(recommendation, spreads)
-        blocks.append(Block("Expected life", lines=(life,), place="verdict"))
+        expected_life = life_sentence(recommendation, spreads)
+        blocks.append(Block("Expected life", lines=(expected_life,), place="verdict"))
         blocks.append(_setting_block(recommendation))
     blocks += _none_blocks(recommendation)
     if has_preload:
@@ -390,7 +390,7 @@ def change_words(name: str) -> tuple[str, str]:
 
 def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
     """Returns the lives at points, the worst of some measures, and the violated requirements."""
-    life = Row("life", "h", tuple(float(point["life"]) for point in points), "life")
+    life_row = Row("life", "h", tuple(float(point["life"]) for point in points), "life")
     rows = []
     for measure in SHORT_TABLE:
         worst = [measure.worst(point) for point in points]
@@ -398,7 +398,7 @@ def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
     end_label, _ = RECOMMENDED_WORDS[AT_END]
     end = quantity_row(end_label, "N", [point[AT_END] for point in points], AT_END)
     violations = Row("requirements violated", "", tuple(map(violated_words, points)))
-    return [life, *rows, end, violations]
+    return [life_row, *rows, end, violations]
 
 
 def violated_words(point: xr.Dataset) -> str:

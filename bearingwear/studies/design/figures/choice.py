@@ -249,7 +249,7 @@ def counting_key(scene: Mapping[str, Any]) -> Any:
 
 def _life_keys(scene: Mapping[str, Any], has_limit: bool, has_spread: bool) -> list[Any]:
     """Returns the legend of the lives."""
-    limit = key("required stiffness", **_LIMIT_LINE)
+    limit_key = key("required stiffness", **_LIMIT_LINE)
     return [
         counting_key(scene),
         key("a requirement is violated", color="0.3", **PALE),
@@ -260,7 +260,7 @@ def _life_keys(scene: Mapping[str, Any], has_limit: bool, has_spread: bool) -> l
             linestyle="none",
             **STAR,
         ),
-        *([limit] if has_limit else []),
+        *([limit_key] if has_limit else []),
     ]
 
 

@@ -166,9 +166,9 @@ def _title(uncertainty: xr.Dataset, names: list[str], failed: int) -> str:
     """
     choices = uncertainty.isel(preload_method=0)
     lives = choices.sel(preload_choice=available_preload_choice(choices))
-    scene = scene_of(uncertainty)["name"]
+    scene_name = scene_of(uncertainty)["name"]
     if not np.isfinite(lives["total_index"]).any():
-        return f"{scene}: too few lives could be computed to determine their spread"
+        return f"{scene_name}: too few lives could be computed to determine their spread"
 
     def main_cause(inputs: int) -> str:
         indices = lives["total_index"].sel(uncertain_inputs=inputs).values
@@ -178,6 +178,6 @@ def _title(uncertainty: xr.Dataset, names: list[str], failed: int) -> str:
 
     unsolved = f"; {failed} lives could not be computed" if failed else ""
     return (
-        f"{scene}: {spread_text(spread_at(lives))}; {main_cause(ALL_INPUTS)} has the largest "
+        f"{scene_name}: {spread_text(spread_at(lives))}; {main_cause(ALL_INPUTS)} has the largest "
         f"effect or, if the wear coefficient is known, {main_cause(ALL_BUT_WEAR)}{unsolved}"
     )

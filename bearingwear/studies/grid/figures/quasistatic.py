@@ -4,7 +4,7 @@ Those of friction, slip and wear correspond, panel by panel, to Figs. 7 to 10 of
 Wang (2018). Every title states what its data show.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -156,16 +156,18 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
         share = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
         scene = scene_of(friction_cases)
         drag = scene.get("lubricant", {}).get("drag_density_kg_m3", 0.0)
-        bearing = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
-        column[0].set_title(f"{bearing}: {friction_text(mu)}" if columns > 1 else friction_text(mu))
-        shares.append(f"{share} ({bearing}, {friction_text(mu)})" if columns > 1 else share)
+        bearing_text = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
+        column[0].set_title(
+            f"{bearing_text}: {friction_text(mu)}" if columns > 1 else friction_text(mu)
+        )
+        shares.append(f"{share} ({bearing_text}, {friction_text(mu)})" if columns > 1 else share)
     label_edges(panels)
     for panel in panels[[0, 1, 3]].flat:
         start_at_zero(panel)
     loss = float(studies[0]["ball_diameter_loss"][-1])
     frame(
         figure,
-        (f"{bearing}: " if columns == 1 else "")
+        (f"{bearing_text}: " if columns == 1 else "")
         + f"QV {'in a' if is_pair(scene) else 'with'} {method_words(scene, name)} after "
         f"{loss:g} µm of wear, "
         "relative to new: " + ", ".join(shares),
@@ -177,23 +179,41 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     return figure
 
 
+class _WearLine(NamedTuple):
+    """A line over wear in one of the panels of a column."""
+
+    panel: int
+    values: xr.DataArray
+    label: str
+    unit: Display
+    look: Mapping[str, Any] = {}
+
+
 def _draw_wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> bool:
     """Draws the four panels of a column; returns whether a case was not solved."""
     mean = cases[["qv", "contact_angle", "ball_wear_rate"]].mean("ball")
     ball = mean["qv"].sum("race", skipna=False)
-    wear = "wear rate of race and ball\n"
-    lines_shown: list[tuple[int, xr.DataArray, str, Display, dict[str, Any]]] = [
-        (0, mean["qv"], "QV", power, {}),
-        (0, ball, "QV", power, BALL_STYLE),
-        (1, cases["residual_preload"], "residual preload", display("N"), {"marker": "d"}),
-        (2, mean["contact_angle"], "contact angle", display("degree"), {}),
-        (3, cases["race_wear_rate"], wear, WEAR_RATE, {}),
-        (3, mean["ball_wear_rate"], wear, WEAR_RATE, BALL_STYLE),
-    ]
+    rate_label = "wear rate of race and ball\n"
+    lines_shown = (
+        _WearLine(0, mean["qv"], "QV", power),
+        _WearLine(0, ball, "QV", power, BALL_STYLE),
+        _WearLine(1, cases["residual_preload"], "residual preload", display("N"), {"marker": "d"}),
+        _WearLine(2, mean["contact_angle"], "contact angle", display("degree")),
+        _WearLine(3, cases["race_wear_rate"], rate_label, WEAR_RATE),
+        _WearLine(3, mean["ball_wear_rate"], rate_label, WEAR_RATE, BALL_STYLE),
+    )
     failed = False
-    for k, values, label, unit, look in lines_shown:
-        status = None if look == BALL_STYLE else cases["status"]
-        failed |= lines(column[k], values, "ball_diameter_loss", label, unit, status, **look)
+    for line in lines_shown:
+        status = None if line.look == BALL_STYLE else cases["status"]
+        failed |= lines(
+            column[line.panel],
+            line.values,
+            "ball_diameter_loss",
+            line.label,
+            line.unit,
+            status,
+            **line.look,
+        )
     return failed
 
 
