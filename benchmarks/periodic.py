@@ -132,7 +132,7 @@ def compared(scene: Scene) -> tuple[list[str], float] | None:
         took = orbits * march.orbit, orbits * spent / cpu
         row += [f"{more}{figure:.{0 if figure >= 10.0 else 1}f}" for figure in took]
     row = [*row[:-1], f"{even[-1]:.0e}".replace("e-0", "e-"), f"{1e3 * motion.growth.spacing:.2g}"]
-    return row, motion.growth.other
+    return row, motion.growth.slip_and_spin
 
 
 def main() -> None:
