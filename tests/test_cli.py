@@ -299,12 +299,13 @@ def test_each_value_is_solved_as_alone(tmp_path, capsys):
     key, values = "wear.ball_diameter_loss_um", ("0", "0.5")
     case = "constant_force-mu0.050-loss{:.2f}.nc"
     files = [str(tmp_path / case.format(float(value))) for value in values]
-    more = ["--set", "friction.ball_race=0.05", "--quiet"]
+    options = ["--set", "friction.ball_race=0.05", "--quiet"]
     each_option = ["--each", f"{key}={','.join(values)}", "-o", *files]
-    assert main(["solve", str(SCENE), *more, *each_option]) == 0
+    assert main(["solve", str(SCENE), *options, *each_option]) == 0
     for value, file in zip(values, files, strict=True):
         alone = tmp_path / "alone.nc"
-        assert main(["solve", str(SCENE), *more, "--set", f"{key}={value}", "-o", str(alone)]) == 0
+        one_value = ["--set", f"{key}={value}", "-o", str(alone)]
+        assert main(["solve", str(SCENE), *options, *one_value]) == 0
         assert alone.read_bytes() == Path(file).read_bytes()
     assert main(["gather", *files, "-o", str(tmp_path / "study.nc")]) == 0
     assert load(tmp_path / "study.nc").sizes["ball_diameter_loss"] == 2
@@ -336,11 +337,11 @@ def test_every_command_has_a_handler():
 def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
     changes = settings["changes"].items()
-    more = [text for key, value in changes for text in ("--set", f"{key}={value}")]
+    options = [text for key, value in changes for text in ("--set", f"{key}={value}")]
     if "fidelity" in settings:
-        more += ["--fidelity", settings["fidelity"]]
+        options += ["--fidelity", settings["fidelity"]]
     assert capsys.readouterr() == ("", "")  # rules print no sheets
-    assert main(["solve", str(SCENE), "-o", str(tmp_path / "b.nc"), "--quiet", *more]) == 0
+    assert main(["solve", str(SCENE), "-o", str(tmp_path / "b.nc"), "--quiet", *options]) == 0
     assert capsys.readouterr() == ("", "")
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 

@@ -115,10 +115,12 @@ def test_plain_numbers_have_no_powers_of_ten(value, digits, text):
     assert plain(value, digits, "+") == f"+{text}"
 
 
-@of_all
+PERCENTAGES = [measure for measure in MEASURES if measure.unit == "%"]
+
+
+@pytest.mark.parametrize("measure", PERCENTAGES, ids=lambda one: one.key)
 def test_a_percentage_of_all_has_no_power_of_ten(measure):
-    if measure.unit == "%":
-        assert measure.text(0.9996) == measure.limit_text(0.9996) == "100 %"
+    assert measure.text(0.9996) == measure.limit_text(0.9996) == "100 %"
 
 
 def test_margins_are_negative_beyond_the_limit():

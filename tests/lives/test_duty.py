@@ -238,7 +238,7 @@ def temperatures(inner_ring_C, balls_C, outer_ring_C):
     ids=["seldom fast", "cold and warm with a film", "pair that starts"],
 )
 def test_hours_follow_from_histories_at_all_speeds(scene, changes, phases, loss_um):
-    """As above, with each start as the mean over histories at many speeds."""
+    """t = integral of dL over the mean rate; each start is the mean over histories at 20 speeds."""
     cases = {
         "crawl": {"operation.shaft_speed_rpm": 3000.0},
         "sprint": {"operation.shaft_speed_rpm": 42000.0},

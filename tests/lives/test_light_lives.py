@@ -140,5 +140,5 @@ def test_a_criterion_that_is_met_when_new_needs_no_worn_state(monkeypatch):
     result = solved_life(scene)
     assert result.status == "ok" and result.values["life"] == pytest.approx(0.0)
     assert "contact pressure" in result.attrs["ended_by"]
-    later = scene.with_({"wear.end_of_life": {"maximum_pressure_GPa": 5.0}})
-    assert solved_life(later).status == "not_converged"
+    over_limit_later = scene.with_({"wear.end_of_life": {"maximum_pressure_GPa": 5.0}})
+    assert solved_life(over_limit_later).status == "not_converged"

@@ -155,8 +155,8 @@ RIGID = FIXED | {"arrangement.kind": "rigid_pair"}
 )
 def test_the_stiffness_of_a_pair_is_the_slope_of_force_over_its_shift(scene, changes):
     def values(force):
-        more = {"operation.preload_N": 5.0, "arrangement.external_axial_N": force}
-        return solve(scene("gyro_s1_hertz", more | changes)).values
+        loads = {"operation.preload_N": 5.0, "arrangement.external_axial_N": force}
+        return solve(scene("gyro_s1_hertz", loads | changes)).values
 
     h = 2e-3
     shifts = [values(1.0 + s * h)["rotor_axial_shift"] for s in (-1, 1)]

@@ -22,8 +22,18 @@ def sweep(*words):
 def test_axes_and_rows_make_the_datasets_of_python(tmp_path):
     scene = bearingwear.load(SCENE).with_({"model.strips": 8, "model.tolerance": 1e-3})
     axes = {"operation.preload_N": [5, 7, 9], "friction.ball_race": np.linspace(0.05, 0.09, 3)}
-    typed = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1, "-o", tmp_path / "axes.nc"]
-    assert sweep(*typed) == 0
+    options = [
+        *COARSE,
+        "--axis",
+        PRELOADS,
+        "--axis",
+        FRICTIONS,
+        "-j",
+        1,
+        "-o",
+        tmp_path / "axes.nc",
+    ]
+    assert sweep(*options) == 0
     dataset = bearingwear.load(tmp_path / "axes.nc")
     expected = bearingwear.sweep(scene, axes, workers=1)
     del expected.attrs["message"]
@@ -43,11 +53,11 @@ def test_axes_and_rows_make_the_datasets_of_python(tmp_path):
 
 
 def test_gather_joins_parts_byte_for_byte(tmp_path, capsys):
-    typed = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
+    options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
     parts = [tmp_path / f"{k}.nc" for k in (1, 2)]
     for k, path in enumerate(parts, 1):
-        assert sweep(*typed, "--part", f"{k}/2", "-o", path) == 0
-    assert sweep(*typed, "-o", tmp_path / "whole.nc") == 0
+        assert sweep(*options, "--part", f"{k}/2", "-o", path) == 0
+    assert sweep(*options, "-o", tmp_path / "whole.nc") == 0
     assert main(["gather", *map(str, parts), "-o", str(tmp_path / "all.nc")]) == 0
     assert (tmp_path / "all.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
     assert main(["gather", str(parts[1]), "-o", str(tmp_path / "none.nc")]) == 2
@@ -68,13 +78,13 @@ def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, m
 
 
 def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
-    typed = [*COARSE, "-j", 1, "-o", tmp_path / "x.nc"]
-    assert sweep(*typed, "--axis", "friction.ball_race=0,0.08") == 0
+    options = [*COARSE, "-j", 1, "-o", tmp_path / "x.nc"]
+    assert sweep(*options, "--axis", "friction.ball_race=0,0.08") == 0
     *_, line = capsys.readouterr().err.splitlines()
     assert line.startswith(f"{tmp_path / 'x.nc'}: 1 of 2 points ")
     assert line.endswith(" undetermined 1")
-    assert sweep(*typed, "--axis", "friction.ball_race=0") == 3
-    assert sweep(*typed, "--axis", "friction.ball_race=0", "--record-failures") == 0
+    assert sweep(*options, "--axis", "friction.ball_race=0") == 3
+    assert sweep(*options, "--axis", "friction.ball_race=0", "--record-failures") == 0
 
 
 @pytest.mark.parametrize(

@@ -122,9 +122,9 @@ def test_the_headline_states_what_less_preload_would_gain(files):
         found["life"][...] = np.nan
         found.attrs |= {"limits": "{}", NONE_BECAUSE: json.dumps({"fixed_position": NO_LIMIT})}
 
-    longer, hardly = headline(files, at_the_end), headline(files, plateau)
-    assert "less preload" in longer and "less preload" in hardly
-    assert numbers_in(hardly)[-2:] == [4.0, 0.1]  # % of the life, at so many N
+    at_end, on_plateau = headline(files, at_the_end), headline(files, plateau)
+    assert "less preload" in at_end and "less preload" in on_plateau
+    assert numbers_in(on_plateau)[-2:] == [4.0, 0.1]  # % of the life, at so many N
     advice = f"mine: {AS_LITTLE}"
     assert headline(files, without_limits) == advice
 

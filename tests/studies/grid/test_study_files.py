@@ -117,9 +117,9 @@ def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
     for axes in ((frictions, losses), (losses, frictions)):
         paths = [tmp_path / f"{method}.nc" for method in PRELOAD_METHODS]
         for method, path in zip(PRELOAD_METHODS, paths, strict=True):
-            typed = [word for key, values in axes for word in ("--axis", f"{key}={values}")]
-            typed += ["--set", f"operation.preload_method={method}"]
-            assert main(["sweep", str(scene_file("gyro_s1")), *typed, *words, str(path)]) == 0
+            options = [word for key, values in axes for word in ("--axis", f"{key}={values}")]
+            options += ["--set", f"operation.preload_method={method}"]
+            assert main(["sweep", str(scene_file("gyro_s1")), *options, *words, str(path)]) == 0
         assert main(["gather", *map(str, paths), "-o", str(tmp_path / "study.nc")]) == 0
         assert (tmp_path / "study.nc").read_bytes() == (folder / "study.nc").read_bytes()
 

@@ -229,8 +229,8 @@ def test_files_figures_and_table(kind, plan, tmp_path):
 
 def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     solved, counts = tmp_path / "few.nc", tmp_path / "counts.nc"
-    more = {"name": "steady_stress", "count": 2, "seed": 3}
-    assert run("run.random_scenes", solved, more, plan=FILE) == 0
+    draw = {"name": "steady_stress", "count": 2, "seed": 3}
+    assert run("run.random_scenes", solved, draw, plan=FILE) == 0
     dataset = load(solved)
     assert dataset.attrs["seed"] == 3 and dataset.sizes["trial"] == 2
     dataset["violations"] = ("trial", np.array(["", "a violation"], dtype=object))
@@ -269,6 +269,6 @@ def test_bad_plan_is_one_line(old, new, problem, tmp_path, capsys):
     text = FILE.read_text()
     assert old in text
     plan.write_text(text.replace(old, new, 1))
-    more = {"name": "steady", "count": 1}
-    assert run("run.random_scenes", tmp_path / "x.nc", more, plan=plan) == 2
+    draw = {"name": "steady", "count": 1}
+    assert run("run.random_scenes", tmp_path / "x.nc", draw, plan=plan) == 2
     assert problem in only_line(capsys)
