@@ -275,12 +275,15 @@ def test_coefficients_are_those_of_the_row_whose_life_is_one():
     in_vacuum, two_discs = MOS2_WEAR
     converted = 4e-15 / table.factor(1e9 * np.sqrt(1.1 * 1.6), 23.0)
     assert two_discs == pytest.approx(converted, rel=0.02)
-    assert in_vacuum == pytest.approx(benchmark("film_tests").bound(), rel=0.02)
+    with pytest.warns(UserWarning, match="788 MPa is beyond the tests"):
+        bound = benchmark("film_tests").bound()
+    assert in_vacuum == pytest.approx(bound, rel=0.02)
 
 
 def test_sheets_have_the_factors_of_the_tests_of_films():
     tests = benchmark("film_tests")
-    lasted = tests.SEEN / tests.revolutions(tests.nasa_bearing())
+    with pytest.warns(UserWarning, match="788 MPa is beyond the tests"):
+        lasted = tests.SEEN / tests.revolutions(tests.nasa_bearing())
     measured, computed = tests.wear_over_warmth()
     assert numbers_in(TABLE_TESTS) == [round(lasted), float(f"{computed / measured:.2g}")]
 
