@@ -439,6 +439,9 @@ def worst_point(points: Mapping[str, PointValues]) -> PointValues:
             for name in (extreme, f"{extreme}_at_start", f"{extreme}_at_end"):
                 if name in worst:
                     worst[name] = measure.extreme([point[name] for point in case_points])
+    if "residual_preload_at_end" in worst:
+        name = "residual_preload_at_end"
+        worst[name] = min(point[name] for point in case_points)
     if "impractical" in worst:
         worst["impractical"] = max(point["impractical"] for point in case_points)
     deciding = [

@@ -50,12 +50,12 @@ def duty_report(scene: Path) -> tuple[xr.Dataset, str, Figure]:
             f"{message.removeprefix(f'{name}: ')}",
         },
         blocks=(
-            Block("What ends the life", lines=sentences, place="lead"),
+            Block("What ends the life at the input preload", lines=sentences, place="lead"),
             *(replace(block, lines=(), place="open") for block in first),
             *others,
         ),
         figures=("duty",),
-        subject="Duty",
+        subject="Duty at the input preload",
         rank=2,  # after the recommended preload and the comparison of methods
     )
     return lived, answer.stored, figure

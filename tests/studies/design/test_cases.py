@@ -89,6 +89,8 @@ def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, re
         life = min(float(point["life"]) for point in points.values())
         assert 3600.0 * float(recommended["life"][k]) == pytest.approx(life, rel=1e-9)
         assert life >= 0.99 * best
+        left = min(float(point["residual_preload_at_end"]) for point in points.values())
+        assert float(recommended["residual_preload_at_end"][k]) == pytest.approx(left, rel=1e-9)
         assert json.loads(recommended.attrs[WORST_CASES])[k] == worst_of(points)
     assert np.isfinite(recommended["preload"]).any()
 
