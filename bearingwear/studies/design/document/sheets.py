@@ -87,9 +87,9 @@ SAME = 1e-6
 """Relative excess over a limit that counts as rounding."""
 
 CHANGE_WORDS = {
-    FRICTION_KEY: ("ball-race friction coefficient", ""),
-    SHEAR_KEY: ("shear strength of the film", "MPa"),
-    WARMTH_KEY: ("warming of the inner ring alone", "K"),
+    FRICTION_KEY: ("ball-race friction, preloads kept", ""),
+    SHEAR_KEY: ("shear strength of the film, preloads kept", "MPa"),
+    WARMTH_KEY: ("warming of the inner ring, preloads kept", "K"),
     GROOVE_KEY: ("groove model", ""),
 }
 
