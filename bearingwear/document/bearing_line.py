@@ -84,11 +84,25 @@ def _scene_with_changes(scene: Mapping[str, Any], changes: Mapping[str, Any]) ->
     return copy
 
 
-def is_answered_by_a_case(warning: Mapping[str, Any], scene: Mapping[str, Any]) -> bool:
-    """Whether a warning of neglected temperatures does not apply, because a case has some."""
-    cases = list(scenes_by_case(scene).values())[1:]
-    has_temperatures = any(case.get("temperature") or case.get("thermal") for case in cases)
-    return has_temperatures and warning["id"] == _NEGLECTED_TEMPERATURE
+def warning_with_cases(
+    warning: Mapping[str, Any], scene: Mapping[str, Any], names: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Returns a warning whose sentence names the cases that have it, if not all of them do.
+
+    names: of these cases; if omitted, those without temperatures have a warning of that.
+    """
+    scenes = scenes_by_case(scene)
+    if not names and warning["id"] == _NEGLECTED_TEMPERATURE:
+        names = [name for name, case in scenes.items() if not _has_temperatures(case)]
+    words = ""
+    if 0 < len(names) < len(scenes):
+        words = f"case{'s' * (len(names) > 1)} {', '.join(names)}: "
+    return {**warning, "sentence": words + warning["sentence"]}
+
+
+def _has_temperatures(scene: Mapping[str, Any]) -> bool:
+    """Returns whether a scene gives temperatures, or a network that determines them."""
+    return bool(scene.get("temperature") or scene.get("thermal"))
 
 
 def worst_case_phrase(cases: Iterable[str]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.document.bearing_line import duty_lines, is_answered_by_a_case
+from bearingwear.document.bearing_line import duty_lines, warning_with_cases
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.results.warnings import warning_line
 from bearingwear.scene.cases import NOMINAL
@@ -34,9 +34,8 @@ def check_document(path: str, scene: Scene, chosen: Choice) -> Document:
     """
     scene_data = scene.to_dict()
     warnings = [
-        warning_line(warning)
+        warning_line(warning_with_cases(warning, scene_data))
         for warning in warnings_of(scene, chosen)
-        if not is_answered_by_a_case(warning, scene_data)
     ]
     heading = (
         f"{path}: valid; {scene.name} would be solved with the {chosen.fidelity} model",

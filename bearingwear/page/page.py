@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from bearingwear.document.bearing_line import bearing_line, is_answered_by_a_case
+from bearingwear.document.bearing_line import bearing_line, warning_with_cases
 from bearingwear.document.chart import Chart, load_charts
 from bearingwear.document.document import Block, Document, load_document
 from bearingwear.document.html import block_html, sentences_html
@@ -392,15 +392,13 @@ def _warnings_with_counts(
     """Yields each warning of a scene at its worst, and the numbers of cases and lives with it."""
     merged = {"warnings": merged_warnings(dataset.attrs for dataset in datasets)}
     for warning in warnings_in(merged):
-        if is_answered_by_a_case(warning, scene):
-            continue
         counts = [
             _count_text(in_file["cases"], _content_noun(dataset))
             for dataset in datasets
             for in_file in warnings_in(dataset.attrs)
             if in_file["id"] == warning["id"]
         ]
-        yield warning["sentence"], ", ".join(counts)
+        yield warning_with_cases(warning, scene)["sentence"], ", ".join(counts)
 
 
 def _count_text(count: int, noun: str) -> str:

@@ -8,7 +8,7 @@ import xarray as xr
 from support import numbers_in
 
 import bearingwear
-from bearingwear.document.bearing_line import bearing_line, scenes_by_case
+from bearingwear.document.bearing_line import bearing_line, scenes_by_case, warning_with_cases
 from bearingwear.studies.design.choice import ACTIVE, NO_PRELOAD, UNLIMITED
 from bearingwear.studies.design.document.sentences import none_title
 from bearingwear.studies.design.document.words import NONE_BECAUSE
@@ -95,9 +95,18 @@ def test_a_life_names_the_speed_and_the_case_in_which_it_is_the_shortest(scene):
 
 def test_warnings_are_those_of_the_cases_that_have_them(scene):
     alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
-    (warning,) = stated_warnings(both)
-    assert warning["id"] == "high" and "slow, fast" in warning["sentence"]
-    assert "temperature_left_out" in [item["id"] for item in stated_warnings(alone)]
+    cold, high = stated_warnings(both)
+    assert cold["id"] == "temperature_left_out"
+    assert cold["sentence"].startswith("case nominal: ")  # another one has temperatures
+    assert high["id"] == "high" and "slow, fast" in high["sentence"]
+    assert stated_warnings(alone)[0]["sentence"] == COLD["sentence"]
+
+
+def test_neglected_temperatures_are_said_of_the_cases_without_any(scene):
+    some = warning_with_cases(COLD, scene.with_({"cases": CASES}).to_dict())
+    assert some["sentence"].startswith("cases nominal, slow: ")
+    none = scene.with_({"cases": {"slow": CASES["slow"]}}).to_dict()
+    assert warning_with_cases(COLD, none) == COLD
 
 
 def test_a_bearing_with_cases_is_described_from_case_to_case(scene):

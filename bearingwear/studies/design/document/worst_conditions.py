@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.bearing_line import (
-    is_answered_by_a_case,
     scenes_by_case,
+    warning_with_cases,
     worst_case_phrase,
 )
 from bearingwear.measures import LIMITED
@@ -197,19 +197,9 @@ def limit_met_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
 
 
 def stated_warnings(recommendation: xr.Dataset) -> list[dict[str, Any]]:
-    """Returns the warnings of a recommendation, each of which names the cases that have it.
-
-    Where a case gives temperatures, none says that they are neglected.
-    """
+    """Returns the warnings of a recommendation, each of which names the cases that have it."""
     scene = scene_of(recommendation)
-    cases = scenes_by_case(scene)
-    stated = []
-    for warning in warnings_in(recommendation.attrs):
-        if is_answered_by_a_case(warning, scene):
-            continue
-        names = warning.get("in_cases", [])
-        if 0 < len(names) < len(cases):
-            words = f"case{'s' * (len(names) > 1)} {', '.join(names)}"
-            warning = warning | {"sentence": f"{words}: {warning['sentence']}"}
-        stated.append(warning)
-    return stated
+    return [
+        warning_with_cases(warning, scene, warning.get("in_cases", ()))
+        for warning in warnings_in(recommendation.attrs)
+    ]
