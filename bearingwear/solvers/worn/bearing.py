@@ -196,6 +196,7 @@ class WornBearing:
                 self._start_at_present_loads,
                 self._start_past_fold,
                 self._start_with_less_friction,
+                self._start_again,
             )
         else:
             self._start_from_nearest(p, wear)
@@ -203,8 +204,6 @@ class WornBearing:
         kept = self.seat, self.u, self.reference
         cells = self.races, self.ends, self.rows_added
         seat, u, races, work = self._state_in_cells(p, D, wear)
-        if self.wears and _has_jumped(kept[0], seat, p):
-            starts = (*starts, self._start_again)
         for start in starts:
             if seat.status not in _FAR and not (self.wears and _has_jumped(kept[0], seat, p)):
                 break
