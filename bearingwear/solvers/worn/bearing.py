@@ -196,7 +196,6 @@ class WornBearing:
                 self._start_at_present_loads,
                 self._start_past_fold,
                 self._start_with_less_friction,
-                self._start_again,
             )
         else:
             self._start_from_nearest(p, wear)
@@ -315,11 +314,6 @@ class WornBearing:
                 self.seat, self.u = seat, u
             if seat.status == code.NOT_CONVERGED:  # the last place tried may lie beyond the cells
                 self._widen_cells(seat.status)
-        return True
-
-    def _start_again(self, *_: object) -> bool:
-        """Keeps the last state as the start, for a state that is the only one, however far."""
-        self._reset_pressures()
         return True
 
     def _reset_pressures(self) -> None:
