@@ -32,7 +32,6 @@ from bearingwear.solvers.worn.depths import (
     WornPoint,
     arc_values,
     depth_spline,
-    seat_force,
     seat_of_case,
     wandering,
 )
@@ -58,9 +57,6 @@ _GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start wi
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
 _RACE, _NOT_RACE = 2, [0, 1]  # of the unknowns, the axial place of the race; and the others
-_FOLD_STEP, _MOST_FOLD_STEPS = 0.1, 60
-"""Moves of a race past a fold, over the approach of a contact, and how many."""
-_FARTHEST_MOVE = 0.5  # of a race in a step of wear, over the approach; more is past a fold
 _ACROSS = np.linspace(-0.95, 0.95, 20)
 _SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
 """Places along a contact, over its semi-major axis, and the load of Hertz there, over its sum."""
@@ -184,8 +180,7 @@ class WornBearing:
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
         """Returns the steady state with some wear, solved from the last state.
 
-        It is rough if `on_the_way`. Where the last state is too far away, or the solve may have
-        jumped past the next one, other starts are tried.
+        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried.
         """
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
@@ -194,7 +189,6 @@ class WornBearing:
             starts = (
                 self._start_from_even_wear,
                 self._start_at_present_loads,
-                self._start_past_fold,
                 self._start_with_less_friction,
             )
         else:
@@ -204,14 +198,12 @@ class WornBearing:
         cells = self.races, self.ends, self.rows_added
         seat, u, races, work = self._state_in_cells(p, D, wear)
         for start in starts:
-            if seat.status not in _FAR and not (self.wears and _has_jumped(kept[0], seat, p)):
+            if seat.status not in _FAR:
                 break
             self.seat, self.u = kept[:2]
             self.races, self.ends, self.rows_added = cells
             if start(seat.status, p, D, wear):
                 seat, u, races, work = self._state_in_cells(p, D, wear)
-                if start == self._start_past_fold and seat.status == code.OK:
-                    break  # however far it is
         status = seat.status
         if status in _FAR and self.even not in (code.OK, code.NOT_CONVERGED):
             status = self.even  # nothing holds the balls, however they are worn
@@ -271,32 +263,6 @@ class WornBearing:
         self.reference = self._lengths(self.seat, p.g, D) - approaches
         self._reset_pressures()
         return True
-
-    def _start_past_fold(self, _: int, p: ThrustProblem, D: float, wear: WornDepths) -> bool:
-        """Sets as the start the next state to which a constant force moves the race.
-
-        As slip of a contact sets in, the axial force falls while the race moves on. Once wear has
-        brought its peak below the preload, the race moves until the force has risen again. Returns
-        whether there is such a state.
-        """
-        if not p.preload.constant_force:
-            return False
-        self._reset_pressures()
-        step = _FOLD_STEP * max(self.seat.inner.approach, self.seat.outer.approach)
-        way = 0.0  # 1 or -1 once known
-        for _ in range(_MOST_FOLD_STEPS):
-            delta_a = self.seat.delta_a + way * step
-            held = replace(p, preload=p.preload._replace(constant_force=False, delta_a=delta_a))
-            seat, u = self._state_in_cells(held, D, wear)[:2]
-            if seat.status != code.OK:
-                return False
-            self.seat, self.u = seat, u
-            left = float(np.sign(p.preload.F_x - seat_force(p.g, seat)))
-            if way and left != way:
-                self.state.slope.fill(0.0)  # found without the place of the race
-                return True
-            way = left
-        return False
 
     def _start_with_less_friction(
         self, status: int, p: ThrustProblem, D: float, wear: WornDepths
@@ -640,17 +606,6 @@ class WornBearing:
         is_wider = any(new is not old for new, old in zip(races, self.races, strict=True))
         self.races = tuple(races)
         return is_wider
-
-
-def _has_jumped(start: WornSeat, seat: WornSeat, p: ThrustProblem) -> bool:
-    """Returns whether a constant force moved a race so far on that another state may lie nearer.
-
-    Wear moves it by less in a step, except past a fold.
-    """
-    if seat.status != code.OK or not p.preload.constant_force:
-        return False
-    size = max(seat.inner.approach, seat.outer.approach)
-    return seat.delta_a - start.delta_a > _FARTHEST_MOVE * size
 
 
 def _track_radii(p: ThrustProblem, seat: WornSeat, D: float) -> np.ndarray:
