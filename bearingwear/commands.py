@@ -114,16 +114,12 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
     if not names:
         problem = "got nothing, expected MYBEARING.yaml, a designation such as 7008C, or both"
         raise SceneError("", problem, source="new")
-    if (
-        len(names) > 1
-        and names[-1].endswith(SCENE_SUFFIXES)
-        and not names[0].endswith(SCENE_SUFFIXES)
-    ):
+    are_scenes = [name.endswith(SCENE_SUFFIXES) for name in names]
+    if are_scenes[-1] and not are_scenes[0]:
         names = [names[-1], *names[:-1]]  # 7008C mine.yaml
     file, *words = names
     designation = " ".join(names)
-    is_file = "." in file or ("/" in file and not _is_designation(designation))
-    if is_file:
+    if "." in file or ("/" in file and not _is_designation(designation)):
         return file, " ".join(words) or None
     is_maker = file.upper() in (*MAKERS, *OTHER_MAKERS)
     if words and re.search("[a-z]", file) and not is_maker:

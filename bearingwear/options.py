@@ -120,6 +120,9 @@ def file_name(text: str) -> Path:
     return Path(text)
 
 
+_NO_RESULTS = (".csv", ".json", ".xlsx", ".txt", ".md", ".svg", ".png", ".pdf", ".html")
+
+
 def result_name(text: str) -> Path:
     """Read the name of a result file to write, which is netCDF whatever it is called."""
     path = file_name(text)
@@ -130,9 +133,6 @@ def result_name(text: str) -> Path:
         problem = f"got {text!r}, expected a name that ends in .nc{advice}"
         raise argparse.ArgumentTypeError(problem)
     return path
-
-
-_NO_RESULTS = (*(".csv", ".json", ".xlsx", ".txt", ".md", ".svg", ".png", ".pdf", ".html"),)
 
 
 def positive_count(text: str) -> int:

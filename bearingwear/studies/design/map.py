@@ -431,7 +431,7 @@ def worst_point(points: Mapping[str, PointValues]) -> PointValues:
             return {**point, **counts, NOT_SOLVED_AT: {**point[NOT_SOLVED_AT], "case": case}}
     shortest = int(np.argmin([point.get("life", math.inf) for point in case_points]))
     worst = {**case_points[shortest], **counts}
-    for name in ("life", "hertzian_life", "time_to_slip_limit"):
+    for name in ("life", "hertzian_life", "time_to_slip_limit", "residual_preload_at_end"):
         if name in worst:
             worst[name] = min(point[name] for point in case_points)
     for measure in LIMITED.values():
@@ -439,9 +439,6 @@ def worst_point(points: Mapping[str, PointValues]) -> PointValues:
             for name in (extreme, f"{extreme}_at_start", f"{extreme}_at_end"):
                 if name in worst:
                     worst[name] = measure.extreme([point[name] for point in case_points])
-    if "residual_preload_at_end" in worst:
-        name = "residual_preload_at_end"
-        worst[name] = min(point[name] for point in case_points)
     if "impractical" in worst:
         worst["impractical"] = max(point["impractical"] for point in case_points)
     deciding = [
