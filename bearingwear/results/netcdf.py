@@ -248,7 +248,7 @@ def check_readable(path: str | os.PathLike[str]) -> None:
             start = file.read(len(SIGNATURE))
         name.encode()
     except IsADirectoryError:
-        files = sorted(file for file in Path(path).rglob("*") if file.suffix in (".nc", ".html"))
+        files = sorted(file for file in Path(path).rglob("*.nc") if file.is_file())
         advice = f", such as {files[0]}" if files else ""
         raise CaseFileError(f"{name}: got a folder, expected a result file{advice}") from None
     except (OSError, UnicodeError) as error:
