@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 import tempfile
 import warnings
@@ -67,8 +66,6 @@ CHOICES: Mapping[str, Collection[str]] = {
 
 RADIAL_CLEARANCE = "radial_clearance_um"
 
-_OF_NEW = "name", "designation", "bore", "outside"  # parameters with a name of their own
-
 
 def solve(
     scene: Source,
@@ -110,10 +107,10 @@ def solve(
         warnings (attribute `warnings`).
     """
     checked = as_scene(scene)
-    from bearingwear.solvers.solve import solve as solved
+    from bearingwear.solvers.solve import solve as solved_result
 
     state = None if restart is None else restart_from(restart, checked)
-    return _with_warnings(solved(checked, fidelity, state, progress), checked)
+    return _dataset_with_warnings(solved_result(checked, fidelity, state, progress), checked.name)
 
 
 def life(
@@ -150,9 +147,9 @@ def life(
         (attribute `warnings`).
     """
     checked = for_life(as_scene(scene))
-    from bearingwear.lives.life import life as lived
+    from bearingwear.lives.life import life as life_result
 
-    return _with_warnings(lived(checked, fidelity, progress), checked)
+    return _dataset_with_warnings(life_result(checked, fidelity, progress), checked.name)
 
 
 def uncertainty(
@@ -233,10 +230,11 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
 
     keys = {_argument(measure.option): key for key, measure in LIMITED.items()}
     keys |= {"at_speed_only": "at_speed_only", "warmup": "warmup_s"}
-    if unknown := sorted(requirements.keys() - keys):
-        raise TypeError(f"recommend: got {unknown[0]!r}, expected {', '.join(sorted(keys))}")
-    limits_given = {keys[name]: value for name, value in requirements.items() if value is not None}
-    limits = record(DesignLimits, limits_given, "recommend")
+    for name in sorted(requirements):
+        if name not in keys:
+            raise TypeError(f"recommend: got {name!r}, expected {', '.join(sorted(keys))}")
+    values = {keys[name]: value for name, value in requirements.items() if value is not None}
+    limits = record(DesignLimits, values, "recommend")
     checked = life_scene(scene, films=True)
     recommendation, lives = recommended(checked, limits, checked.name, workers)
     if limits.given and best_method(recommendation) is None:
@@ -296,15 +294,15 @@ def warmup(
     return warmed
 
 
-def _with_warnings(result: Result, scene: Scene) -> xr.Dataset:
-    """Return the dataset of a result, and issue its warnings."""
+def _dataset_with_warnings(result: Result, scene_name: str) -> xr.Dataset:
+    """Return the dataset of a result, and issue its warnings where `solve` or `life` was called."""
     result_dataset = dataset(result, by_name=True)
     result_dataset.attrs["message"] = STATUS_SENTENCES[result.status]
     if result.status != "ok":
-        text = f"{scene.name}: {result.status}: {STATUS_SENTENCES[result.status]}"
+        text = f"{scene_name}: {result.status}: {STATUS_SENTENCES[result.status]}"
         warnings.warn(text, stacklevel=3)
     for warning in warnings_in(result_dataset.attrs):
-        warnings.warn(f"{scene.name}: {warning['sentence']}; {warning['advice']}", stacklevel=3)
+        warnings.warn(f"{scene_name}: {warning['sentence']}; {warning['advice']}", stacklevel=3)
     return result_dataset
 
 
@@ -356,15 +354,16 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
     """
     from bearingwear.atomic import OutputError, write_text
 
-    if isinstance(data, Scene) != (Path(path).suffix in SCENE_SUFFIXES):
-        got, allowed = ("a scene", "with") if isinstance(data, Scene) else ("a dataset", "without")
-        raise OutputError(
-            f"{path}: got {got}, expected a file name {allowed} the suffix "
-            f"{' or '.join(SCENE_SUFFIXES)}"
-        )
+    suffixes, has_scene_suffix = " or ".join(SCENE_SUFFIXES), Path(path).suffix in SCENE_SUFFIXES
     if isinstance(data, Scene):
+        if not has_scene_suffix:
+            problem = f"got a scene, expected a file name with the suffix {suffixes}"
+            raise OutputError(f"{path}: {problem}")
         write_text(path, yaml_of(written_data(data)))
     else:
+        if has_scene_suffix:
+            problem = f"got a dataset, expected a file name without the suffix {suffixes}"
+            raise OutputError(f"{path}: {problem}")
         from bearingwear.studies.dataset import write_dataset
 
         write_dataset(coded(data), Path(path))
@@ -393,8 +392,9 @@ def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False)
         return scene_sheet(data)
     if isinstance(data, str | os.PathLike):
         return sheet(data, STUDY_SHEETS, every)
-    with tempfile.TemporaryDirectory() as folder:
-        save(data, path := Path(folder) / "result.nc")
+    with tempfile.TemporaryDirectory() as folder:  # sheets of all kinds are made from open files
+        path = Path(folder) / "result.nc"
+        save(data, path)
         return sheet(path, STUDY_SHEETS, every)
 
 
@@ -437,31 +437,40 @@ def new(
     if isinstance(bore, str):
         problem = f"got {bore!r}, expected a number, or designation={bore!r}"
         raise SceneError("", problem, source="bore")
-    keys = {_argument(option): key for option, key, *_ in OPTIONS}
     if designation is not None and not isinstance(designation, str):
         raise TypeError(f"new: got {designation!r}, expected a designation such as '7008C'")
-    text_options = inspect.signature(scene_text).parameters.keys() - {"given", *_OF_NEW}
-    allowed = [*text_options, *keys, RADIAL_CLEARANCE]
-    if unknown := sorted(known.keys() - allowed):
-        raise TypeError(f"new: got {unknown[0]!r}, expected {', '.join(sorted(allowed))}")
-    for option, choices in CHOICES.items():
-        text = known.get(option)
-        if isinstance(text, str) and text not in choices:
-            advice = did_you_mean(text, choices)
-            problem = f"got {text!r}, expected {', '.join(choices)}{advice}"
-            raise SceneError("", problem, source=option)
+    keys = {_argument(option): key for option, key, *_ in OPTIONS}
+    allowed = sorted([*CHOICES, *keys, RADIAL_CLEARANCE])
+    for option in sorted(known):
+        if option not in allowed:
+            raise TypeError(f"new: got {option!r}, expected {', '.join(allowed)}")
+    _check_choices(known)
     if RADIAL_CLEARANCE in known:
         if "clearance" in known:
             raise TypeError(f"new: got clearance and {RADIAL_CLEARANCE}, expected only one of them")
         known["clearance"] = known.pop(RADIAL_CLEARANCE)
-    numbers: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
-    options: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
-    options |= {"bore": bore, "outside": outside, "designation": designation}
+    numbers: dict[str, Any] = {}
+    options: dict[str, Any] = {"bore": bore, "outside": outside, "designation": designation}
+    for option, value in known.items():
+        if option in keys:
+            numbers[keys[option]] = value
+        else:
+            options[option] = value
     try:
         text, assumed = scene_text(name, given=numbers, **options)
         return checked_scene(text, f"Assumed or catalogue values: {'; '.join(assumed)}.")
     except SceneError as error:
         raise error.in_source(_argument(error.source)) from None
+
+
+def _check_choices(options: Mapping[str, float | str]) -> None:
+    """Refuse an option of `new` whose text is none of its choices."""
+    for option, choices in CHOICES.items():
+        text = options.get(option)
+        if isinstance(text, str) and text not in choices:
+            advice = did_you_mean(text, choices)
+            problem = f"got {text!r}, expected {', '.join(choices)}{advice}"
+            raise SceneError("", problem, source=option)
 
 
 def _argument(option: str) -> str:
@@ -509,6 +518,7 @@ class Plot:
         return self._figure(data, STUDY_PLOTS, bearing)
 
     def __getattr__(self, name: str) -> Callable[..., Figure]:
+        """Return the function that draws results of one kind, such as `plot.case`."""
         kinds = {kind.replace(" ", "_"): kind for kind in STUDY_PLOTS}
         if name not in kinds:
             raise AttributeError(f"plot: got {name!r}, expected {', '.join(kinds)}")
@@ -522,19 +532,23 @@ class Plot:
         return figure
 
     def __dir__(self) -> list[str]:
+        """Return the names of the functions for each kind, too, for completion."""
         return [*super().__dir__(), *(kind.replace(" ", "_") for kind in STUDY_PLOTS)]
 
     @staticmethod
     def _figure(
         data: str | os.PathLike[str] | xr.Dataset, figures: Registry, bearing: str | None
     ) -> Figure:
-        """Draw a file or a dataset by the function of its kind in `figures`."""
+        """Draw a file or a dataset by the function of its kind in `figures`.
+
+        CaseFileError: a kind that `figures` lacks, or neither a path nor a dataset.
+        """
         import matplotlib
         import xarray as xr
 
         from bearingwear.plotting.plot import figure_of
 
-        with matplotlib.rc_context():  # figures have a style of their own
+        with matplotlib.rc_context():  # drawing sets the package's style, and this takes it back
             if isinstance(data, str | os.PathLike):
                 return figure_of(read_file(data), os.fspath(data), figures, bearing)
             if isinstance(data, xr.Dataset):

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from bearingwear.measures import plain
-from bearingwear.scene.arrangement import flat_keys, set_over_pair
+from bearingwear.scene.arrangement import flat_keys, set_preload_ratio
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines, minimum_preload_words
@@ -205,7 +205,7 @@ def pair_preload_N(arrangement: Mapping[str, Any], preload_N: float) -> float:
     arrangement: the block of the scene, a rigid set.
     preload_N: preload of each side of the set.
     """
-    return preload_N / set_over_pair(arrangement["tandem"])
+    return preload_N / set_preload_ratio(arrangement["tandem"])
 
 
 def _pair_phrases(arrangement: Mapping[str, Any], preload_N: float) -> list[str]:

@@ -75,7 +75,7 @@ def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
         obstacle = f"model.fidelity {fidelity}"
     elif scene.wear.counts != "ball_and_races":
         obstacle = "wear.counts ball"
-    elif scene.model.slip_is_over == "line":
+    elif scene.model.slip_region == "line":
         obstacle = "model.slip_over line"
     if scene.model.contact == "worn":
         if obstacle:

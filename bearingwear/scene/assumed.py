@@ -25,8 +25,9 @@ def assumed_keys(path: str | os.PathLike[str]) -> set[str]:
     node = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     keys = set(_assumed_keys_of_block(node, text.splitlines()))
     for file in derived:
-        changed = tuple(data_of(text_of(file), file).get("set", {}))
-        keys = {key for key in keys if not f"{key}.".startswith(tuple(f"{c}." for c in changed))}
+        changes = data_of(text_of(file), file).get("set", {})
+        blocks = tuple(f"{key}." for key in changes)  # a changed block has new values in all keys
+        keys = {key for key in keys if not f"{key}.".startswith(blocks)}
     return keys
 
 

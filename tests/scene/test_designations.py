@@ -125,7 +125,7 @@ def test_designations_of_other_makers(text, name, balls, pair, load, ignored):
     )  # fmt: skip
     assert letters.ball_material == ("silicon_nitride" if balls else None)
     parts = (balls, letters.small_balls, pair, load, ignored)
-    assert len(letters.meanings()) == sum(map(bool, parts))
+    assert len(letters.explanations()) == sum(map(bool, parts))
     assert designation._replace(letters=Letters()) == designation_of(name)
 
 
@@ -168,7 +168,7 @@ def test_small_balls_of_a_high_speed_series_are_no_cage(text, letters):
         return
     of_text = designation_of(text).letters
     assert of_text.small_balls == letters
-    assert ("--ball-diameter" in " ".join(of_text.meanings())) == bool(letters)
+    assert ("--ball-diameter" in " ".join(of_text.explanations())) == bool(letters)
     assert not letters or letters not in of_text.ignored.split()
 
 

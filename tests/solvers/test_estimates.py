@@ -87,7 +87,7 @@ def test_targets_take_the_cheapest_rung_that_is_meant_for_them():
 def test_the_steady_error_is_what_the_dial_promises(scene, name):
     def answer(accuracy):
         model = scene(name).model
-        keys = NAMED_PRESETS[accuracy].keys(model.slip_is_over)
+        keys = NAMED_PRESETS[accuracy].keys(model.slip_region)
         keys["wear.ball_diameter_loss_um"] = 0.2
         return solve(scene(name, keys), "steady").values["total_qv"]
 

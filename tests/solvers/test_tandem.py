@@ -8,7 +8,7 @@ from support import numbers_in
 
 from bearingwear.document.bearing_line import operation_lines
 from bearingwear.lives.life import life
-from bearingwear.scene.arrangement import set_over_pair
+from bearingwear.scene.arrangement import set_preload_ratio
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.at_rest import Mechanics
 from bearingwear.solvers.effects.choice import choice
@@ -89,8 +89,8 @@ def test_a_set_of_bearings_matched_as_a_pair(scene, tandem, printed):
         return sum(place(F / n) for n in tandem) - 2.0 * place(pair_preload)
 
     force = brentq(offset, 0.5 * pair_preload, 4.0 * pair_preload)
-    assert_allclose(set_over_pair(tandem), force / pair_preload, rtol=5e-3)
-    assert_allclose(set_over_pair(tandem), printed, atol=6e-3)
+    assert_allclose(set_preload_ratio(tandem), force / pair_preload, rtol=5e-3)
+    assert_allclose(set_preload_ratio(tandem), printed, atol=6e-3)
 
 
 def test_a_set_states_the_preload_of_each_side_of_its_pair_and_of_the_set(scene):

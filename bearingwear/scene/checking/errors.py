@@ -93,9 +93,9 @@ _INCHES = re.compile(r"(\d+)/(\d+)(?:\s*(?:in|inch|\"))?")
 
 
 def number_hint(text: str, unit: str = "") -> str:
-    """Returns how to write a text that was meant as a number; empty where that is not clear.
+    """Returns how to write a text that was meant as a number; "" where that is not clear.
 
-    unit: of the number, where it is known.
+    unit: that the number should have; "" where it is not known.
     """
     if re.fullmatch(r"[-+]?\d{1,3}(,\d{3})+(\.\d*)?", text):
         as_decimal = f" or {float(text.replace(',', '.')):g}" if text.count(",") == 1 else ""
@@ -115,7 +115,10 @@ def number_hint(text: str, unit: str = "") -> str:
 
 
 def _unit_hint(number: float, typed: str, unit: str) -> str:
-    """Returns how to write a number that was typed with a unit."""
+    """Returns how to write a number that was typed with a unit.
+
+    typed: the unit that was typed; one that cannot be converted to `unit` is only refused.
+    """
     value = converted(number, typed, unit or "1")
     if value is None:
         return f"write the number alone{f', in {unit}' if unit not in ('', '1', '-') else ''}"
@@ -134,34 +137,64 @@ def check_thousands(path: str, text: str, source: str = "scene") -> None:
         raise SceneError(path, problem, source=source)
 
 
-_MEANT = {
-    "rigid": "fixed_position", "fixed": "fixed_position rigid", "spacer": "fixed_position rigid",
-    "displacement": "fixed_position", "position": "fixed_position rigid",
-    "spring": "constant_force", "constant": "constant_force spring",
-    "force": "constant_force spring", "springs": "constant_force spring",
-    "fixed_position": "rigid", "rigid_pair": "rigid", "constant_force": "spring",
-    "spring_pair": "spring",
-    "ceramic": "silicon_nitride", "hybrid": "silicon_nitride",
-    "si3n4": "silicon_nitride", "steel": "bearing_steel", "100cr6": "bearing_steel",
-    "52100": "bearing_steel", "suj2": "bearing_steel", "440c": "bearing_steel",
-    "moly": "mos2", "solid": "mos2", "vacuum": "mos2", "none": "dry", "time": "dynamic",
-    "transient": "dynamic", "quasistatic": "steady", "static": "steady",
-}  # fmt: skip
-"""What people type for choices of scenes and options: one choice, or two with a space between."""
+SYNONYMS = {
+    # choices of keys and options
+    "fixed_position": ("rigid", "fixed", "spacer", "displacement", "position"),
+    "constant_force": ("spring", "springs", "constant", "force"),
+    "silicon_nitride": ("ceramic", "hybrid", "si3n4"),
+    "bearing_steel": ("steel", "100cr6", "52100", "suj2", "440c"),
+    "rigid": ("spacer", "fixed", "position", "fixed_position", "rigid_pair"),
+    "spring": ("springs", "constant", "force", "constant_force", "spring_pair"),
+    "mos2": ("moly", "solid", "vacuum"),
+    "dry": ("none",),
+    "dynamic": ("time", "transient"),
+    "steady": ("quasistatic", "static"),
+    # keys of a scene
+    "ball_race": ("mu", "friction", "coefficient"),
+    "ball_count": ("Z", "balls"),
+    "ball_diameter_mm": ("D",),
+    "pitch_diameter_mm": ("dm", "d_m"),
+    "contact_angle_deg": ("alpha",),
+    "shaft_speed_rpm": ("n", "rpm"),
+    "youngs_modulus_GPa": ("E",),
+    "poisson_ratio": ("nu",),
+    "density_kg_m3": ("rho",),
+    "standard_deviation": ("std", "sigma"),
+    "preload_N": ("F", "force"),
+    "preload_method": ("method",),
+    # options of commands
+    "--speed": ("-n", "--n", "--rpm"),
+    "--bore": ("-d", "--id"),
+    "--outside": ("-D", "--od", "--diameter"),
+    "--friction": ("--mu",),
+    "--contact-angle": ("--alpha",),
+    "--ball-material": ("--material", "--hybrid"),
+    "--preload-class": ("--class",),
+    "--pair": ("--arrangement",),
+    "--lubrication": ("--lubricant",),
+    "--output": ("--out",),
+    "--slip": ("--gyro",),
+    "--frequency": ("--noise",),
+}
+"""Symbols and words that people type for choices, keys and options."""
+
+
+def synonym(typed: str, choices: Iterable[str]) -> str | None:
+    """Returns the choice that people mean by a text which is none; None if no choice is known."""
+    return next((choice for choice in choices if typed in SYNONYMS.get(choice, ())), None)
 
 
 def did_you_mean(typed: Any, choices: Iterable[str]) -> str:
     """Returns advice on a text that is none of the choices, after a semicolon; "" without any."""
-    by_letters = {choice.lower(): choice for choice in choices}
+    by_lower_case = {choice.lower(): choice for choice in choices}
     plain_text = re.sub(r"[\s-]+", "_", str(typed).strip().lower())
     for text in (plain_text, plain_text.replace("_", "")):
-        for meant in _MEANT.get(text, "").split():
-            if meant in by_letters.values():
-                return f"; did you mean {meant}"
-    similar = difflib.get_close_matches(plain_text, by_letters, n=2, cutoff=0.7)
+        if choice := synonym(text, by_lower_case.values()):
+            return f"; did you mean {choice}"
+    similar = difflib.get_close_matches(plain_text, by_lower_case, n=2, cutoff=0.7)
     if not similar and len(plain_text) > 2:
-        similar = [name for name in by_letters if plain_text in name]
-    names = " or ".join(by_letters[name] for name in similar)
+        similar = [name for name in by_lower_case if plain_text in name]
+    names = " or ".join(by_lower_case[name] for name in similar)
     return f"; did you mean {names}" if names else ""
 
 

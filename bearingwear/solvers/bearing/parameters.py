@@ -152,7 +152,7 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
     model = scene.model
     name = model.quadrature
     strips = max(model.strips, FEWEST_SPLIT) if name == "split" else model.strips
-    if model.slip_is_over == "line":
+    if model.slip_region == "line":
         return ellipse_rule(name, refined * strips)
     refined = min(refined, 2)
     return ellipse_rule(name, refined * strips, refined * model.points_across)

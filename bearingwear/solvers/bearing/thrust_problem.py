@@ -49,7 +49,7 @@ class ThrustProblem:
             constant_force=constant_force, F_x=F_x, delta_a=parameters.static_place(scene)
         )
         op, search_rule = parameters.operating_point(scene), parameters.search_rule(scene)
-        traction = scene.model.traction_bears
+        traction = scene.model.includes_traction
         return cls(
             g=g,
             op=op,

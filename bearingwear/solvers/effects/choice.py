@@ -174,7 +174,7 @@ def unevaluated_criteria(scene: Scene, chosen: Choice) -> dict[str, float]:
 def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
     """Describes the accuracy settings of a scene in words."""
     model = scene.model
-    across = f" by {model.points_across} across" if model.slip_is_over == "ellipse" else ""
+    across = f" by {model.points_across} across" if model.slip_region == "ellipse" else ""
     settings = (
         f"accuracy: {model.accuracy}; {model.strips} points or strips ({model.quadrature}){across}"
         ", friction regularised below a slip speed of "

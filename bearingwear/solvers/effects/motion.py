@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from bearingwear.measures import plain
 from bearingwear.scene.accuracy import CAGE_TOLERANCE
-from bearingwear.scene.arrangement import Arrangement, set_over_pair
+from bearingwear.scene.arrangement import Arrangement, set_preload_ratio
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, curvatures
 from bearingwear.solvers.bearing.mounted import MM, RPM, mounted_geometry
@@ -74,7 +74,7 @@ def slip_sentences(chosen: Choice) -> Iterator[str]:
     model = chosen.scene.model
     share = 100.0 * spin_across_share(chosen.scene)
     size = f"about {plain(share, 2)} % of the friction of a spinning contact"
-    if model.slip_is_over == "line":
+    if model.slip_region == "line":
         key = "model.slip_over" if model.slip_over else "model.contact: paper"
         yield f"slip: evaluated on the centre line of the ellipse ({key}), which neglects {size}"
     else:
@@ -93,7 +93,7 @@ def traction_sentences(chosen: Choice) -> Iterator[str]:
     status = "included in the balance of normal forces"
     if chosen.fidelity == "race_control":
         status += " at the controlling race"
-    elif not model.traction_bears:
+    elif not model.includes_traction:
         key = "model.normal_balance" if model.normal_balance else "model.contact: paper"
         status = f"neglected in the balance of normal forces ({key})"
     yield (
@@ -133,7 +133,7 @@ def _set_preload_words(scene: Scene, a: Arrangement) -> str:
     of_side = f"operation.preload_N, {preload:g} N, is the force of each side"
     if a.kind != "rigid_pair":
         return of_side
-    ratio = set_over_pair(a.tandem)
+    ratio = set_preload_ratio(a.tandem)
     return (
         f"{of_side}; bearings matched for a pair of {plain(preload / ratio)} N give it, because a "
         f"set has {ratio:.3g} times the preload of the pair (if {preload:g} N is that of a pair, "

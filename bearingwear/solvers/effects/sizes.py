@@ -116,7 +116,7 @@ def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
         note="but for race control",
     )
     model = scene.model
-    is_included = model.traction_bears or not is_balanced
+    is_included = model.includes_traction or not is_balanced
     key = "model.normal_balance" if model.normal_balance else "model.contact"
     yield EffectSize(
         name="traction in normal forces",
@@ -131,7 +131,7 @@ def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
 def _slip_effect(scene: Scene) -> EffectSize:
     """Returns slip across the ellipse, by its share of spin friction."""
     model, note = scene.model, "of spin friction"
-    is_included = model.slip_is_over != "line"
+    is_included = model.slip_region != "line"
     key = "model.slip_over" if model.slip_over else "model.contact"
     return EffectSize(
         name="slip across the ellipse",
@@ -180,7 +180,7 @@ def _groove_effect(scene: Scene, fidelity: str) -> EffectSize:
         fidelity == "steady"
         and scene.wear.counts == "ball_and_races"
         and model.contact == "auto"
-        and model.slip_is_over != "line"
+        and model.slip_region != "line"
     )
     ends_by_depth = end is not None and end.groove_depth_um is not None
     is_on = model.contact == "worn" or (is_possible and (ends_by_depth or share > FLAT_GROOVE))
