@@ -17,7 +17,7 @@ from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_share
 from bearingwear.scene.warmth import Thermal, check_heat_capacities
-from bearingwear.solvers.bearing_states import heats_of, kept_at, states_of
+from bearingwear.solvers.bearing_states import bearings_at_temperatures, heats_of, states_of
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import SolvedBearing, States
 from bearingwear.solvers.rotor import Alone, OnRotor, RotorState
@@ -143,7 +143,7 @@ class ThermalBearings:
     ) -> tuple[Alone | OnRotor, RotorState, tuple[HeatFlow, ...]]:
         whole = max(share, LINEAR_SHARE)
         networks = [network_at(network, time) for network in self.networks()]
-        kept = kept_at(self._bearings(whole), temperatures, networks)
+        kept = bearings_at_temperatures(self._bearings(whole), temperatures, networks)
         if kept is None:
             raise NoState(code.WARM_SEIZURE)
         if isinstance(kept, Alone):
