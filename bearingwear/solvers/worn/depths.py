@@ -72,7 +72,10 @@ def seat_force(g: Geometry, seat: WornSeat) -> float:
 
 
 def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
-    """Returns a depth over equally spaced places as a spline."""
+    """Returns a depth over equally spaced places as a cubic spline.
+
+    places: (n,) [m], `step` apart.
+    """
     c = np.empty((4, depth.size - 1))
     spline_pieces(float(step), depth, c)
     return Arc(float(places[0]), float(step), c)
