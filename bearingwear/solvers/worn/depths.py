@@ -52,7 +52,7 @@ class WornPoint:
     problem: ThrustProblem
     seat: WornSeat = NOWHERE
     u: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (4,) motion of a ball [rad/s]
-    slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 4), see kernel
+    slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 5), see `FrictionWork.slip`
     qv_along: tuple[np.ndarray, ...] = ()  # QV per length at the cells, inner and outer [W/m]
     x: tuple[np.ndarray, ...] = ()  # the cells along the major axis [m]
     pressure: tuple[np.ndarray, ...] = ()  # (m, n) each, over the peak of Hertz
