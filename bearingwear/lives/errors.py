@@ -214,8 +214,9 @@ def _accuracy_error(grooves: _ComparedGrooves, life: Life, ends: Criteria) -> fl
 def integration_error(time: np.ndarray, rate: np.ndarray) -> float:
     """Returns a bound on the error of a trapezoidal integral by steps and by scatter of the runs.
 
-    NaN for fewer than three nodes. Otherwise it is a third of the change by steps twice as long, plus twice the standard error of the sum.
-    The latter comes from the scatter of the nodes about parabolas through their neighbours.
+    NaN for fewer than three nodes. Otherwise it is a third of the change by steps twice as long,
+    plus twice the standard error of the sum. The latter comes from the scatter of the nodes about
+    parabolas through their neighbours.
 
     time, rate: of the nodes (n,).
     """
