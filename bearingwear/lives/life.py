@@ -25,9 +25,11 @@ def life(
 ) -> Result:
     """Returns the wear life of a scene from its present loss on, over its duty if it has one.
 
-    Where no criterion was met, `status` says so and the life is a lower bound. `progress` is given
-    one line of text at each step of a dynamic life. Raises SceneError where the scene has no
-    criterion, or a preload fraction without a preload; NotAvailable as `choice_for_life`.
+    Where no criterion was met, `status` says so and the life is a lower bound. Raises SceneError
+    where the scene has no criterion, or a preload fraction without a preload; NotAvailable as
+    `choice_for_life`.
+
+    progress: receives one line of text at each step of a dynamic life.
     """
     if for_life(scene, scene.name).duty is not None:
         return life_over_duty(scene, fidelity)
@@ -55,7 +57,10 @@ def life(
 
 
 def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
-    """Returns values and attributes of a life whose contacts stay Hertzian; its error if steady."""
+    """Returns values and attributes of a life whose contacts stay Hertzian.
+
+    They include an estimate of the error by the fidelity `steady`.
+    """
     solver = solver_of(scene, fidelity)
     followed = surface_life(scene, solver)
     followed.error = surface_steps_error(scene, solver, followed)

@@ -77,7 +77,7 @@ def worn_life_with_stiffness(scene: Scene, quick: bool = True) -> Life | None:
 
 
 def _worn_life(scene: Scene, kind: type[Grooves], quick: bool) -> Life | None:
-    """Returns `worn_life` by one kind of grooves."""
+    """Returns `worn_life` by one kind of grooves, with stiffnesses or without."""
     if scene.duty is not None:
         over_duty = duty_life(scene, "steady", quick, kind)
         return over_duty.life if over_duty.is_worn else None
@@ -114,9 +114,13 @@ def worse_states(life: Life, scene: Scene) -> list[State]:
 
 
 def worse_state(states: States, scene: Scene) -> State:
-    """Returns one state for the bearings of a scene, as `worse_states`."""
+    """Returns one state for the bearings of a scene: of each measure the worse value.
+
+    Of a pair it has also `losses`, `lowest_frequency`, and values of both bearings (2, 2).
+    """
     if len(states) == 1:
-        return states[0]
+        (state,) = states
+        return state
     first, second = with_tandem_preload(states, scene)
     worse = {
         name: _worse(first[name], second[name], measure)
@@ -162,11 +166,11 @@ def lives_by_end(
     if not grooves_wear(scene):
         lives = HertzianLives(scene)
 
-        def length(end: EndOfLife) -> float:
+        def hertzian_length(end: EndOfLife) -> float:
             life = lives(with_end(scene, end))
             return life.last.time if life.status == code.OK else np.nan
 
-        return length
+        return hertzian_length
     worn = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))
     life = worn_life(worn, quick)
     assert life is not None
@@ -175,7 +179,8 @@ def lives_by_end(
     def time_to_limit(name: str, limit: float) -> float:
         return life.time_to(criteria_of(with_end(worn, EndOfLife(**{name: limit}))))
 
-    # `fmin` leaves out NaN, of a criterion that is not met
-    return lambda end: float(
-        np.fmin.reduce([time_to_limit(name, limit) for name, limit in end.criteria.items()])
-    )
+    def worn_length(end: EndOfLife) -> float:
+        times = [time_to_limit(name, limit) for name, limit in end.criteria.items()]
+        return float(np.fmin.reduce(times))  # leaves out NaN, of a criterion that is not met
+
+    return worn_length

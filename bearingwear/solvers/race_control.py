@@ -137,7 +137,10 @@ def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
 
 
 def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None:
-    """Returns (w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None without a solution."""
+    """Returns (w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None without a solution.
+
+    bare: which contacts have no film left.
+    """
     problem = parameters.where_bare(RaceControlProblem.of(scene), scene, bare)
     values, _ = solve_race_control(scene, problem)
     if "orbit_speed" not in values:
@@ -148,7 +151,10 @@ def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None
 def contact_solution(
     problem: RaceControlProblem, balance: Balance, models: np.ndarray, rule: Rule
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`."""
+    """Returns motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`.
+
+    models: controlling race of each ball (n,).
+    """
     g, op, D = problem.g, problem.op, problem.D
     u, rows = np.empty((len(D), 4)), np.empty((len(D), 2, COLUMNS))
     buffers = point_buffers(rule)
@@ -168,8 +174,9 @@ def contact_solution(
 
 def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float:
     """Returns the unbalanced force on balls and race, over the largest contact load [1]."""
-    g, residual = problem.g, 0.0
-    largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
+    g = problem.g
+    residual = 0.0
+    largest = max(max(state.Q_i, state.Q_o) for state in balance.states)
     for state, D, psi in zip(balance.states, problem.D, problem.psi, strict=True):
         A1, A2 = groove_distance(g, psi, *balance.delta, problem.tilt)
         residual = max(residual, polygon_residual(g, D, state, A1, A2, largest))
@@ -179,9 +186,9 @@ def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float
 
 
 def torque_of_heat(problem: RaceControlProblem, rows: np.ndarray) -> float:
-    """Returns the torque that makes the estimated heat [N m].
+    """Returns the torque that makes the estimated heat [N m]: race control has no power balance.
 
-    Race control has no power balance.
+    rows: contacts (n, 2, COLUMNS) of `contact_solution`.
     """
     heat = problem.g.n_balls * rows[..., HEAT].sum() / len(rows)
     slip_speed = abs(problem.op.omega_i - problem.op.omega_o)
@@ -195,9 +202,12 @@ def controlled_error_estimates(
     models: np.ndarray,
     values: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Returns estimated numerical errors by the points and by the regularisation.
+    """Returns result variables of numerical errors, by the points and by the regularisation.
 
-    Neither moves a ball.
+    Neither moves a ball, so the balance is kept.
+
+    models: controlling race of each ball (n,).
+    values: result variables of the case.
     """
     D, n_balls = problem.D, problem.g.n_balls
     halved = replace(problem, op=problem.op._replace(v_r=0.5 * problem.op.v_r))
@@ -233,7 +243,10 @@ def controlled_torque_loss(
     models: np.ndarray,
     rows: np.ndarray,
 ) -> dict[str, Any]:
-    """Returns the share of the torque that the regularisation takes; empty where it is small."""
+    """Returns the result variable of the torque that the regularisation takes; empty if small.
+
+    models, rows: controlling race of each ball (n,), and contacts of `contact_solution`.
+    """
     v_r = coulomb_regularisation(problem.op.v_r, rows[..., QV].sum(), rows[..., LOAD].sum())
     if v_r is None:
         return {}
@@ -247,7 +260,7 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
 
     The problem may be held otherwise than the scene says.
     """
-    g, op, D = problem.g, problem.op, problem.D
+    g, D = problem.g, problem.D
     values: dict = {
         "status": code.OK,
         "ball_diameter_loss": g.D0 - D,
@@ -268,13 +281,37 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     allowed = max(LARGEST_RESIDUAL, min(rounding, MOST_ROUNDING))
     if values["status"] == code.OK:
         values["status"] = _verified_status(problem, balance, residual <= allowed)
-    n = len(D)
+    values |= _solution_values(scene, problem, balance, models, u, rows)
+    values |= {"equilibrium_residual": residual, "equilibrium_rounding": rounding}
+    values |= controlled_error_estimates(scene, problem, balance, models, values)
+    values |= controlled_torque_loss(scene, problem, balance, models, rows)
+    return values, {
+        "residual": f"error in the normal force balance: {residual:.1e} of the contact load "
+        f"(allowed: {allowed:.0e})"
+    }
+
+
+def _solution_values(
+    scene: Scene,
+    problem: RaceControlProblem,
+    balance: Balance,
+    models: np.ndarray,
+    u: np.ndarray,
+    rows: np.ndarray,
+) -> dict[str, Any]:
+    """Returns the result variables of a solution, without those that judge its accuracy.
+
+    models: controlling race of each ball (n,).
+    u, rows: motions and contacts of the balls, as in `contact_solution`.
+    """
+    g, D = problem.g, problem.D
     axial = np.array([state.F_ix for state in balance.states])
-    values |= contact_values(scene, g, op, D, u, np.full(n, 0.5 * g.dm), rows, axial)
+    orbit_radius = np.full(len(D), 0.5 * g.dm)
+    values = contact_values(scene, g, problem.op, D, u, orbit_radius, rows, axial)
     K = race_control_matrix(
         g, D, map(problem.load, models), balance.states, balance.delta, problem.tilt
     )
-    values |= {
+    return values | {
         "axial_displacement": balance.delta[0],
         "axial_stiffness": balance.stiffness,
         "stiffness_matrix": stiffness_of_loads(g, D, rows[..., LOAD], rows[..., ANGLE]),
@@ -284,19 +321,14 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
         "drag_power": 0.0,
         "centrifugal_force": ball_mass(g.rho, D) * 0.5 * g.dm * u[:, 3] ** 2,
         "race_control": models - OUTER_CONTROL,
-        "equilibrium_residual": residual,
-        "equilibrium_rounding": rounding,
-    }
-    values |= controlled_error_estimates(scene, problem, balance, models, values)
-    values |= controlled_torque_loss(scene, problem, balance, models, rows)
-    return values, {
-        "residual": f"error in the normal force balance: {residual:.1e} of the contact load "
-        f"(allowed: {allowed:.0e})"
     }
 
 
 def _verified_status(problem: RaceControlProblem, balance: Balance, is_balanced: bool) -> int:
-    """Returns the status of a solution: unverified, below rounding or OK."""
+    """Returns the status of a solution: UNVERIFIED, BELOW_ROUNDING or OK.
+
+    is_balanced: whether the residual of the equilibrium is small enough.
+    """
     if not is_balanced:
         return code.UNVERIFIED
     if problem.constant_force:

@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -48,7 +49,7 @@ from bearingwear.solvers.estimates import (
 from bearingwear.solvers.state import State
 from bearingwear.solvers.thermal import HeatFlow
 
-SAME_MOTION = 1e-12
+SAME_MOTION = 1e-12  # relative difference of two motions that counts as rounding
 
 
 class Steady:
@@ -169,36 +170,27 @@ class Steady:
         if case is None:
             return values, {"residual": "not solved"}
         attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
-        if case.status in USABLE:
+        if case.status not in USABLE:
+            return values, attrs
+        decay_rates = problem.decay_rates(D, case)
+        states = _stable_first(scene, problem, D, case, decay_rates)
+        if states[0].case is not case:
+            case = states[0].case
             decay_rates = problem.decay_rates(D, case)
-            is_stable = {id(case): problem.stable(D, case, decay_rates)}
-            others = problem.other_states(D, case, is_stable[id(case)], scene.model.steady_starts)
-            is_stable |= {id(state): problem.stable(D, state) for state in others}
-            # the one reached first, if it is stable
-            states = sorted([case, *others], key=lambda state: not is_stable[id(state)])
-            if states[0] is not case:
-                case = states[0]
-                decay_rates = problem.decay_rates(D, case)
-            attrs["residual"] = residual_sentence(case)
-            values |= error_estimates(scene, problem, D, case)
-            values |= steady_torque_loss(problem, D, case)
-            if case.held:
-                attrs["quadrature"] = (
-                    "gauss (fixed points), because no solution was found with the split rule"
-                )
-            values |= {"status": case.status} | steady_values(scene, problem, D, case)
-            values |= time_scale_values(decay_rates) | {
-                "stiffness_transition_frequency": np.abs(decay_rates.real).min() / TURN,
-                "stable": int(is_stable[id(case)]),
-                "steady_state_count": len(states),
-                "steady_state_orbit_speed": np.array([state.u[3] for state in states]),
-                "steady_state_total_qv": np.array(
-                    [problem.g.n_balls * state.contacts[:, summary.QV].sum() for state in states]
-                ),
-                "steady_state_stable": np.array([int(is_stable[id(state)]) for state in states]),
-            }
-            if not values["stable"] and values["status"] == code.OK:
-                values["status"] = code.NO_STEADY_STATE
+        attrs["residual"] = residual_sentence(case)
+        values |= error_estimates(scene, problem, D, case)
+        values |= steady_torque_loss(problem, D, case)
+        if case.held:
+            attrs["quadrature"] = (
+                "gauss (fixed points), because no solution was found with the split rule"
+            )
+        values |= {"status": case.status} | steady_values(scene, problem, D, case)
+        values |= time_scale_values(decay_rates) | {
+            "stiffness_transition_frequency": np.abs(decay_rates.real).min() / TURN,
+        }
+        values |= _state_values(problem, states)
+        if not states[0].is_stable and case.status == code.OK:
+            values["status"] = code.NO_STEADY_STATE
         return values, attrs
 
     def with_motion_of_case(
@@ -212,8 +204,46 @@ class Steady:
         return solution._replace(answer=solution.answer._replace(u=u))
 
 
+class _SteadyState(NamedTuple):
+    """A steady state, and whether a small disturbance of it decays."""
+
+    case: ThrustCase
+    is_stable: bool
+
+
+def _stable_first(
+    scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase, decay_rates: np.ndarray
+) -> list[_SteadyState]:
+    """Returns a steady state and the others beside it, stable ones first.
+
+    D: ball diameter [m].
+    decay_rates: of `case`, see `ThrustProblem.decay_rates`.
+    """
+    is_stable = problem.stable(D, case, decay_rates)
+    others = problem.other_states(D, case, is_stable, scene.model.steady_starts)
+    states = [_SteadyState(case, is_stable)]
+    states += [_SteadyState(other, problem.stable(D, other)) for other in others]
+    return sorted(states, key=lambda state: not state.is_stable)
+
+
+def _state_values(problem: ThrustProblem, states: Sequence[_SteadyState]) -> dict[str, Any]:
+    """Returns result variables of all steady states, the first of which is the case's."""
+    n = problem.g.n_balls
+    total_qv = [n * state.case.contacts[:, summary.QV].sum() for state in states]
+    return {
+        "stable": int(states[0].is_stable),
+        "steady_state_count": len(states),
+        "steady_state_orbit_speed": np.array([state.case.u[3] for state in states]),
+        "steady_state_total_qv": np.array(total_qv),
+        "steady_state_stable": np.array([int(state.is_stable) for state in states]),
+    }
+
+
 def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Returns estimated numerical errors of a solved state; empty if none can be found."""
+    """Returns result variables of the numerical errors of a state; empty if none can be found.
+
+    D: ball diameter [m].
+    """
     cases = [case]
     for perturbed in problem.perturbed(scene):
         perturbed_case = perturbed.solve(D, start=case.motion)
@@ -227,9 +257,11 @@ def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: Thrust
 
 
 def steady_torque_loss(problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Returns the share of the torque that the regularisation takes, by a second solve.
+    """Returns the result variable of the torque that the regularisation takes, by a second solve.
 
-    It is empty where the share is small.
+    It is empty where this torque is small.
+
+    D: ball diameter [m].
     """
     contacts = case.contacts
     v_r = coulomb_regularisation(
@@ -249,7 +281,9 @@ def steady_quantities(
 ) -> np.ndarray:
     """Returns quantities of the whole bearing, a row for each case (len(cases), QUANTITY_COUNT).
 
-    They are those whose errors are estimated, in the order given at `QUANTITY_COUNT`.
+    They are those whose errors are estimated, in the order of `QUANTITY_COUNT`.
+
+    D: ball diameter [m].
     """
     balls, films, rows = problem.g.n_balls, Films.of(scene), []
     for case in cases:
@@ -275,6 +309,7 @@ def rates_when_new(scene: Scene, films: Films, D: float, c: np.ndarray) -> Unwor
 
     All balls are alike. Numbers are used, since NumPy takes ten times as long.
 
+    D: ball diameter [m].
     c: summary of the contacts (2, COLUMNS).
     """
     major, track = c[:, summary.MAJOR], c[:, summary.TRACK].tolist()
@@ -310,7 +345,7 @@ def residual_sentence(case: ThrustCase) -> str:
 
 
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Returns the result variables of a steady state."""
+    """Returns the result variables of a steady state with balls of diameter D [m]."""
     g, op, n = problem.g, problem.op, problem.g.n_balls
     matrix = quasistatic_matrix(g, D, case)
     quasistatic = {} if matrix is None else {"quasistatic_stiffness_matrix": matrix}

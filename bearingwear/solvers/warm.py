@@ -80,7 +80,7 @@ class Warm(Wrapper):
 
 
 def warmed_for_motion(scene: Scene, bare: Bare = COVERED) -> Warmed:
-    """Finds the temperatures for a motion in time; the result has the scene at these.
+    """Returns the scene at temperatures for a motion in time, and how they were found.
 
     A scene without a thermal network keeps its own. Otherwise they are those of the steady state
     under the thrust alone or, where that is not solved, of race control: warming up in time takes
@@ -96,15 +96,15 @@ def warmed_for_motion(scene: Scene, bare: Bare = COVERED) -> Warmed:
         solution = race_control(race_control.start._replace(bare=bare))
     warmed = solution.warmed
     assert warmed is not None
-    # its scene may have the thrust alone: only the temperatures are taken over
+    # the solved scene may have the thrust alone: only its temperatures are taken over
     temperature = warmed.scene.temperature
-    if temperature is None:  # none was found, as the status says
+    if temperature is None:  # the status of `warmed` says why
         return replace(warmed, scene=scene)
     return replace(warmed, scene=replace(scene, temperature=temperature, thermal=None))
 
 
 def preload_spread(solver: Warm) -> str:
-    """Returns in words the running preload with less and more heat conducted between rings."""
+    """Returns the running preload with less and more heat conducted between rings, in words."""
     scene, sentences = solver.scene, []
     assert scene.thermal is not None
     G = scene.thermal.conductance_W_K
@@ -121,7 +121,10 @@ def preload_spread(solver: Warm) -> str:
 
 
 def warmth_values(scene: Scene, warmed: Warmed) -> dict[str, Any]:
-    """Returns temperatures and heat flows of a network, for a state of a life."""
+    """Returns temperatures of parts and residual of a network's heat flows, for a state of a life.
+
+    Empty without a network, or where no temperatures were found.
+    """
     t = warmed.scene.temperature
     if scene.thermal is None or t is None:
         return {}
@@ -132,9 +135,13 @@ def warmth_values(scene: Scene, warmed: Warmed) -> dict[str, Any]:
 
 
 def network_values(scene: Scene, warmed: Warmed, status: int, heat: HeatFlow) -> dict[str, Any]:
-    """Returns result variables of the network with the heat of a result.
+    """Returns result variables of a thermal network; empty without one or without temperatures.
 
-    They may include another status of the result.
+    They include the status UNVERIFIED if the result's heat does not fit its temperatures.
+
+    scene: with the network.
+    warmed: temperatures found.
+    status, heat: those of the result.
     """
     t = warmed.scene.temperature
     if scene.thermal is None or t is None:

@@ -8,14 +8,19 @@ from kernels.test_ellipse import CONTACT, MU, SCALE, SLIPS, STEPS, V_R, R, place
 from numpy.testing import assert_allclose
 from support import by_differences
 
-from bearingwear.kernels.contact.ellipse_friction import EllipsePoints, ellipse_friction, places
+from bearingwear.kernels.contact.ellipse_friction import ellipse_friction, places
 from bearingwear.kernels.contact.traction import ellipse_slopes, ellipse_sums
-from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
-from bearingwear.solvers.bearing.quadrature import gathered, normalised, spread_fixed
+from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points
+from bearingwear.solvers.bearing.quadrature import (
+    gathered_points,
+    normalised_weights,
+    spread_ellipse,
+    spread_fixed,
+)
 
-FIXED = EllipsePoints(False, *spread_fixed(*ellipse_rule("gauss", 40, 5)[1:]))
-SPREAD = split_points(5, 8)
-FINE = split_points(25, 32)
+FIXED = spread_fixed(ellipse_rule("gauss", 40, 5))
+SPREAD = spread_ellipse(5, 8)
+FINE = spread_ellipse(25, 32)
 LINE = line_points(ellipse_rule("split", 40))
 
 
@@ -88,7 +93,7 @@ def test_weights_hold_the_whole_load():
     """QV of gross slip is load times slip, however few the points; moved across, nearly so."""
     assert_allclose(friction(SPREAD, (0.0, 3.0, 0.0, 1e-9))[0][5], 3.0 * CONTACT.Q, rtol=1e-12)
     assert_allclose(friction(SPREAD, (1e-9, 3.0, 0.0, 0.0))[0][5], 3.0 * CONTACT.Q, rtol=2e-4)
-    t, weight = gathered(4, power=2)
-    exact = normalised(t, weight)
+    t, weight = gathered_points(4, power=2)
+    exact = normalised_weights(t, weight)
     assert_allclose([exact @ t**k for k in range(3)], [1.0, 1 / 2, 1 / 3], rtol=1e-13)
     assert_allclose(exact, weight, rtol=2e-2)

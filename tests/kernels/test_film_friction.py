@@ -21,7 +21,8 @@ from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equ
 from bearingwear.kernels.steady.balance import Seat, motion_equilibrium
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL
 from bearingwear.scene.read import variant
-from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
+from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points
+from bearingwear.solvers.bearing.quadrature import spread_ellipse
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 friction_check, area_shares = in_python(friction_check), in_python(area_shares)
@@ -67,7 +68,7 @@ def test_pure_spin_in_closed_form(kappa):
         assert_allclose(torque, exact, rtol=error)
         hertz = ellipse_sums(contact, SPIN, MU_EVEN, v_r, placed(rule, SPIN, contact, v_r))[3]
         assert_allclose(torque / hertz, 32.0 / (9.0 * math.pi), rtol=error)
-    in_time, _ = friction(split_points(5, 8), SPIN, v_r, contact=contact, even=True)
+    in_time, _ = friction(spread_ellipse(5, 8), SPIN, v_r, contact=contact, even=True)
     assert_allclose(in_time[3], exact, rtol=1e-3 if kappa > 3.0 else 1e-2)  # few across
 
 
@@ -75,7 +76,7 @@ def test_pure_spin_in_closed_form(kappa):
 def test_in_time_as_in_the_steady_state(c):
     """Many points of either: both are right. On a line the points are the same."""
     many = ellipse_sums(FILM, c, MU_EVEN, V_R, evenly(ellipse_rule("split", 200, 64), c))
-    computed, _ = friction(split_points(25, 32), c, contact=FILM, even=True)
+    computed, _ = friction(spread_ellipse(25, 32), c, contact=FILM, even=True)
     assert_allclose(computed[:5] / SCALE, many[:5] / SCALE, atol=1e-5 * MU_EVEN * FILM.Q)
     line = ellipse_rule("split", 40)
     along = ellipse_sums(FILM, c, MU_EVEN, V_R, evenly(line, c))
@@ -101,7 +102,7 @@ def test_slopes_are_those_of_a_convex_potential(c):
     size = np.abs(hessian / scale).max()
     assert_allclose(numerical / scale[:4], hessian[:4] / scale[:4], atol=1e-6 * size)
     assert np.linalg.eigvalsh((hessian / scale)[:4, :4]).min() > 0.0
-    _, in_time = friction(split_points(25, 32), c, contact=FILM, even=True)
+    _, in_time = friction(spread_ellipse(25, 32), c, contact=FILM, even=True)
     ellipse_slopes(
         FILM, c, MU_EVEN, V_R, evenly(ellipse_rule("split", 200, 64), c), gradient, hessian
     )

@@ -33,6 +33,7 @@ def ramp_points(n: int) -> tuple[np.ndarray, np.ndarray]:
     """
     legendre = np.polynomial.legendre
     low, high = legendre.Legendre.basis(n - 1), legendre.Legendre.basis(n)
+    # Radau's points on -1 to 1: -1, and the roots of (P_(n-1) + P_n)/(1 + x)
     inner = np.sort(((low + high) // legendre.Legendre([1.0, 1.0])).roots().real)
     weights = (1.0 - inner) / (n * low(inner)) ** 2
     squares = 0.5 * (1.0 - np.append(-1.0, inner))  # mirrored, so that the first is full speed
@@ -58,23 +59,24 @@ class Cycle:
 
     @property
     def bearings(self) -> int:
-        """Number of bearings that are solved in each condition."""
+        """Returns the number of bearings that are solved in each condition."""
         return len(self.scenes[0].one_of_alike.sides)
 
     @property
     def case_scenes(self) -> tuple[Scene, ...]:
-        """Scenes of the cases, which are the first conditions."""
+        """Returns the scenes of the cases, which are the first conditions."""
         return self.scenes[: len(self.cases)]
 
     @property
     def shares(self) -> np.ndarray:
-        """Weights (conditions,) of the rates in the mean over a cycle, in any order of phases."""
+        """Returns the weights (conditions,) of the rates in the mean over a cycle."""
         of_conditions = np.concatenate([self.running, self.starting]).T
+        # an exact sum does not depend on the order of the phases
         return np.array([math.fsum(shares) for shares in of_conditions])
 
 
 def cycle_of(scene: Scene, points: int = 2) -> Cycle:
-    """Returns the cycle of a scene's duty, with so many points of each ramp."""
+    """Returns the cycle of a scene's duty, with a number of points of each ramp."""
     duty = scene.duty
     assert duty is not None
     scene_of_case = _solved_alike(phase_cases(scene))
@@ -114,10 +116,12 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
     phases = [*zip(cycle.case_of_phase, duty.phases.values(), strict=True)]
 
     def order(k: int) -> tuple[float, ...]:
+        """Returns what the phases are sorted by: case, hours and starts."""
         case, phase = phases[k]
         return case, phase.hours, phase.starts
 
-    for k in sorted(range(len(phases)), key=order):  # of conditions, whatever that of the phases
+    # the conditions are in one order, whatever that of the phases
+    for k in sorted(range(len(phases)), key=order):
         case, phase = phases[k]
         if not phase.starts:
             continue

@@ -167,6 +167,7 @@ class Films:
 
     @property
     def wear_through(self) -> bool:
+        """Returns whether a film can wear through: films of finite thickness can."""
         return any(0.0 < part.thickness < math.inf for part in (self.ball, self.race))
 
     @property
@@ -230,8 +231,9 @@ def _surface(
     film, thickness = None, 0.0
     if material.film is not None:
         thickness = material.film.thickness_um * UM
-        K_s = material.film.wear_coefficient or (common and common.wear_coefficient)
-        hardness = material.film.brinell_hardness_GPa or (common and common.brinell_hardness_GPa)
+        K_s, hardness = material.film.wear_coefficient, material.film.brinell_hardness_GPa
+        if common is not None:
+            K_s, hardness = K_s or common.wear_coefficient, hardness or common.brinell_hardness_GPa
         film = Archard(K_s or 0.0, hardness * GPA if hardness else H)
     elif friction_film is not None and friction_film.wear_coefficient is not None:
         thickness = (
@@ -239,15 +241,16 @@ def _surface(
         )
         hardness = friction_film.brinell_hardness_GPa
         film = Archard(friction_film.wear_coefficient, hardness * GPA if hardness else H)
-    running_in = material.running_in
+    initial_K_s, running_in = material.wear_coefficient, 0.0
+    if material.running_in is not None:
+        initial_K_s = material.running_in.wear_coefficient
+        running_in = material.running_in.depth_um * UM
     return Surface(
         substrate=Archard(material.wear_coefficient, H),
         film=film,
         thickness=thickness,
-        initial_K_s=material.wear_coefficient
-        if running_in is None
-        else running_in.wear_coefficient,
-        running_in=0.0 if running_in is None else running_in.depth_um * UM,
+        initial_K_s=initial_K_s,
+        running_in=running_in,
     )
 
 
@@ -263,7 +266,10 @@ def contact_temperatures(scene: Scene, parts: Sequence[float] | None = None) -> 
 
 
 def _semi_axis_factors(scene: Scene) -> np.ndarray:
-    """Returns semi-axes over the cube root of the load (2, 2): major, minor of both contacts."""
+    """Returns semi-axes over the cube root of the load (2, 2) [m/N^(1/3)], by fitted factors.
+
+    The first row are the major axes of the inner and the outer contact, the second the minor ones.
+    """
     g = mounted_geometry(scene)
     races = (INNER_RACE, OUTER_RACE)
     return np.array([fitted_factors(g, race, g.D0, math.cos(g.alpha0))[1:] for race in races]).T

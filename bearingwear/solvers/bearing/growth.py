@@ -81,17 +81,20 @@ class Growth(NamedTuple):
 
 
 def temperatures(scene: Scene) -> Temperature:
-    """Returns temperatures of the parts, with a number for every ring and the balls."""
+    """Returns the temperatures of the parts, with a number for both rings and the balls.
+
+    Of a thermal network they are those without friction heat.
+    """
     t, network = scene.temperature or Temperature(), scene.thermal
-    if network is not None:  # before the friction heat is known
+    if network is not None:
         t = network.parts(
             network.shaft_C, 0.5 * (network.shaft_C + network.housing_C), network.housing_C
         )
-    return _with_numbers(t)
+    return _completed(t)
 
 
 @functools.lru_cache(maxsize=64)  # used several times in each solve
-def _with_numbers(t: Temperature) -> Temperature:
+def _completed(t: Temperature) -> Temperature:
     """Returns temperatures in which the reference replaces those of rings and balls not given."""
     parts = ("inner_ring_C", "balls_C", "outer_ring_C")
     return replace(t, **{name: t.reference_C for name in parts if getattr(t, name) is None})
@@ -105,7 +108,7 @@ def part_temperatures(scene: Scene) -> list[float]:
 
 
 def thermal_expansion(scene: Scene) -> Expansion:
-    """Returns the thermal growth of the parts."""
+    """Returns the thermal strains of the parts; 0 where a part is as warm as when mounted [1]."""
     b, fits, t = scene.bearing, scene.fits or Fits(), temperatures(scene)
 
     def strain(part_C: float | None, material: str) -> float:
@@ -229,7 +232,7 @@ def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
 
 @once
 def growth_of(scene: Scene) -> Growth:
-    """Returns all changes of the bearing as mounted."""
+    """Returns the growth of a scene's bearing by heat, speed and fits."""
     bore = scene.bearing.bore_mm
     return growth_with_bore(scene, None if bore is None else bore * MM)
 

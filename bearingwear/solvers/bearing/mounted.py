@@ -67,7 +67,7 @@ def groove_geometry(
 
 @once
 def mounted_geometry(scene: Scene) -> Geometry:
-    """Returns groove geometry and material pair of a scene, before anything has grown."""
+    """Returns geometry and material constants of a scene's bearing as mounted."""
     b = scene.bearing
     ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
     return groove_geometry(

@@ -160,9 +160,7 @@ def wear_rates(
     qv, a: QV [W] and semi-major axis [m] of each contact (..., 2).
     parts: K_s/H of ball and race, that of new surfaces if none is given.
     """
-    if parts is None:
-        parts = unworn_factors(scene, Films.of(scene), a)
-    ball, race = parts
+    ball, race = unworn_factors(scene, Films.of(scene), a) if parts is None else parts
     return ball * qv, race * qv
 
 
@@ -177,7 +175,12 @@ def unworn_factors(scene: Scene, films: Films, a: np.ndarray) -> Factors:
 
 
 def groove_depth_rates(n: int, race_rate: Any, a: Any, track: Any):
-    """Returns the rates at which grooves deepen, the mean over their width [m/s] (Eq. 24)."""
+    """Returns the rates at which grooves deepen, the mean over their width [m/s] (Eq. 24).
+
+    n: number of balls.
+    race_rate: wear of the race by one ball [m3/s].
+    a, track: semi-major axis of the contact and radius of its track [m].
+    """
     return n * race_rate / (2.0 * np.pi * track * 2.0 * a)
 
 

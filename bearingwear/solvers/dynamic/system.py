@@ -104,13 +104,18 @@ class DynamicSystem:
         return system
 
     def turning_displacement(self) -> tuple[float, float]:
-        """Returns the displacement (Y, Z) of the race by the rotating load alone [m], or 0."""
-        balls, displacements = self.buffers.balls, []
+        """Returns the displacement (Y, Z) of the race by the rotating load alone [m].
+
+        It is 0 where the bearing has no equilibrium.
+        """
+        balls = self.buffers.balls
+        displacements = []
         for bearing in (self.bearing._replace(F_rot=0.0), self.bearing):
             if free_equilibrium(self.time, self.y, bearing, self.buffers) != code.OK:
                 return 0.0, 0.0
             displacements.append(balls.delta[1:].copy())
-        y, z = (displacements[1] - displacements[0]).tolist()
+        without_load, with_load = displacements
+        y, z = (with_load - without_load).tolist()
         return y, z
 
     def variant(self, **changes) -> "DynamicSystem":
@@ -140,6 +145,7 @@ class DynamicSystem:
         middle = state[POSE] + np.r_[0.0, 0.0, cage.imbalance, 0.0, 0.0, 0.0]
 
         def elastic_energy(shift: np.ndarray) -> float:
+            """Moves the cage by a scaled shift (6,) and returns its elastic energy [J]."""
             state[POSE] = middle + shift * scale
             cage_contacts(self.y, self.bearing, balls, contacts)
             return float(contacts.sums[ELASTIC])
@@ -261,6 +267,7 @@ class DynamicSystem:
     ) -> StepControl:
         """Returns the control of the time steps.
 
+        tolerance: of a step, over the mean slip.
         longest: longest step, by default the usual one [s].
         """
         return StepControl(
@@ -269,14 +276,28 @@ class DynamicSystem:
             longest=longest or self.turn / STEPS_PER_TURN,
         )
 
-    def advance(self, duration: float, *options, **named) -> Tally:
-        """Integrates with options of `control`; the tally has the status."""
-        tally = self.simulate(self.control(*options, **named), duration)
+    def advance(
+        self,
+        duration: float,
+        tolerance: float = TOLERANCE,
+        method: Tableau = ROSENBROCK,
+        longest: float | None = None,
+    ) -> Tally:
+        """Moves state and time on by a duration [s]; the tally has the status.
+
+        tolerance, method, longest: as in `control`.
+        """
+        tally = self.simulate(self.control(tolerance, method, longest), duration)
         self.time, self.h = tally.time, tally.h
         return tally
 
     def simulate(self, control: StepControl, duration: float, intervals: int = 1) -> Tally:
-        """Moves the state on from this instant; time and first step stay as they are."""
+        """Moves the state on from this instant; time and first step stay as they are.
+
+        The tally has the status, and the time and step at the end.
+
+        duration: of an interval [s].
+        """
         grid = record.TimeGrid(origin=self.time, dt=duration, first=0)
         model = (self.y, self.bearing, self.buffers, self.stages)
         return record.advance_and_record(
@@ -294,7 +315,10 @@ class DynamicSystem:
         return record.Recorder(sums=sums, history=record.empty_history(1, n), keep=False)
 
     def parts(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Returns all arrays that a run continues from, the next step h (1,) among them."""
+        """Returns all arrays that a run continues from, as views.
+
+        h: buffer (1,) of the next step [s].
+        """
         balls = self.buffers.balls
         return self.y, h, self.buffers.cage.R0, balls.X, balls.delta
 
@@ -303,7 +327,10 @@ class DynamicSystem:
         return np.concatenate([np.ravel(part) for part in self.parts(np.array([self.h]))])
 
     def unpack(self, state: np.ndarray, time: float) -> None:
-        """Continues from the state that `packed()` returned at `time`."""
+        """Continues from the state that `packed()` returned at `time` [s].
+
+        ValueError if it is that of a system with other parts.
+        """
         h = np.empty(1)
         parts = self.parts(h)
         if state.size != sum(part.size for part in parts):

@@ -47,7 +47,7 @@ def gyroscopic_share(scene: Scene) -> float:
 
 
 def rolling_rates(scene: Scene) -> tuple[float, float]:
-    """Returns orbit rates relative to the outer race and in space [rad/s].
+    """Returns the orbit rates of the balls, relative to the outer race and in space [rad/s].
 
     The balls roll at the free contact angle.
     """
@@ -70,7 +70,7 @@ def spin_across_share(scene: Scene) -> float:
 
 
 def slip_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes where slip is evaluated, and what a centre line neglects."""
+    """Yields a sentence on where slip is evaluated, and on what a centre line neglects."""
     model = chosen.scene.model
     share = 100.0 * spin_across_share(chosen.scene)
     size = f"about {plain(share, 2)} % of the friction of a spinning contact"
@@ -85,7 +85,7 @@ def slip_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def traction_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes whether traction counts in the balance of normal forces, and its share."""
+    """Yields a sentence on traction in the balance of normal forces, and on its share."""
     model, share = chosen.scene.model, gyroscopic_share(chosen.scene)
     share_words = (
         "an unknown share" if math.isnan(share) else f"up to about {plain(100.0 * share, 2)} %"
@@ -103,7 +103,7 @@ def traction_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def pair_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes how a pair is solved, and what is assumed of it."""
+    """Yields sentences on how a pair is solved, and on what is assumed; none without a pair."""
     a = chosen.scene.pair
     if a is None:
         return
@@ -128,7 +128,7 @@ def pair_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _set_preload_words(scene: Scene, a: Arrangement) -> str:
-    """States which force the preload of a set is, and the corresponding one of a maker's pair."""
+    """Returns which force the preload of a set is, and the one of a maker's pair, in words."""
     preload = scene.operation.preload_N
     of_side = f"operation.preload_N, {preload:g} N, is the force of each side"
     if a.kind != "rigid_pair":
@@ -142,7 +142,7 @@ def _set_preload_words(scene: Scene, a: Arrangement) -> str:
 
 
 def cage_sentences(chosen: Choice) -> Iterator[str]:
-    """Names a cage that is missing or neglected."""
+    """Yields a sentence on a cage that is missing or neglected."""
     if chosen.scene.cage is None:
         yield "cage: none in the scene"
     elif not chosen.cage:
@@ -153,7 +153,7 @@ def cage_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def ball_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes the motion of the balls in the model, and the forces on them."""
+    """Yields sentences on the motion of the balls in the model, and on the forces on them."""
     scene, count = chosen.reduced(chosen.scene), chosen.scene.bearing.ball_count
     if chosen.fidelity == "steady":
         yield "balls: one ball represents all, because all balls move identically"
@@ -173,7 +173,7 @@ def ball_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _force_sentences(scene: Scene) -> Iterator[str]:
-    """Describes the forces on a ball; neglecting one saves no time (benchmarks/reductions.py)."""
+    """Yields sentences on the forces on a ball; neglecting one saves no time (reductions.py)."""
     share, size = centrifugal_share(scene), "its magnitude is unknown before the solve"
     if not math.isnan(share):
         share_words = (
@@ -189,7 +189,7 @@ def _force_sentences(scene: Scene) -> Iterator[str]:
 
 
 def _dynamic_sentences(scene: Scene) -> Iterator[str]:
-    """Describes degrees of freedom, loads and cage of the dynamic model."""
+    """Yields sentences on degrees of freedom, loads and cage of the dynamic model."""
     operation, cage = scene.operation, scene.cage
     is_fixed = operation.preload_method == "fixed_position"
     loads = [] if is_fixed else [f"preload of {operation.preload_N:g} N"]
@@ -234,7 +234,7 @@ def _dynamic_sentences(scene: Scene) -> Iterator[str]:
 
 
 def solution_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes how the dynamic model finds the motion."""
+    """Yields a sentence on how the dynamic model finds the motion."""
     scene = chosen.reduced(chosen.scene)
     if chosen.fidelity != "dynamic":
         return

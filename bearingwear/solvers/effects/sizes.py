@@ -53,7 +53,7 @@ class EffectSize(NamedTuple):
 
 
 def effect_sizes(chosen: Choice) -> Iterator[EffectSize]:
-    """Yields the effects of a scene and its model."""
+    """Yields every effect of a scene: whether the model has it, its size and its limit."""
     scene, fidelity = chosen.scene, chosen.fidelity
     yield from _force_effects(scene, fidelity)
     yield _slip_effect(scene)
@@ -88,7 +88,10 @@ def effect_sizes(chosen: Choice) -> Iterator[EffectSize]:
 
 
 def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
-    """Yields the forces on a ball; neglecting one saves no time, so all but one are modelled."""
+    """Yields the effects of forces on a ball.
+
+    Neglecting one saves no time, so all but one are modelled.
+    """
     load_note, axial_note = "of the contact load at rest", "of a ball's axial load"
     centrifugal, gyroscopic = centrifugal_share(scene), 100.0 * gyroscopic_share(scene)
     yield EffectSize(
@@ -129,7 +132,7 @@ def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
 
 
 def _slip_effect(scene: Scene) -> EffectSize:
-    """Returns slip across the ellipse, by its share of spin friction."""
+    """Returns the effect of slip across the ellipse, by its share of spin friction."""
     model, note = scene.model, "of spin friction"
     is_included = model.slip_region != "line"
     key = "model.slip_over" if model.slip_over else "model.contact"
@@ -144,7 +147,7 @@ def _slip_effect(scene: Scene) -> EffectSize:
 
 
 def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
-    """Yields growth by speed, heat and fits, each by its change of a fixed-position preload."""
+    """Yields the effects of speed, heat and fits, by their changes of a fixed-position preload."""
     limit = 100.0 * MOST_LEFT_OUT
 
     def effect(name: str, is_on: bool, change: float, note: str) -> EffectSize:
@@ -173,7 +176,7 @@ def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
 
 
 def _groove_effect(scene: Scene, fidelity: str) -> EffectSize:
-    """Returns the wear of grooves, which a life models or not."""
+    """Returns the effect of wear of the grooves, by loss over gap, and whether a life models it."""
     share = max(wear_over_gap_estimate(side) for side in scene.sides)
     end, model = scene.wear.end_of_life, scene.model
     is_possible = (
@@ -194,15 +197,18 @@ def _groove_effect(scene: Scene, fidelity: str) -> EffectSize:
 
 
 def wear_over_gap_estimate(scene: Scene) -> float:
-    """Estimates loss at the end of life over the gap at the contact's edge, by fitted factors.
+    """Estimates the loss at the end of life over the gap at the contact's edge [1].
 
-    NaN if the scene does not limit the loss or has no preload.
+    The contacts are those under the preload at rest, by fitted Hertz factors. NaN if the scene does
+    not limit the loss or has no preload.
     """
     g, end, operation = mounted_geometry(scene), scene.wear.end_of_life, scene.operation
     sine, cosine = math.sin(g.alpha0), math.cos(g.alpha0)
     if end is None or not (sine > 0.0 and operation.preload_N > 0.0):
         return math.nan
-    Q, gaps, approach = operation.preload_N / (g.n_balls * sine), [], 0.0
+    Q = operation.preload_N / (g.n_balls * sine)
+    gaps = []
+    approach = 0.0  # of both contacts [m]
     for race in (INNER_RACE, OUTER_RACE):
         K, c_a, _ = fitted_factors(g, race, g.D0, cosine)
         gaps.append(curvatures(g, race, g.D0, cosine)[0] * c_a * c_a * Q ** (2.0 / 3.0))

@@ -45,6 +45,7 @@ LONGER_THAN_WORN, ARC_SPARE = 1.3, 1.5
 MOST_ARC = 1.0  # rad, to which grids longer than `ARC_END` reach: shoulders are lower
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
 SPARE = 3.0  # cells beyond the contact, at least
+LAST_CELL = 1.5  # the same, where only a contact that reaches the last cell has grown too far
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
 ROWS = 2  # more cells across, likewise
 LOAD_GONE = 3e-4  # of the load when new, below which a ball carries none: it hardly wears any more
@@ -82,11 +83,13 @@ class _Start(NamedTuple):
 class WornBearing:
     """A bearing under thrust whose contacts follow its worn grooves.
 
-    From the problem as new, of which a state may have another geometry and preload, its unworn
-    state and its loss of ball diameter [m]. There are so many cells along the major axis and on
-    each side of it; the track wanders by an rms over the initial semi-major axes. Films are there
-    where friction or wear go by films or running in. Grids have room for contacts that are most
-    worn [m].
+    problem: of the new bearing; a state may have another geometry and preload.
+    case: unworn state of the new bearing.
+    loss: of ball diameter at the start [m].
+    cells: numbers along the major axis, and on each side of it.
+    wander: rms of the wander of the track, over the initial semi-major axes.
+    films: where friction or wear go by films or running in.
+    most_worn: depth of wear for which the grids of depths have room [m].
     """
 
     def __init__(
@@ -99,7 +102,8 @@ class WornBearing:
         films: WornFilms | None = None,
         most_worn: float = 0.0,
     ):
-        self.films, self.on_the_way = films, False
+        self.films = films
+        self.on_the_way = False  # whether states are balanced roughly, and not checked
         self.wears = True  # else contacts may leave the grids, beyond which nothing is worn
         self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
         self.wander = wander
@@ -126,6 +130,8 @@ class WornBearing:
 
     def _arc_end(self, most_worn: float) -> float:
         """Returns the length of the grids from their middles, over the semi-major axes.
+
+        most_worn: depth of wear for which they have room [m].
 
         A groove of some depth over the gap A a^2 is as long as the square root of that.
         """
@@ -166,7 +172,7 @@ class WornBearing:
         )
 
     def take_grids_of(self, other: "WornBearing") -> None:
-        """Counts depths on the grids of the same bearing in another condition."""
+        """Puts depths on the grids of `other`: the same bearing in another condition."""
         self.major, self.angle = other.major, other.angle
         self.arc_step, self.arc = other.arc_step, other.arc
         self.races = tuple(
@@ -175,12 +181,16 @@ class WornBearing:
         )
 
     def unworn(self) -> WornDepths:
+        """Returns no wear, on the grids of this bearing."""
         return WornDepths(0.0, np.zeros_like(self.arc))
 
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
         """Returns the steady state with some wear, solved from the last state.
 
-        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried.
+        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried. A
+        state that is not found leaves the bearing as it was.
+
+        problem: with another geometry or preload than those of the new bearing.
         """
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
@@ -214,6 +224,19 @@ class WornBearing:
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
         self._keep_start(p)
+        return self._checked_point(p, D, wear, work)
+
+    def _checked_point(
+        self, p: ThrustProblem, D: float, wear: WornDepths, work: FrictionWork
+    ) -> WornPoint:
+        """Returns the state just solved with some wear, or why it does not count as one.
+
+        A state on the way is not checked.
+
+        D: worn ball diameter [m].
+        work: friction of the state.
+        """
+        seat, u, races = self.seat, self.u, self.worn_races
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
         if self.wears and max(seat.inner.Q, seat.outer.Q) < self.least_load:
@@ -227,7 +250,7 @@ class WornBearing:
         if not self.on_the_way and not self.check.passes(p, races, seat, slip, u, D, bare):
             return WornPoint(code.UNVERIFIED, wear, p)
         return WornPoint(
-            status=status,
+            status=seat.status,
             wear=wear,
             problem=p,
             seat=seat,
@@ -300,7 +323,7 @@ class WornBearing:
             self.starts[p.op.omega_i - p.op.omega_o] = self._present_start()
 
     def _present_start(self) -> "_Start":
-        """Returns a copy of what the next solve starts from."""
+        """Returns what the next solve starts from, with its arrays copied."""
         races = tuple(race._replace(pressure=race.pressure.copy()) for race in self.races)
         return _Start(self.seat, self.u.copy(), self.reference, races, self.ends, self.rows_added)
 
@@ -392,7 +415,10 @@ class WornBearing:
         return float(_SHAPE @ arc_values(arcs[k], places))
 
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
-        """Sets the start by extrapolation from two states, by a share of their difference."""
+        """Sets the start of the next solve by extrapolation from two states.
+
+        share: of their difference, beyond the second one.
+        """
         if share <= LONGEST_AHEAD:
             old, new = before.seat, now.seat
             self.seat = new._replace(
@@ -456,7 +482,7 @@ class WornBearing:
         return seat, u
 
     def _is_on_grids(self, seat: WornSeat) -> bool:
-        """Whether both loaded contacts lie on the grids of depths."""
+        """Returns whether both loaded contacts lie on the grids of depths."""
         for k, (ends, force) in enumerate(zip(self.loaded, (seat.inner, seat.outer), strict=True)):
             reach = force.a * ends
             if np.abs(reach + self.shift(k, force.alpha, self.problem.g)).max() > self.arc[k, -1]:
@@ -464,12 +490,14 @@ class WornBearing:
         return True
 
     def _arcs(self, wear: WornDepths) -> tuple[Arc, Arc]:
+        """Returns the depths of the inner and the outer groove as splines along their arcs."""
         inner, outer = (
             depth_spline(*arc) for arc in zip(self.arc, self.arc_step, wear.grooves, strict=True)
         )
         return inner, outer
 
     def _friction_work(self, p: ThrustProblem, races: tuple[WornRace, ...]) -> FrictionWork:
+        """Returns buffers of friction for the cells of both races, new ones if these have grown."""
         n, rows = (max(race.pressure.shape[k] for race in races) for k in (1, 0))
         size = n, rows, most_points(p.rule), p.rule.across.size
         if self._work is None or size != self._work[0]:
@@ -513,7 +541,7 @@ class WornBearing:
         )
 
     def rate(self, point: WornPoint, ball: float, race: float, scene: Scene) -> WornDepths:
-        """Returns the wear per second in a state (theory.md Eqs. 73-74).
+        """Returns the wear per second in a state, in the form of depths [m/s] (Eqs. 73-74).
 
         ball, race: K_s/H [1/Pa], where films and running in do not determine them.
         scene: with the temperatures of the state.
@@ -526,20 +554,31 @@ class WornBearing:
             wear = wandering(self.arc[k], places, qv, self.wander * self.major[k])
             factor: float | np.ndarray = race
             if self.films is not None:
-                depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
-                covered = self.films.cover_of_race(depth, self.spread)
-                hertz = force.hertz
-                # of the unworn contact, as those of the tests are
-                pressure = PEAK_OVER_MEAN * force.Q ** (1.0 / 3.0) / (np.pi * hertz.c_a * hertz.c_b)
-                of_test = float(pressure), float(contact_temperatures(scene)[k])
-                _, factor = self.films.factors(covered, depth, on_ball, *of_test)
-                covered = self.at_cells(covered, k, x, force.alpha, g)
-                there, _ = self.films.factors(covered, covered, on_ball, *of_test)
-                qv = qv * (there / ball)
-                if (total := point.qv_along[k].sum()) > 0.0:  # else nothing turns
-                    off_ball[k] *= qv.sum() / total
+                at_cells, factor = self._film_factors(self.films, point, k, scene)
+                total = qv.sum()
+                if total > 0.0:  # else nothing turns
+                    off_ball[k] *= (qv * (at_cells / ball)).sum() / total
             grooves[k] = g.n_balls * factor * wear / (2.0 * np.pi * point.track[k])
         return WornDepths(float(2.0 * ball * off_ball.sum() / (np.pi * D * D)), grooves)
+
+    def _film_factors(
+        self, films: WornFilms, point: WornPoint, k: int, scene: Scene
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Returns K_s/H in contact k: of the ball at its cells, and of the race along its arc.
+
+        scene: with the temperatures of the state.
+        """
+        force = point.forces[k]
+        hertz = force.hertz
+        # of the unworn contact, as those of the tests are
+        pressure = PEAK_OVER_MEAN * force.Q ** (1.0 / 3.0) / (np.pi * hertz.c_a * hertz.c_b)
+        of_test = float(pressure), float(contact_temperatures(scene)[k])
+        depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
+        covered = films.cover_of_race(depth, self.spread)
+        _, of_race = films.factors(covered, depth, on_ball, *of_test)
+        covered = self.at_cells(covered, k, point.x[k], force.alpha, point.problem.g)
+        of_ball, _ = films.factors(covered, covered, on_ball, *of_test)
+        return of_ball, of_race
 
     def lengths(self, point: WornPoint) -> np.ndarray:
         """Returns the approaches (2,) of ball and grooves as they were when new [m]."""
@@ -547,6 +586,7 @@ class WornBearing:
 
     @staticmethod
     def _lengths(seat: WornSeat, g: Geometry, D: float) -> np.ndarray:
+        """Returns `lengths` (2,) of a ball of diameter D [m] in a seat."""
         R = 0.5 * D
         A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         inner = np.hypot(A1 - seat.X1, A2 - seat.X2) - (g.r_i - R)
@@ -578,7 +618,10 @@ class WornBearing:
         return point.problem.g.n_balls * axial
 
     def _force_changes(self, point: WornPoint, moves: np.ndarray) -> np.ndarray:
-        """Returns the changes (n, 2, 3) of the forces of a state by moves (n, 3) of its places."""
+        """Returns the changes (n, 2, 3) of the forces of a state by moves (n, 3) of its places [m].
+
+        NaN where a place nearby has no state.
+        """
         p, changes = point.problem, np.empty((len(moves), 2, 3))
         work = self._friction_work(p, self.worn_races)
         seat = worn_state(
@@ -588,11 +631,15 @@ class WornBearing:
         return changes if seat.status == code.OK else np.full_like(changes, np.nan)
 
     def _widen_cells(self, status: int) -> bool:
-        """Adds cells where a contact has grown to the ends or edges of its own; returns whether."""
+        """Adds cells where a contact has grown to the ends or edges of its own.
+
+        status: of the last solve with these cells.
+        Returns whether cells were added.
+        """
         races, self.ends, self.rows_added = [], self.ends.copy(), self.rows_added.copy()
         for k, (race, ends) in enumerate(zip(self.races, self.loaded, strict=True)):
             X = race.cells.X
-            spare = SPARE if status != code.NOT_CONVERGED else 1.5  # the last cell
+            spare = LAST_CELL if status == code.NOT_CONVERGED else SPARE
             is_long = ends.size and np.abs(ends).max() > X[-1] - (spare - 1.0) * (X[1] - X[0])
             is_wide = status != code.OK and race.pressure[-2:].any()
             if not self.wears:
@@ -620,7 +667,11 @@ def _track_radii(p: ThrustProblem, seat: WornSeat, D: float) -> np.ndarray:
 
 
 def edge_gap(log_kappa: float, approach: float) -> float:
-    """Gap A a^2 of unworn bodies at the edge of the ellipse [m], by its shape and the approach."""
+    """Returns the gap A a^2 of unworn bodies at the edge of the ellipse [m].
+
+    log_kappa: logarithm of the ratio of the semi-axes.
+    approach: of the bodies [m].
+    """
     return float(elliptic_integrals(float(np.exp(-log_kappa)))[2] * approach)
 
 

@@ -52,7 +52,7 @@ class WornPoint:
     problem: ThrustProblem
     seat: WornSeat = NOWHERE
     u: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (4,) motion of a ball [rad/s]
-    slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 4), see kernel
+    slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 5), see `FrictionWork.slip`
     qv_along: tuple[np.ndarray, ...] = ()  # QV per length at the cells, inner and outer [W/m]
     x: tuple[np.ndarray, ...] = ()  # the cells along the major axis [m]
     pressure: tuple[np.ndarray, ...] = ()  # (m, n) each, over the peak of Hertz
@@ -72,7 +72,10 @@ def seat_force(g: Geometry, seat: WornSeat) -> float:
 
 
 def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
-    """Returns a depth over equally spaced places as a spline."""
+    """Returns a depth over equally spaced places as a cubic spline.
+
+    places: (n,) [m], `step` apart.
+    """
     c = np.empty((4, depth.size - 1))
     spline_pieces(float(step), depth, c)
     return Arc(float(places[0]), float(step), c)

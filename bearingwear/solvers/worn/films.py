@@ -22,7 +22,10 @@ AS_WITH_FILM = -1.0
 
 
 def cover(surface: Surface, depth: np.ndarray | float) -> np.ndarray:
-    """Returns the share of each place that its film still covers at a worn depth [m]."""
+    """Returns the share of each place that its film still covers at a worn depth [m].
+
+    It falls from 1 to 0 over the last `FILM_EDGE` of the film; 0 without a film.
+    """
     if surface.film is None:
         return np.zeros_like(depth, dtype=float)
     remaining = np.maximum(surface.thickness - np.asarray(depth, dtype=float), 0.0)
@@ -92,7 +95,10 @@ class WornFilms:
         """Returns the time in which a film wears by a share of its thickness, or begins to go [s].
 
         While its deepest place becomes bare, this is half of that time at most. Once it is bare,
-        the film beside it goes: half of the share is allowed, but at least the time `least`.
+        the film beside it goes: half of the share is allowed, but at least the time `least` [s].
+        Infinite without a film that wears.
+
+        rate: wear per second.
         """
         shortest, bare_parts = np.inf, self.bare_parts(wear)
         balls = np.array([0.5 * wear.ball]), np.array([0.5 * rate.ball])

@@ -30,21 +30,22 @@ _NEAR = 0.02  # of the approaches: first range about the guess in which an even 
 _HEAT_OF_ROUGH = 10.0  # error of the heat of a rough state over that of its balance
 
 _FURTHER = 12  # extensions of this range, each twice as long
+_CLOSE = 1e-9  # of the approaches: accuracy of the even loss
 
 
 @dataclass
 class _Memory:
     """Results that later solves and states start from, at whatever temperatures."""
 
-    slope: float  # stiffness last found [N/m]
+    slope: float  # last stiffness [N/m]
     offset: float | None = None  # even loss at the start less that of the scene [m]
     ahead: float = 0.0  # last even loss less that of the approaches, over the approaches
 
 
-def _most_worn(scene: Scene) -> float:
-    """Returns the loss at the end of a life [m]; inf where no criterion limits it, 0 without any.
+def _largest_loss_of_life(scene: Scene) -> float:
+    """Returns the loss of ball diameter that the criteria of a scene allow [m].
 
-    Another criterion may end the life before.
+    It is infinite where they do not limit the loss, and 0 without any criterion.
     """
     end = scene.wear.end_of_life
     if end is None:
@@ -54,7 +55,11 @@ def _most_worn(scene: Scene) -> float:
 
 
 class Worn(Steady):
-    """A bearing with worn grooves, unworn by `Steady`; each solve starts from the last one."""
+    """A bearing with worn grooves; each solve starts from the last one.
+
+    unworn: its solution without wear, by `Steady`.
+    cells: numbers along and across a contact.
+    """
 
     def __init__(self, scene: Scene, unworn: SolvedBearing, cells: tuple[int, int]):
         self.scene, self.problem, self.start = scene, unworn.problem, unworn.condition
@@ -68,17 +73,20 @@ class Worn(Steady):
             cells,
             wander=scene.wear.track_wander,
             films=WornFilms.of(scene) if filmed else None,
-            most_worn=_most_worn(scene),
+            most_worn=_largest_loss_of_life(scene),
         )
         self.memory = _Memory(unworn.steepness)
 
     def elsewhere(self, scene: Scene) -> "Worn":
-        """Returns the bearing with its grooves at another speed or temperature, without wear."""
-        moved = copy.copy(self)
-        moved.scene, moved.problem = scene, self.problem.of(scene).without_finer
-        moved.mounted = moved.problem.preload.delta_a
-        moved.bearing.stop_wear()
-        return moved
+        """Returns the solver with the same grooves at the speed and temperatures of a scene.
+
+        They wear no further.
+        """
+        solver = copy.copy(self)
+        solver.scene, solver.problem = scene, self.problem.of(scene).without_finer
+        solver.mounted = solver.problem.preload.delta_a
+        solver.bearing.stop_wear()
+        return solver
 
     @property
     def heat_error(self) -> float:  # type: ignore[override]
@@ -87,7 +95,7 @@ class Worn(Steady):
 
     @staticmethod
     def condition(wear: WornDepths) -> Condition:
-        """Returns the condition with some wear, whose loss is its progress."""
+        """Returns the condition with some wear; its loss is the balls' and the deepest grooves'."""
         deepest = float(wear.grooves.max(axis=1, initial=0.0).sum())
         return Condition(wear.ball + deepest, depths=wear)
 
@@ -123,6 +131,7 @@ class Worn(Steady):
         return HeatFlow(inner, outer, drag=float(n * drag))
 
     def rate(self, solution: SolvedBearing) -> WornDepths:
+        """Returns the wear per second in a solution, as depths [m/s]."""
         return self.bearing.rate(solution.answer, *self.factors, solution.scene)
 
     def approach_loss(self, point: WornPoint) -> float:
@@ -149,6 +158,7 @@ class Worn(Steady):
 
         @functools.cache
         def difference(loss: float) -> float:
+            """Returns how far the evenly worn bearing is from the position or preload [1]."""
             nonlocal state
             delta_a, state = thrust_equilibrium(
                 g, g.D0 - loss, load, hold.F_x, seat.delta_a, hold.constant_force, state
@@ -165,21 +175,24 @@ class Worn(Steady):
             if difference(low) <= 0.0 <= difference(high):
                 break
         try:
-            root = brent_root(difference, low, high, xtol=1e-9 * scale, rtol=1e-14)
+            root = brent_root(difference, low, high, xtol=_CLOSE * scale, rtol=1e-14)
         except ValueError:
             return float("nan")
         self.memory.ahead += (root - guess) / scale
         return root - self.memory.offset
 
     def state(self, solution: SolvedBearing) -> State:
-        """Returns the state of a point; its rate of loss and stiffnesses need more than it."""
+        """Returns the state of a solution, without its rate of loss and stiffnesses.
+
+        These need the states beside it, and more solves.
+        """
         point = solution.answer
         values = self._values(point) | self._film_values(solution)
         values["friction_power"] = self.heat(solution).total
         return State(point.status, values, solution)
 
     def _film_values(self, solution: SolvedBearing) -> dict[str, Any]:
-        """Returns the values of a state that films and running in decide; nothing without any."""
+        """Returns the result variables that films and running in change; empty without any."""
         films, point = self.bearing.films, solution.answer
         if films is None:
             return {}
@@ -199,6 +212,7 @@ class Worn(Steady):
         }
 
     def _values(self, point: WornPoint) -> dict[str, Any]:
+        """Returns the result variables of a state, as if it had no films."""
         g, op, D = point.problem.g, point.problem.op, point.D
         forces, r = point.forces, g.R_o + point.seat.X2
         alpha = np.array([f.alpha for f in forces])
