@@ -401,7 +401,7 @@ def study(args: argparse.Namespace) -> int:
     from bearingwear.studies.launch import (
         DRY_RUN,
         check_arguments,
-        own_findings,
+        own_headlines,
         run_own_study,
         run_study,
     )
@@ -426,7 +426,7 @@ def study(args: argparse.Namespace) -> int:
             write_study(file, folder, _design_limits(args, load_scene(file)))
         status, page = run_own_study(folder, jobs, args.more)
     if page:
-        for title in own_findings(folder, file.stem) if status == SUCCESS else ():
+        for title in own_headlines(folder, file.stem) if status == SUCCESS else ():
             print_text(title)
         print_text(f"page: {page}")
     if status == SUCCESS and page and _is_infeasible(folder, file.stem):

@@ -14,7 +14,7 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.figures.dynamic import mean_so_far
 from bearingwear.studies.grid.gather import study
 from bearingwear.studies.grid.grid import Case, Grid
-from bearingwear.studies.unsolved import verdict
+from bearingwear.studies.unsolved import unsolved_lines
 
 STEADY = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.5, 0.7])
 DYNAMIC = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.08], [0.0, 0.5, 0.7])
@@ -151,7 +151,7 @@ def test_steady_and_dynamic_cases_are_not_mixed(folder, tmp_path):
 
 
 def test_verdict_names_the_files_of_both(folder, capsys, tmp_path):
-    checked, unsolved = verdict([folder / "study.nc", folder / "dynamic.nc"])
+    checked, unsolved = unsolved_lines([folder / "study.nc", folder / "dynamic.nc"])
     assert checked == 24 + 12
     assert [line.partition(": ")[0] for line in unsolved] == [
         str(folder / "cases" / f"{FAILED[0]}.nc"),

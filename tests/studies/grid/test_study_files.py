@@ -22,7 +22,7 @@ from bearingwear.studies.grid.gather import study
 from bearingwear.studies.grid.grid import Grid
 from bearingwear.studies.grid.interpolated import Line, interpolated_life
 from bearingwear.studies.grid.life import study_life, wear_life
-from bearingwear.studies.unsolved import verdict
+from bearingwear.studies.unsolved import unsolved_lines
 
 GRID = Grid.from_lists(PRELOAD_METHODS, [0.0, 0.08], [0.0, 0.35, 0.7])
 UNDETERMINED = 5
@@ -416,7 +416,7 @@ def test_study_of_a_pair(force, tmp_path, monkeypatch):
 
 def test_verdict(folder, tmp_path, capsys):
     files = [str(folder / name) for name in ("study.nc", "wear_life.nc")]
-    checked, unsolved = verdict(files)
+    checked, unsolved = unsolved_lines(files)
     assert checked == 12 + 4 and len(unsolved) == 6 + 2
     assert "cases/fixed_position-mu0.000-loss0.35.nc: undetermined" in unsolved[4]
     assert step(VERDICT, tmp_path / "verdict.txt", paths=files) == 3
