@@ -240,9 +240,8 @@ def gather(args: argparse.Namespace) -> int:
 
         write_dataset(coded(gathered_parts(args.files)), args.output)
         return SUCCESS
-    from bearingwear.studies.grid.gather import study as gathered
 
-    write_dataset(gathered(args.files), args.output)
+    write_dataset(gathered_study(args.files), args.output)
     return SUCCESS
 
 

@@ -119,9 +119,8 @@ def _cage_configuration(scene: Scene, name: str) -> dict[str, Any]:
     cage = scene.cage
     assert cage is not None
     has_land = cage.guiding_race != "ball"
-    clearances = {
-        cage.guide_clearance_mm * factor for factor in (LANDS if has_land else LANDS[-1:])
-    }
+    factors = LANDS if has_land else LANDS[-1:]
+    clearances = {cage.guide_clearance_mm * factor for factor in factors}
     frictions = {
         float(f"{min(factor * scene.friction.cage, 1.0):.3g}") for factor in CAGE_FRICTIONS
     }

@@ -65,7 +65,7 @@ def history_figure(life: xr.Dataset) -> Figure:
             panel.set_xlim(left=0.0)
             panel.tick_params(labelbottom=True)
             panel.set_xlabel("running time (h)")
-    frame(figure, _history_title(life), [*_keys(life), *failed_keys(failed)], columns=4)
+    frame(figure, _history_title(life), [*_legend_keys(life), *failed_keys(failed)], columns=4)
     return figure
 
 

@@ -86,7 +86,7 @@ def dynamic_life(path: Path) -> xr.Dataset:
 
 
 def ended_by(life: xr.Dataset) -> str:
-    """Returns the criterion that ended a life in words; that of its status if none did."""
+    """Returns in words the criterion that ended a life, or its status if it did not end."""
     status = int(life["status"])
     if status != OK:
         return name_in_words(STATUS_NAMES[status])

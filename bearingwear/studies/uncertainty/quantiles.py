@@ -218,7 +218,10 @@ def _rows_at_preloads(
     tell: Tell | None,
     with_indices: bool,
 ) -> list[dict[str, Any]]:
-    """Returns the values of `ANALYSED` at each preload, in their order."""
+    """Returns the values of `ANALYSED` at each preload, in their order.
+
+    The arguments are those of `life_quantiles`; the processes of `pool` solve the lives.
+    """
     lives_by_choice: dict[str, list[MethodLives]] = {}
     rows = []
     for (method, choice), preload in preloads.items():

@@ -14,7 +14,7 @@ from scipy.stats import qmc
 
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.lives.many import HertzianLives, worn_life
-from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, BATCH_ONLY, SCATTER_ONLY
+from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, BATCH_ONLY
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import WORN, Scene
@@ -56,12 +56,10 @@ def varied_names(scene: Scene, inputs: int) -> list[str]:
         return list(spreads)
     if inputs == ALL_BUT_WEAR:
         return [name for name in spreads if name not in WORN]
-    varies_with_batch = inputs == BATCH_ONLY
-    return [
-        name
-        for name, spread in spreads.items()
-        if is_same_for_batch(name, spread) == varies_with_batch
-    ]
+    common_to_batch = [name for name, spread in spreads.items() if is_same_for_batch(name, spread)]
+    if inputs == BATCH_ONLY:
+        return common_to_batch
+    return [name for name in spreads if name not in common_to_batch]
 
 
 def _wear_columns(names: Sequence[str]) -> list[int]:
@@ -114,12 +112,17 @@ def _sobol_points(dimensions: int, count: int, seed: int) -> np.ndarray:
 
 
 def sampled_lives(scene: Scene, rows: np.ndarray, pool: Workers | None = None) -> SampledLives:
-    """Returns quick lives at values (n, names) of the uncertain keys, with the grooves of `life`.
+    """Returns quick lives at sampled values, with the grooves that the full model would follow.
 
     Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
+
+    rows: values (n, names) of the uncertain keys.
+    pool: processes that solve the lives; without one, this process does.
+    NotAvailable: no row could be solved by any model.
     """
     names = list(scene.uncertainty or {})
-    wear, others = _columns(names)
+    wear = _wear_columns(names)
+    others = _other_columns(names)
     unique_rows, row_of_member = np.unique(rows[:, others], axis=0, return_inverse=True)
     row_of_member = row_of_member.ravel()
     solve = partial(quick_life_answer, scene, [names[k] for k in others])
