@@ -272,9 +272,9 @@ def gather(args: argparse.Namespace) -> int:
 
         write_dataset(coded(gathered_parts(args.files)), args.output)
         return SUCCESS
-    from bearingwear.studies.grid.gather import study as study_dataset
+    from bearingwear.studies.grid.gather import gathered_study
 
-    write_dataset(study_dataset(args.files), args.output)
+    write_dataset(gathered_study(args.files), args.output)
     return SUCCESS
 
 
@@ -457,7 +457,7 @@ def study(args: argparse.Namespace) -> int:
 def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
     """Runs the study of one scene, prints its findings and its page, and returns the status."""
     from bearingwear.scene.read import load_scene
-    from bearingwear.studies.launch import DRY_RUN, own_findings, run_own_study
+    from bearingwear.studies.launch import DRY_RUN, own_headlines, run_own_study
     from bearingwear.studies.own_study import write_study
 
     file = Path(args.name)
@@ -472,7 +472,7 @@ def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
     if not page:
         return status
     if status == SUCCESS:
-        for title in own_findings(folder, file.stem):
+        for title in own_headlines(folder, file.stem):
             print_text(title)
     print_text(f"page: {page}")
     if status == SUCCESS and _is_infeasible(folder, file.stem):

@@ -69,7 +69,7 @@ def make_small_study(folder: Path) -> None:
         draw, chosen = "studies.grid.figures.draw", "studies.design"
         figure = [drawn(name) for name in (*FIGURES, f"{CHOICE}/figures/design")]
         for status in (
-            step("studies.grid.gather.study", study, paths=cases),
+            step("studies.grid.gather.gathered_study", study, paths=cases),
             step("studies.grid.life.study_life", lives, scene=scene, study=study),
             step("studies.grid.tables.study_tables", *tables, study=study, lives=lives),
             step(f"{draw}.draw_wear", *figure[0], studies=[study], settings=both),

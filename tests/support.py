@@ -126,7 +126,7 @@ def step_arguments(run: str, *outputs, settings: dict | None = None, **inputs) -
     Parameters
     ----------
     run : str
-        The function, as `studies.grid.gather.study`.
+        The function, as `studies.grid.gather.gathered_study`.
     *outputs : path
     settings : dict, optional
     **inputs : path, or list of paths
@@ -141,7 +141,7 @@ def step_arguments(run: str, *outputs, settings: dict | None = None, **inputs) -
 
 
 def dotted(run: str) -> str:
-    """Dotted name of a function of a study: `studies.grid.gather.study` in the package."""
+    """Dotted name of a function of a study: `studies.grid.gather.gathered_study` in the package."""
     study = run.split(".")[1]
     there = (ROOT / "workflow" / "studies" / study).is_dir()
     return f"{'workflow' if there else 'bearingwear'}.{run}"

@@ -28,7 +28,11 @@ NONE: Mapping[str, Any] = MappingProxyType({})
 def solved_case(
     scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
 ) -> Result:
-    """Solves a case. A failure is in its status and on standard error."""
+    """Returns the solved case of a scene. A failure is in its status and on standard error.
+
+    changes: new values by dotted key.
+    fidelity: overrides `model.fidelity`.
+    """
     from bearingwear.solvers.solve import solve
 
     solved = solve(variant(scene, changes), fidelity, progress=_report)
@@ -41,9 +45,13 @@ def solved_variants(
     fidelity: str | None = None,
     case: str | None = None,
 ) -> Iterator[Result]:
-    """Solves a case for each set of changes of a scene, whose file is read once.
+    """Yields the solved case for each set of changes of a scene, whose file is read once.
 
-    case: name of a case of the scene. A failure is in the status and on standard error.
+    A failure is in the status and on standard error.
+
+    variants: sets of new values by dotted key.
+    fidelity: overrides `model.fidelity`.
+    case: name of an operating condition under `cases` of the scene.
     """
     from bearingwear.solvers.solve import solve
 
@@ -57,14 +65,17 @@ def solved_variants(
 def solved_life(
     scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
 ) -> Result:
-    """Computes the wear life of a scene. A failure is in its status and on standard error."""
+    """Returns the wear life of a scene. A failure is in its status and on standard error.
+
+    changes, fidelity: as of `solved_case`.
+    """
     from bearingwear.lives.life import life
 
     return reported(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
 
 
 def reported(result: Result, scene: str | Path) -> Result:
-    """Returns the result; a failure is reported on standard error."""
+    """Returns the result unchanged, after a failure has been reported on standard error."""
     if result.status != "ok":
         _report(f"{scene}: {result.status}: {result.reason}")
     return result
@@ -77,7 +88,12 @@ def _report(text: str) -> None:
 
 
 def life_scene(scene: Source, settings: Sequence[str] = (), films: bool = False) -> Scene:
-    """Returns a scene with an end of life and a steady state; `films` allows solid films."""
+    """Returns a scene whose life the steady model can solve, as studies require.
+
+    settings: changes `KEY=VALUE`.
+    films: whether solid films and running-in are allowed.
+    SceneError: a film that is not allowed, or a life that requires another model.
+    """
     from bearingwear.solvers.effects.choice import choice_for_life
 
     source = source_name(scene)

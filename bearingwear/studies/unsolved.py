@@ -19,14 +19,15 @@ from bearingwear.studies.run_step import NotSolved
 
 
 def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
-    """Returns a line that all was solved, or fail; a step of the workflow.
+    """Step: returns a line that says that all was solved, or lines on what was not.
 
     paths: study files and files of wear life; maps, which keep the status of each life, need none.
-    unsolved_is {"error", "warning"}: whether an unsolved case is an error or a warning.
+    unsolved_is {"error", "warning"}: what an unsolved case or life is.
+    NotSolved: an unsolved case or life, if that is an error.
     """
     if not paths:
         return "nothing to check; cases and lives in maps keep their status\n"
-    checked, unsolved = verdict(paths)
+    checked, unsolved = unsolved_lines(paths)
     if unsolved:
         message = "\n  ".join([f"{len(unsolved)} of {checked} not solved:", *unsolved])
         if unsolved_is == "error":
@@ -36,13 +37,13 @@ def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
     return f"all {checked} solved and verified\n"
 
 
-def verdict(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
-    """Checks the status of all cases and lives in study files and files of wear life.
+def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
+    """Returns the number of cases and lives in files, and a line for each unsolved one.
 
-    A life that no criterion ends is an answer, not a failure.
+    The line names the file and the reason. A life that no criterion ends counts as solved.
 
-    Returns `checked`: number of cases and lives.
-    Returns `unsolved`: a line for each unsolved case or life, with its file and the reason.
+    paths: study files and files of wear life.
+    CaseFileError: a file of another kind.
     """
     checked, unsolved = 0, []
     for path in map(Path, paths):

@@ -34,7 +34,7 @@ from bearingwear.page.charts import LARGE_CHART, MARGINS, SMALL_CHART, ChartAxis
 from bearingwear.page.page import differences_by_block, key_rows
 from bearingwear.page.sketch import section_of, sketch
 from bearingwear.results.netcdf import load
-from bearingwear.studies.launch import own_page
+from bearingwear.studies.launch import copy_own_page
 
 MOST = 1_500_000  # bytes
 HREF = "{http://www.w3.org/1999/xlink}href"
@@ -123,7 +123,7 @@ def test_every_link_to_a_file_leads_there(small_project, whole_page, own, tmp_pa
     page = whole_page
     if own:
         shutil.copytree(small_project, tmp_path / "mine")
-        page = own_page(tmp_path / "mine")
+        page = copy_own_page(tmp_path / "mine")
         assert page == tmp_path / "mine/index.html"
     links = [node.attrib["href"] for node in parsed(page.read_text(encoding="utf-8")).iter("a")]
     files = [unquote(link) for link in links if not link.startswith("#")]
@@ -131,7 +131,7 @@ def test_every_link_to_a_file_leads_there(small_project, whole_page, own, tmp_pa
         assert any(file.endswith(name) for file in files), name
     for file in files:
         assert (page.parent / file).is_file() and file.startswith("../../") == (not own), file
-    assert own_page(tmp_path) is None
+    assert copy_own_page(tmp_path) is None
 
 
 def test_a_page_made_twice_has_the_same_bytes(page_of):

@@ -58,7 +58,7 @@ def kinds(tmp_path_factory):
         method, mu, loss = re.fullmatch(r"(\w+)-mu(.*)-loss(.*)", case.stem).groups()
         at = [f"operation.preload_method={method}", f"friction.ball_race={mu}"]
         run_command("solve", SCENE, "-o", case, *QUICK, *at, f"wear.ball_diameter_loss_um={loss}")
-    assert step("studies.grid.gather.study", files["study"], paths=cases) == 0
+    assert step("studies.grid.gather.gathered_study", files["study"], paths=cases) == 0
     made_from = {"scene": SCENE, "study": files["study"]}
     assert step("studies.grid.life.study_life", files["wear life"], **made_from) == 0
     plan = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text(encoding="utf-8"))

@@ -13,13 +13,13 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.configuration import validated_config
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.own_study import plan_of, write_study
+from bearingwear.studies.own_study import study_files, write_study
 
 LIMITS = DesignLimits(axial_stiffness_N_um=3.0)
 
 
 def plans(scene, limits=LIMITS):
-    files = plan_of(scene, "mine", limits, "mine.yaml")
+    files = study_files(scene, "mine", limits, "mine.yaml")
     return files["config/config.yaml"], files["config/design.yaml"]["scenes"]["mine"]
 
 
@@ -98,9 +98,9 @@ def test_own_friction_is_among_those_studied(scene, mu, frictions):
 
 
 def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, tmp_path):
-    assert "config/cage.yaml" not in plan_of(scene, "mine", LIMITS, "mine.yaml")
+    assert "config/cage.yaml" not in study_files(scene, "mine", LIMITS, "mine.yaml")
     with_cage_study = scene.with_({"cage_uncertainty": {}})
-    plan = plan_of(with_cage_study, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
+    plan = study_files(with_cage_study, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
     (tmp_path / "cage.yaml").write_text(yaml.safe_dump(plan), encoding="utf-8")
     (tmp_path / "scenes").mkdir()
     (tmp_path / "scenes/mine.yaml").write_bytes(scene_file("gyro_s1").read_bytes())

@@ -52,14 +52,21 @@ def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(variables, attrs=dynamic.attrs)
 
 
-def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
-    """Step: returns all numbers of both models as CSV, and the main ones as Markdown."""
-    solved = steady_and_dynamic(*load_with_dynamic(study, dynamic))
+def dynamic_comparison(study: Path, dynamic: Path) -> tuple[str, str]:
+    """Step: returns all numbers of both models as CSV, and the main ones as Markdown.
+
+    study: file of steady cases, which contains every case of `dynamic`.
+    """
+    steady_cases, dynamic_cases = load_with_dynamic(study, dynamic)
+    solved = steady_and_dynamic(steady_cases, dynamic_cases)
     return cases_csv(solved), _comparison_markdown(solved)
 
 
 def _comparison_markdown(solved: xr.Dataset) -> str:
-    """Returns the main numbers of cases solved with both models, as Markdown."""
+    """Returns the main numbers of cases solved with both models, as Markdown.
+
+    solved: of `steady_and_dynamic`.
+    """
     unsolved = tuple(
         line
         for model in _MODELS
@@ -113,12 +120,13 @@ def _drift_table(solved: xr.Dataset) -> Block:
 
 def _drift_lines(solved: xr.Dataset) -> Iterator[str]:
     """Yields a line for each case and mean that drifts by more than `LARGEST_DRIFT`."""
-    drifts = {"QV": "qv_drift_per_turn", "the total wear rate": "wear_rate_drift_per_turn"}
-    for quantity, name in drifts.items():
-        if name in solved:
-            drift = solved[name] * solved["evaluated_turns"]
-            for case, index in cases_in_words(solved):
-                change = float(drift[index])
-                if abs(change) > LARGEST_DRIFT:
-                    percent = f"{plain(100.0 * change, 2, '+')} %"
-                    yield f"{case}: {quantity} still drifts by {percent} over the averaged turns"
+    drift_names = {"QV": "qv_drift_per_turn", "the total wear rate": "wear_rate_drift_per_turn"}
+    for quantity, name in drift_names.items():
+        if name not in solved:
+            continue
+        drift = solved[name] * solved["evaluated_turns"]
+        for case, index in cases_in_words(solved):
+            case_drift = float(drift[index])
+            if abs(case_drift) > LARGEST_DRIFT:
+                percent = f"{plain(100.0 * case_drift, 2, '+')} %"
+                yield f"{case}: {quantity} still drifts by {percent} over the averaged turns"

@@ -14,7 +14,11 @@ from bearingwear.results.words import scene_of
 
 
 def duty_figure(life: xr.Dataset) -> Figure:
-    """Returns residual preloads over time, and worn volumes over time, stacked by phase."""
+    """Returns the figure of a life over a duty, of a bearing.
+
+    Its panels are the residual preload in each phase over time, and the worn volumes, stacked by
+    phase.
+    """
     time = life["history_time"].values
     phases = str(life.attrs["phases"]).split()
     figure, panels = new_figure(1, 2, 7.6, 3.6)
@@ -50,7 +54,7 @@ def duty_figure(life: xr.Dataset) -> Figure:
 
 
 def duty_message(life: xr.Dataset) -> str:
-    """Returns the life over a duty and what ends it, as the message of a figure."""
+    """Returns a sentence on the life over a duty, its cycles, and what ends it in which phase."""
     scene, hours = scene_of(life), float(life["life"])
     when = hours_in_words(scene, hours)
     criterion = life["end_criterion"].attrs["flag_meanings"].split()[int(life["end_criterion"])]

@@ -8,7 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.document.bearing_line import bearing_line
-from bearingwear.document.document import Block
+from bearingwear.document.document import Block, Document
 from bearingwear.document.show import sheet_of_result
 from bearingwear.lives.life import life
 from bearingwear.plotting.drawing import Figure, frame, new_figure
@@ -16,6 +16,7 @@ from bearingwear.results.netcdf import dataset
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.words import datasets_by_bearing
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.result import Result
 from bearingwear.studies.lives.duty_figure import duty_figure, duty_message
 
 FOLDED = "worst in each phase"
@@ -23,24 +24,37 @@ FOLDED = "worst in each phase"
 
 
 def duty_report(scene: Path) -> tuple[xr.Dataset, str, Figure]:
-    """Step: the life of a scene over its duty, its sheet as an answer of the page, its figure."""
+    """Step: returns the life of a scene over its duty, its answer for the page, and its figure.
+
+    The figure of a pair is that of its first bearing.
+    """
     result = life(load_scene(scene))
-    lived = dataset(result)
-    of_first, *_ = datasets_by_bearing(lived).values()
-    if "history_phase_worn_share" in of_first:
-        message, figure = duty_message(of_first), duty_figure(of_first)
+    duty_life = dataset(result)
+    first_bearing = next(iter(datasets_by_bearing(duty_life).values()))
+    if "history_phase_worn_share" in first_bearing:
+        message = duty_message(first_bearing)
+        figure = duty_figure(first_bearing)
     else:
         message = f"{result.scene['name']}: no life over the duty: {result.reason}"
         figure, _ = new_figure(1, 1, 7.6, 1.0)
         frame(figure, message, [], columns=1)
+    return duty_life, _duty_answer(result, message).stored, figure
+
+
+def _duty_answer(result: Result, message: str) -> Document:
+    """Returns the sheet of a life over a duty, as an answer of the report page.
+
+    Its sentences lead the page. The tables from `FOLDED` on are folded away.
+    """
     sheet = sheet_of_result(result)
     titles = [block.title for block in sheet.blocks]
     count = titles.index(FOLDED) if FOLDED in titles else len(titles)
-    first, others = sheet.blocks[:count], sheet.blocks[count:]
-    sentences = tuple(line for block in first for line in block.lines)
+    open_blocks = sheet.blocks[:count]
+    folded_blocks = sheet.blocks[count:]
+    sentences = tuple(line for block in open_blocks for line in block.lines)
     name, operation = result.scene["name"], result.scene["operation"]
     method = method_words(result.scene, operation["preload_method"])
-    answer = replace(
+    return replace(
         sheet,
         heading=(message,),
         facts={
@@ -51,11 +65,10 @@ def duty_report(scene: Path) -> tuple[xr.Dataset, str, Figure]:
         },
         blocks=(
             Block("What ends the life at the input preload", lines=sentences, place="lead"),
-            *(replace(block, lines=(), place="open") for block in first),
-            *others,
+            *(replace(block, lines=(), place="open") for block in open_blocks),
+            *folded_blocks,
         ),
         figures=("duty",),
         subject="Duty at the input preload",
         rank=2,  # after the recommended preload and the comparison of methods
     )
-    return lived, answer.stored, figure

@@ -35,7 +35,7 @@ _AGES = "viridis_r"
 
 
 def wear_history(life: Path) -> Figure:
-    """Step: returns the figure of the history of a life."""
+    """Step: returns the figure of the history of a life in a file. Raises CaseFileError."""
     dataset = dynamic_life(life)
     if "history_ball_worn_volume" not in dataset:
         raise CaseFileError(f"{life}: no step of this life calculation could be solved")
@@ -65,16 +65,17 @@ def history_figure(life: xr.Dataset) -> Figure:
             panel.set_xlim(left=0.0)
             panel.tick_params(labelbottom=True)
             panel.set_xlabel("running time (h)")
-    frame(figure, _history_title(life), [*_keys(life), *failed_keys(failed)], columns=4)
+    frame(figure, _history_title(life), [*_legend_keys(life), *failed_keys(failed)], columns=4)
     return figure
 
 
 def _with_cage(life: xr.Dataset) -> bool:
+    """Whether a life includes the wear of a cage."""
     return "history_pocket_worn_volume" in life
 
 
 def _volume_lines(life: xr.Dataset) -> dict[str, list[tuple[xr.DataArray, dict[str, Any]]]]:
-    """Returns the worn volumes and the styles of their lines, by the part that wears."""
+    """Returns the worn volumes over time and the styles of their lines, by the part that wears."""
     races = life["history_race_worn_volume"]
     lines = {
         "one ball": [(life["history_ball_worn_volume"], {"color": _BALLS})],
@@ -91,8 +92,8 @@ def _volume_lines(life: xr.Dataset) -> dict[str, list[tuple[xr.DataArray, dict[s
     return lines
 
 
-def _keys(life: xr.Dataset) -> list[Any]:
-    """Returns the entries of the legend."""
+def _legend_keys(life: xr.Dataset) -> list[Any]:
+    """Returns the entries of the legend of a history, without that of failures."""
     keys = [
         key("each ball", color=_BALLS),
         key("inner race", color=_RACES),

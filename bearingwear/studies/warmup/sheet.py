@@ -26,10 +26,13 @@ _LINEAR = 1.0  # s: the axis of time is linear at least up to here
 
 
 def warm_up_sheet(file: Any) -> Document:
-    """Returns how a warm-up ends, its peaks with their times, and the thermal margin."""
+    """Returns the sheet of a warm-up: how it ends, its peaks with their times, thermal margin.
+
+    file: open netCDF file of `warm_up_dataset`.
+    """
     scene = json.loads(file.scene)
     ending = ENDINGS[int(values(file, "ending"))]
-    times, _ = np.reshape(np.atleast_1d(file.course), (2, -1))
+    times = _course_times(file.course)
     speed_text = f"{plain(scene['operation']['shaft_speed_rpm'], 6)} r/min"
     if len(times) == 1:
         course = f"at {speed_text} from the start"
@@ -38,8 +41,16 @@ def warm_up_sheet(file: Any) -> Document:
     summary = f"{scene['name']}: {_ending_sentence(file, ending)}"
     heading = (summary, course, *minimum_preload_lines(scene))
     facts = {"kind": "warm-up", "scene": scene["name"], "ending": ending}
-    lines = Block("", lines=tuple(_lines(file, ending)))
+    lines = Block("", lines=tuple(_closing_lines(file, ending)))
     return Document(heading, facts, (_peaks_block(file), _temperatures_block(file), lines))
+
+
+def _course_times(course: np.ndarray) -> np.ndarray:
+    """Returns the times (n,) [s] of the course of the speed in a file of a warm-up.
+
+    course: attribute (2 n,): the times, then the shares of the full speed at these times.
+    """
+    return np.reshape(np.atleast_1d(course), (2, -1))[0]
 
 
 def _peaks_block(file: Any) -> Block:
@@ -65,7 +76,7 @@ def _temperatures_block(file: Any) -> Block:
     return Block("temperatures at the end", columns, tuple(rows))
 
 
-def _lines(file: Any, ending: str) -> list[str]:
+def _closing_lines(file: Any, ending: str) -> list[str]:
     """Returns lines on the rise of the temperatures, their stability and the numerical error."""
     lines = []
     if ending in ("steady", "duration"):
@@ -86,7 +97,7 @@ def _lines(file: Any, ending: str) -> list[str]:
 
 
 def _stop_lines(file: Any) -> list[str]:
-    """Returns whether and when the spring is compressed to its stop."""
+    """Returns a line on when the spring is compressed to its stop; no line if it never is."""
     stop_um = (json.loads(file.scene).get("arrangement") or {}).get("stop_um")
     if stop_um is None or "spring_travel" not in file.variables:
         return []
@@ -101,7 +112,10 @@ def _stop_lines(file: Any) -> list[str]:
 
 
 def _ending_sentence(file: Any, ending: str) -> str:
-    """Returns how a warm-up ended, and when."""
+    """Returns the words for how a warm-up ended, and when.
+
+    ending: one of `ENDINGS`.
+    """
     status, end = int(values(file, "status")), plain(float(values(file, "end_time")))
     if ending == "runaway":
         return f"RUNAWAY: the heat outgrows the cooling, and the bearing has no state after {end} s"
@@ -119,10 +133,9 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
     figure, panels = new_figure(1, 3, 10.0, 3.2)
     temperature, preload, pressure = panels[0]
     time, bearings = warmup["time"].values, warmup.sizes["side"]
-    times, _ = np.reshape(np.atleast_1d(warmup.attrs["course"]), (2, -1))
-    at_speed = max(times[-1], _LINEAR)
-    for k in range(bearings):
-        bearing, style = warmup.isel(side=k), _LINE_STYLES[k]
+    at_speed = max(_course_times(warmup.attrs["course"])[-1], _LINEAR)
+    for k, style in enumerate(_LINE_STYLES[:bearings]):
+        bearing = warmup.isel(side=k)
         for part, colour in enumerate(_COLOURS):
             temperature.plot(time, bearing["part_temperature"][:, part], style, color=colour)
         preload.plot(time, bearing["residual_preload"], style, color="black")
@@ -145,7 +158,7 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
 
 
 def _figure_title(warmup: xr.Dataset) -> str:
-    """Returns how a warm-up ended, and its largest preload."""
+    """Returns a title that says how a warm-up ended, and its largest preload."""
     name, ending = scene_of(warmup)["name"], ENDINGS[int(warmup["ending"])]
     end = plain(float(warmup["end_time"]))
     peak = plain(float(warmup["peak_residual_preload"]))

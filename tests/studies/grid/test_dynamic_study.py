@@ -12,14 +12,16 @@ from support import ROOT, only_line, scene_file, step
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.figures.dynamic import mean_so_far
-from bearingwear.studies.grid.gather import study
 from bearingwear.studies.grid.grid import Case, Grid
-from bearingwear.studies.unsolved import verdict
+from bearingwear.studies.unsolved import unsolved_lines
 
 STEADY = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.5, 0.7])
 DYNAMIC = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.08], [0.0, 0.5, 0.7])
 NOT_CONVERGED = 1
-GATHER, TABLES = "studies.grid.gather.study", "studies.grid.dynamic_tables.comparison"
+GATHER, TABLES = (
+    "studies.grid.gather.gathered_study",
+    "studies.grid.dynamic_tables.dynamic_comparison",
+)
 COMPARED, AVERAGE = (
     "studies.grid.figures.draw.draw_dynamic",
     "studies.grid.figures.draw.draw_running_average",
@@ -147,11 +149,11 @@ def test_steady_and_dynamic_cases_are_not_mixed(folder, tmp_path):
     paths = make(tmp_path, DYNAMIC, "dynamic")
     made_up_case(DYNAMIC.cases()[paths[3].stem]).to_netcdf(paths[3])
     with pytest.raises(CaseFileError, match=f"{paths[3].name}: fidelity differs from"):
-        study(paths)
+        gathered_study(paths)
 
 
 def test_verdict_names_the_files_of_both(folder, capsys, tmp_path):
-    checked, unsolved = verdict([folder / "study.nc", folder / "dynamic.nc"])
+    checked, unsolved = unsolved_lines([folder / "study.nc", folder / "dynamic.nc"])
     assert checked == 24 + 12
     assert [line.partition(": ")[0] for line in unsolved] == [
         str(folder / "cases" / f"{FAILED[0]}.nc"),

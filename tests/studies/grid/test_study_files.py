@@ -18,15 +18,14 @@ from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.grid.gather import study
 from bearingwear.studies.grid.grid import Grid
 from bearingwear.studies.grid.interpolated import Line, interpolated_life
 from bearingwear.studies.grid.life import study_life, wear_life
-from bearingwear.studies.unsolved import verdict
+from bearingwear.studies.unsolved import unsolved_lines
 
 GRID = Grid.from_lists(PRELOAD_METHODS, [0.0, 0.08], [0.0, 0.35, 0.7])
 UNDETERMINED = 5
-GATHER, LIFE = "studies.grid.gather.study", "studies.grid.life.study_life"
+GATHER, LIFE = "studies.grid.gather.gathered_study", "studies.grid.life.study_life"
 TABLES, VERDICT = "studies.grid.tables.study_tables", "studies.unsolved.verdict_text"
 
 
@@ -313,7 +312,7 @@ def cases_and_lives(scene, losses, folder):
         paths, solved_variants(mine, [case.changes for case in cases]), strict=True
     ):
         write_result(result, path)
-    return wear_life(mine, study(paths))
+    return wear_life(mine, gathered_study(paths))
 
 
 @pytest.mark.parametrize(
@@ -393,7 +392,7 @@ def test_study_of_a_pair(force, tmp_path, monkeypatch):
     for path, result in zip(paths, solved, strict=True):
         write_result(result, path)
     gathered, lives = tmp_path / "study.nc", tmp_path / "wear_life.nc"
-    write_dataset(study(paths), gathered)
+    write_dataset(gathered_study(paths), gathered)
     write_dataset(study_life(mine, gathered), lives)
     dataset = load(lives)
     assert np.all(dataset["status"] == OK) and dataset["loss_at_end"].dims[-1] == "bearing"
@@ -416,7 +415,7 @@ def test_study_of_a_pair(force, tmp_path, monkeypatch):
 
 def test_verdict(folder, tmp_path, capsys):
     files = [str(folder / name) for name in ("study.nc", "wear_life.nc")]
-    checked, unsolved = verdict(files)
+    checked, unsolved = unsolved_lines(files)
     assert checked == 12 + 4 and len(unsolved) == 6 + 2
     assert "cases/fixed_position-mu0.000-loss0.35.nc: undetermined" in unsolved[4]
     assert step(VERDICT, tmp_path / "verdict.txt", paths=files) == 3
@@ -551,7 +550,7 @@ def unsolved(folder, tmp_path_factory):
     (unsolved / "cases").mkdir()
     for path in sorted((folder / "cases").glob("*-mu0.000-*.nc")):
         shutil.copy(path, unsolved / "cases")
-    gathered = study(sorted((unsolved / "cases").iterdir()))
+    gathered = gathered_study(sorted((unsolved / "cases").iterdir()))
     write_dataset(gathered, unsolved / "study.nc")
     write_dataset(wear_life(scene_file("gyro_s1"), gathered), unsolved / "wear_life.nc")
     return unsolved
