@@ -17,12 +17,16 @@ from bearingwear.results.units import Interval
 def as_json(document: Document) -> str:
     """Returns a JSON object: the facts, `sentences` by their titles, and `quantities`.
 
-    A quantity has plain numbers and their unit. All is in ASCII, other characters escaped, so that
-    any locale passes it on unchanged.
+    A quantity has numbers without rounding and their unit. The text is in ASCII, with other
+    characters escaped, so that terminals of any locale show it unchanged.
     """
     quantities = [
-        {"block": block.title, "name": row.name or row.label, "label": row.label}
-        | {"unit": row.unit}
+        {
+            "block": block.title,
+            "name": row.name or row.label,
+            "label": row.label,
+            "unit": row.unit,
+        }
         | _value_entry(block, row)
         | _limit_entry(block, row)
         for block in document.blocks
@@ -55,7 +59,7 @@ def _limit_entry(block: Block, row: Row) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Converts a number for JSON: two numbers for an interval, None for NaN."""
+    """Returns a value for JSON: a list of two numbers for an interval, None for NaN."""
     if isinstance(value, Interval):
         return [_plain(end) for end in value]
     if isinstance(value, float):

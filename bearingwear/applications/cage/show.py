@@ -14,7 +14,7 @@ import xarray as xr
 from bearingwear.applications.cage.life import WEARING
 from bearingwear.applications.cage.motion import HANGS, JAMS, MOTIONS
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import stored_scene, values
+from bearingwear.document.rows import stored_scene, variable_values
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import (
@@ -65,7 +65,7 @@ def shares_in_words(shares: Any) -> str:
 def ensemble_sheet(file: Any) -> Document:
     """Returns the sheet of an open file: motions, their wear, and the life of the cage."""
     scene, plan = stored_scene(file), json.loads(file.ensemble)
-    share, runs = values(file, "share"), values(file, "status").size
+    share, runs = variable_values(file, "share"), variable_values(file, "status").size
     if file.met:
         width = f"at most {100.0 * plan['within']:g} %"
     else:
@@ -82,11 +82,11 @@ def ensemble_sheet(file: Any) -> Document:
 
 def _unsolved_line(file: Any) -> str:
     """Counts the runs of each status but `ok`, and those without a motion; empty if none."""
-    status = values(file, "status").astype(int)
+    status = variable_values(file, "status").astype(int)
     unsolved = Counter(STATUS_NAMES[code] for code in status if code != OK)
     if not unsolved:
         return ""
-    unclassified = sum(values(file, "motion")[status != OK] != JAMS)
+    unclassified = sum(variable_values(file, "motion")[status != OK] != JAMS)
     counts = ", ".join(f"{name_in_words(name)} {count}" for name, count in unsolved.items())
     return (
         f"runs not solved: {unsolved.total()} ({counts}); motion that could not be classified: "
@@ -100,7 +100,7 @@ def _ensemble_lines(file: Any, scene: Mapping[str, Any], plan: Mapping[str, Any]
     plan: the fields of the `Ensemble`.
     """
     lines = [line for line in (file.assumed, _unsolved_line(file)) if line]
-    if values(file, "share")[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
+    if variable_values(file, "share")[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
         lines.append(
             "the motion of a hanging cage may change after hundreds of turns; use --least-turns "
             f"{LONG_RUN} --turns {LONG_RUN}"
@@ -124,16 +124,16 @@ def _interval(file: Any, name: str, group: int, factor: float) -> Interval:
 
     group: 0 for all runs, 1 + code for those of a motion.
     """
-    low, high = (factor * values(file, f"mean_{name}_interval")[group]).tolist()
+    low, high = (factor * variable_values(file, f"mean_{name}_interval")[group]).tolist()
     return Interval(low, high)
 
 
 def _motion_block(file: Any) -> Block:
     """Returns a row for each motion that occurs: share, work and whirl rate."""
-    share, ends = values(file, "share"), values(file, "share_interval")
-    work = [values(file, f"mean_{name}") for name in ("pocket_work", "land_work")]
+    share, ends = variable_values(file, "share"), variable_values(file, "share_interval")
+    work = [variable_values(file, f"mean_{name}") for name in ("pocket_work", "land_work")]
     unit = display("J", *work)
-    whirl = values(file, "mean_whirl_ratio")
+    whirl = variable_values(file, "mean_whirl_ratio")
     rows = []
     for k, motion in enumerate(MOTIONS):
         if share[k] > 0.0:
@@ -150,7 +150,7 @@ def _mean_block(file: Any) -> Block:
     rows = []
     for name, label in _ROWS:
         units = str(file[f"mean_{name}"].units)
-        mean = float(values(file, f"mean_{name}")[0])
+        mean = float(variable_values(file, f"mean_{name}")[0])
         unit = display(units, mean)
         cells = (float(unit.of(mean)), _interval(file, name, 0, unit.factor))
         rows.append(Row(label, unit.unit if unit.unit != "1" else "", cells, name))
@@ -161,7 +161,7 @@ def _life_blocks(file: Any) -> Iterator[Block]:
     """Yields the block of the cage's life, if that was computed."""
     if "cage_end" not in file.variables:
         return
-    life, hours = (float(values(file, f"cage_{name}")) for name in ("life", "hours"))
+    life, hours = (float(variable_values(file, f"cage_{name}")) for name in ("life", "hours"))
     rows = []
     lines = [
         "the end of life was not reached" if math.isnan(life) else f"ended by: {file.cage_ended_by}"
@@ -172,25 +172,25 @@ def _life_blocks(file: Any) -> Iterator[Block]:
             ("cage_life_interval", "scatter between runs only"),
             ("cage_life_interval_with_wear", "scatter between runs and uncertainty in K_s"),
         ):
-            low, high = values(file, name).tolist()
+            low, high = variable_values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
             cells = f"{low:.2g} to {high:.2g}", in_hours
             rows.append(Row(f"  90 %, {label}", "", cells, name))
     lines += _film_lines(file)
-    low, high = values(file, "motion_changes").tolist()
+    low, high = variable_values(file, "motion_changes").tolist()
     lines.append(
         "no other motion becomes dominant before the end of the calculation"
         if math.isnan(low)
         else f"another motion becomes dominant after {low:.3g} to {high:.3g} turns"
     )
-    if "other_hours" in file.variables and math.isfinite(values(file, "other_hours")):
+    if "other_hours" in file.variables and math.isfinite(variable_values(file, "other_hours")):
         lines.append(_other_life_line(file, hours))
     yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
 
 
 def _film_lines(file: Any) -> Iterator[str]:
     """States when each film of the cage is worn through."""
-    for part, turns in zip(WEARING, values(file, "film_gone").tolist(), strict=True):
+    for part, turns in zip(WEARING, variable_values(file, "film_gone").tolist(), strict=True):
         if math.isfinite(turns):
             yield f"film on the {part}: worn through after {turns:.3g} turns"
         elif not math.isnan(turns):
@@ -199,9 +199,9 @@ def _film_lines(file: Any) -> Iterator[str]:
 
 def _other_life_line(file: Any, cage_hours: float) -> str:
     """Compares the life of balls and races with that of the cage."""
-    hours = float(values(file, "other_hours"))
-    interval = Interval(*values(file, "other_hours_interval").tolist())
-    criterion = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
+    hours = float(variable_values(file, "other_hours"))
+    interval = Interval(*variable_values(file, "other_hours_interval").tolist())
+    criterion = key_in_words(CRITERIA[int(variable_values(file, "other_end"))])[0]
     longer = "the balls and races last" if cage_hours <= hours else "the cage lasts"
     return (
         f"balls and races: {Rough(hours).text} h (90 % interval due to uncertainty in K_s/H: "

@@ -18,7 +18,7 @@ from bearingwear.applications.calibrate.seen import (
     SEEN_RUN_OUT,
 )
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import stored_scene, values
+from bearingwear.document.rows import stored_scene, variable_values
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import (
     Figure,
@@ -100,11 +100,16 @@ def _has_uncertain_friction(file: Any) -> bool:
 
 def _summary_sentences(file: Any, scene: Mapping[str, Any]) -> tuple[str, ...]:
     """States the distributions of the calibrated scene, the scatter of a batch, and the error."""
-    scatter, error = float(values(file, "scatter")), float(values(file, "interpolation_error"))
-    intervals = [f"K_s/H {_interval(values(file, 'wear_over_hardness_carried')).text} m2/N"]
+    scatter, error = (
+        float(variable_values(file, "scatter")),
+        float(variable_values(file, "interpolation_error")),
+    )
+    intervals = [
+        f"K_s/H {_interval(variable_values(file, 'wear_over_hardness_carried')).text} m2/N"
+    ]
     if _has_uncertain_friction(file):
         words, unit = _friction_words_and_unit(scene)
-        interval = _interval(values(file, "friction_carried")).text
+        interval = _interval(variable_values(file, "friction_carried")).text
         intervals.insert(0, f"{words} {interval} {unit}".rstrip())
     return (
         "The calibrated scene carries lognormal distributions with the mean and the standard "
@@ -121,7 +126,7 @@ def _summary_sentences(file: Any, scene: Mapping[str, Any]) -> tuple[str, ...]:
 def conflicts(file: Any) -> list[str]:
     """Returns a sentence for each disagreement of tests and model that chance hardly explains."""
     sentences = []
-    probabilities = values(file, "probability_of_test")
+    probabilities = variable_values(file, "probability_of_test")
     for label, probability in zip(_test_labels(file), probabilities, strict=True):
         if probability < _UNLIKELY:
             sentences.append(
@@ -139,10 +144,10 @@ def conflicts(file: Any) -> list[str]:
 
 def _test_labels(file: Any) -> list[str]:
     """Returns row and kind of result of each test as text: `row 2, torque`."""
-    names = [SEEN[int(code)] for code in values(file, "seen")]
+    names = [SEEN[int(code)] for code in variable_values(file, "seen")]
     return [
         f"row {int(row)}, {SEEN_AS[name].words}"
-        for row, name in zip(values(file, "row"), names, strict=True)
+        for row, name in zip(variable_values(file, "row"), names, strict=True)
     ]
 
 
@@ -151,14 +156,20 @@ def _test_rows(file: Any) -> Iterator[Row]:
 
     Of a loss or a preload, the label states the result, and the cell the time that it took.
     """
-    names = [SEEN[int(code)] for code in values(file, "seen")]
-    results, times = values(file, "value").tolist(), values(file, "after").tolist()
-    expected, probabilities = values(file, "expected"), values(file, "probability_of_test")
+    names = [SEEN[int(code)] for code in variable_values(file, "seen")]
+    results, times = (
+        variable_values(file, "value").tolist(),
+        variable_values(file, "after").tolist(),
+    )
+    expected, probabilities = (
+        variable_values(file, "expected"),
+        variable_values(file, "probability_of_test"),
+    )
     for k, label in enumerate(_test_labels(file)):
         name, unit = names[k], SEEN_AS[names[k]].unit
-        text = digits(results[k])
+        text = digits(float(results[k]))
         if name in (SEEN_LOSS, SEEN_PRELOAD):
-            label, text, unit = f"{label} {text} {unit} after", digits(times[k]), "h"
+            label, text, unit = f"{label} {text} {unit} after", digits(float(times[k])), "h"
         elif name == SEEN_RUN_OUT:
             text = f"> {text}"
         percent = f"{plain(100.0 * probabilities[k], 2)} %"
@@ -167,7 +178,7 @@ def _test_rows(file: Any) -> Iterator[Row]:
 
 def _stage_intervals(file: Any, name: str) -> tuple[Interval, ...]:
     """Returns the intervals from the first to the last quantile of a variable, before and after."""
-    return tuple(_interval(quantiles[[0, -1]]) for quantiles in values(file, name))
+    return tuple(_interval(quantiles[[0, -1]]) for quantiles in variable_values(file, name))
 
 
 def _interval(ends: np.ndarray) -> Interval:
