@@ -21,8 +21,12 @@ def as_json(document: Document) -> str:
     ASCII, other characters escaped, so that any locale passes it on unchanged.
     """
     quantities = [
-        {"block": block.title, "name": row.name or row.label, "label": row.label}
-        | {"unit": row.unit}
+        {
+            "block": block.title,
+            "name": row.name or row.label,
+            "label": row.label,
+            "unit": row.unit,
+        }
         | _value_entry(block, row)
         | _limit_entry(block, row)
         for block in document.blocks

@@ -102,30 +102,36 @@ class PageAnswer:
 
     @property
     def sentence_blocks(self) -> list[Block]:
-        """Sentences beside the charts; those of the place `more` only without a question."""
+        """Returns the blocks of sentences beside the charts.
+
+        Those of the place `more` are among them only if the charts have no question.
+        """
         places = ("lead",) if self.question else ("lead", "more")
         return [block for block in self.document.blocks_in(*places) if not block.rows]
 
     @property
     def leading_tables(self) -> list[Block]:
-        """Tables beside the first chart."""
+        """Returns the tables beside the first chart."""
         return [block for block in self.document.blocks_in("lead") if block.rows]
 
     @property
     def open_tables(self) -> list[Block]:
-        """Blocks that stand open below the charts."""
+        """Returns the blocks that stand open below the charts."""
         return [block for block in self._blocks_below_charts if block.place == "open"]
 
     @property
     def folded_tables(self) -> list[Block]:
-        """Blocks that are folded away below the charts."""
+        """Returns the blocks that are folded away below the charts."""
         return [block for block in self._blocks_below_charts if block.place != "open"]
 
     @property
     def _blocks_below_charts(self) -> list[Block]:
-        """Tables below the charts, and blocks without a place."""
-        blocks = self.document.blocks
-        return [b for b in blocks if (b.rows or not b.place) and b.place != "lead"]
+        """Returns the tables below the charts, and blocks without a place."""
+        return [
+            block
+            for block in self.document.blocks
+            if (block.rows or not block.place) and block.place != "lead"
+        ]
 
 
 def page(
@@ -342,7 +348,7 @@ def _sketch_of_first_answer(
 
 
 def _check_suffixes(files: Iterable[Path], suffixes: Sequence[str]) -> None:
-    """Refuses files that would silently be missing on the page."""
+    """Raises CaseFileError for a file that the page would leave out because of its suffix."""
     for file in files:
         if file.suffix not in suffixes:
             got = "a folder" if file.is_dir() else f"the suffix {file.suffix!r}"
@@ -353,7 +359,7 @@ def _check_suffixes(files: Iterable[Path], suffixes: Sequence[str]) -> None:
 
 
 def _is_life(dataset: xr.Dataset) -> bool:
-    """Whether a dataset contains lives by preload method, not cases."""
+    """Returns whether a dataset contains lives by preload method, not cases."""
     return "end_criterion" in dataset and "preload_method" in dataset.dims
 
 
@@ -459,13 +465,13 @@ class KeyRow(NamedTuple):
 
     @property
     def label(self) -> str:
-        """The key with its unit in brackets, and a mark if its value is assumed."""
+        """Returns the key with its unit in brackets, and a mark if its value is assumed."""
         unit = f" ({self.unit})" if self.unit else ""
         return f"{self.words}{unit}{ASSUMED if self.is_assumed else ''}"
 
     @property
     def differ(self) -> bool:
-        """Whether the values differ."""
+        """Returns whether the scenes have different values."""
         return len(set(self.values)) > 1
 
     def with_unit(self, value: str) -> str:

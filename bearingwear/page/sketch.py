@@ -14,6 +14,8 @@ _BALL = (110.0, 70.0)
 _RING, _SHOULDER, _RELIEVED = 1.75, 0.2, 0.07
 """Assumed, over the ball diameter: width of the rings, heights of their shoulders on the loaded and
 on the other side."""
+_BEYOND_CONTACT = 0.08
+"""Least assumed height of a loaded shoulder beyond the contact, over the ball diameter."""
 _WALL = 0.35
 """Assumed thickness of a ring below its groove, over the ball diameter, if its size is missing."""
 _GAP = 0.7
@@ -24,12 +26,12 @@ _MARGIN, _TOP = 96.0, 26.0
 class BearingSection(NamedTuple):
     """The section of a bearing [mm]: x along the axis, z radially, the ball at x = 0."""
 
-    ball: float
-    pitch: float
-    angle: float
-    grooves: tuple[float, float]  # radii, inner and outer
+    ball: float  # diameter
+    pitch: float  # diameter
+    angle: float  # contact angle [rad]
+    grooves: tuple[float, float]  # radii of curvature, inner and outer
     rims: tuple[float, float]  # radii of the bore and of the outside
-    shoulders: tuple[float, float]  # radii on the loaded sides
+    shoulders: tuple[float, float]  # radii on the loaded sides, inner and outer
     sized: bool  # whether bore and outside are known
 
     @property
@@ -64,8 +66,9 @@ def section_of(bearing: Mapping[str, Any]) -> BearingSection:
     """Returns the section of the bearing of a scene; missing dimensions are assumed."""
     ball, pitch = bearing["ball_diameter_mm"], bearing["pitch_diameter_mm"]
     angle = math.radians(bearing["contact_angle_deg"])
-    # the shoulders are high enough for the contact
-    shoulder = (0.5 - max(_SHOULDER, 0.5 * (1.0 - math.cos(angle)) + 0.08)) * ball
+    # the shoulders reach beyond the contact at the contact angle
+    shoulder_height = max(_SHOULDER, 0.5 * (1.0 - math.cos(angle)) + _BEYOND_CONTACT)
+    shoulder = (0.5 - shoulder_height) * ball
     rim = (0.5 + _WALL) * ball
     bore, outside = bearing.get("bore_mm"), bearing.get("outside_diameter_mm")
     inner, outer = bearing.get("inner_shoulder_mm"), bearing.get("outer_shoulder_mm")
@@ -87,10 +90,11 @@ def section_of(bearing: Mapping[str, Any]) -> BearingSection:
 
 
 def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None = None) -> Markup:
-    """Returns the section of a bearing or of a pair, with its preload, as SVG with a caption.
+    """Returns HTML with an SVG of the section of a bearing or of a pair, and with its caption.
 
-    method: of preload; by default that of the scene.
-    preload_N: by default that of the scene.
+    scene: content of a scene file.
+    method: of preload, one of `PRELOAD_METHODS`; by default that of the scene.
+    preload_N: stated in the caption; by default that of the scene.
     """
     arrangement = scene.get("arrangement") or {}
     is_pair = arrangement.get("kind", "single") != "single"
@@ -160,7 +164,10 @@ def _rings(section: BearingSection) -> str:
 
 
 def _ring(section: BearingSection, inner: bool) -> str:
-    """Returns the path of a ring with its groove [mm]; the inner one is loaded at -x."""
+    """Returns the path of a ring with its groove [mm].
+
+    inner: whether it is the inner ring, which is loaded at -x; the outer one is loaded at +x.
+    """
     sign = 1.0 if inner else -1.0
     groove_bottom = 0.5 * section.pitch - sign * 0.5 * section.ball
     loaded, relieved = section.shoulders[not inner], groove_bottom + sign * _RELIEVED * section.ball
@@ -236,7 +243,7 @@ def _arrow(start: float, end: float, y: float) -> str:
 
 
 def _dimensions(section: BearingSection, layout: _Layout) -> str:
-    """Returns the dimensions of the first bearing as text, and a bar of a round length."""
+    """Returns the dimensions of the first bearing as text, and a bar of a round length [mm]."""
     ball = section.ball
     inner_factor, outer_factor = (radius / ball for radius in section.grooves)
     lines = [

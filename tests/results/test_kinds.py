@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import values
+from bearingwear.document.rows import variable_values
 from bearingwear.document.show import sheet
 from bearingwear.document.text import as_text
 from bearingwear.plotting.drawing import Figure, new_figure
@@ -19,7 +19,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 
 def sheet_of_a_map(file) -> Document:
     """What a study might show of its own file."""
-    longest = Row("longest", "h", (float(values(file, "life").max()),))
+    longest = Row("longest", "h", (float(variable_values(file, "life").max()),))
     return Document(("A map",), {}, (Block("", (), (longest,)),))
 
 

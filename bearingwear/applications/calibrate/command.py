@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def calibrate_command(args: argparse.Namespace) -> int:
-    """Calibrates a scene, writes it and its data, and prints the sheet of these."""
+    """Calibrates a scene, writes scene and data, prints their sheet, and returns an exit status."""
     from bearingwear.applications.calibrate.calibration import calibration_by_tests, data_file
     from bearingwear.atomic import check_output
     from bearingwear.studies.sampling import usable_cores

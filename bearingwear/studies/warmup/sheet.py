@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import values
+from bearingwear.document.rows import variable_values
 from bearingwear.kernels.status import OK, STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
@@ -31,7 +31,7 @@ def warm_up_sheet(file: Any) -> Document:
     file: open netCDF file of `warm_up_dataset`.
     """
     scene = json.loads(file.scene)
-    ending = ENDINGS[int(values(file, "ending"))]
+    ending = ENDINGS[int(variable_values(file, "ending"))]
     times = _course_times(file.course)
     speed_text = f"{plain(scene['operation']['shaft_speed_rpm'], 6)} r/min"
     if len(times) == 1:
@@ -59,9 +59,9 @@ def _peaks_block(file: Any) -> Block:
     for name, (units, words) in PEAKS.items():
         if f"peak_{name}" not in file.variables:
             continue
-        peak = float(values(file, f"peak_{name}"))
-        time = float(values(file, f"peak_{name}_time"))
-        last = float(values(file, f"end_{name}"))
+        peak = float(variable_values(file, f"peak_{name}"))
+        time = float(variable_values(file, f"peak_{name}_time"))
+        last = float(variable_values(file, f"end_{name}"))
         unit = display(units, peak)
         cells = (float(unit.of(peak)), time, float(unit.of(last)))
         rows.append(Row(words, unit.unit, cells, f"peak_{name}"))
@@ -70,7 +70,7 @@ def _peaks_block(file: Any) -> Block:
 
 def _temperatures_block(file: Any) -> Block:
     """Returns a table of the last temperatures, of each part and bearing."""
-    T = values(file, "part_temperature")[-1]
+    T = variable_values(file, "part_temperature")[-1]
     columns = tuple(f"bearing {k + 1}" for k in range(len(T))) if len(T) > 1 else ("",)
     rows = [Row(part, "degC", tuple(T[:, k].tolist())) for k, part in enumerate(PART_WORDS)]
     return Block("temperatures at the end", columns, tuple(rows))
@@ -80,10 +80,10 @@ def _closing_lines(file: Any, ending: str) -> list[str]:
     """Returns lines on the rise of the temperatures, their stability and the numerical error."""
     lines = []
     if ending in ("steady", "duration"):
-        seconds = float(values(file, "time_to_95_percent"))
+        seconds = float(variable_values(file, "time_to_95_percent"))
         lines.append(f"95 % of the temperature rise after {plain(seconds)} s")
     lines += _stop_lines(file)
-    margin = float(values(file, "thermal_margin"))
+    margin = float(variable_values(file, "thermal_margin"))
     if np.isfinite(margin):
         stable = "stable" if margin > 1.0 else "UNSTABLE"
         lines.append(f"thermal margin {plain(margin)} at the end: {stable}")
@@ -92,7 +92,7 @@ def _closing_lines(file: Any, ending: str) -> list[str]:
                 f"warning: thermal margin below {LOW_MARGIN:g}: a little more heat or less cooling "
                 "makes the temperatures run away"
             )
-    error = 100.0 * float(values(file, "error_estimate"))
+    error = 100.0 * float(variable_values(file, "error_estimate"))
     return [*lines, f"numerical error of the peaks: {plain(error, 2)} %"]
 
 
@@ -101,10 +101,10 @@ def _stop_lines(file: Any) -> list[str]:
     stop_um = (json.loads(file.scene).get("arrangement") or {}).get("stop_um")
     if stop_um is None or "spring_travel" not in file.variables:
         return []
-    on_stop = np.flatnonzero(-values(file, "spring_travel") >= 1e-6 * stop_um)
+    on_stop = np.flatnonzero(-variable_values(file, "spring_travel") >= 1e-6 * stop_um)
     if not on_stop.size:
         return []
-    time = plain(float(values(file, "time")[on_stop[0]]))
+    time = plain(float(variable_values(file, "time")[on_stop[0]]))
     return [
         f"warning: arrangement.stop_um {stop_um:g} is reached after {time} s: the pair is rigid "
         "from then on"
@@ -116,7 +116,7 @@ def _ending_sentence(file: Any, ending: str) -> str:
 
     ending: one of `ENDINGS`.
     """
-    status, end = int(values(file, "status")), plain(float(values(file, "end_time")))
+    status, end = int(variable_values(file, "status")), plain(float(variable_values(file, "end_time")))
     if ending == "runaway":
         return f"RUNAWAY: the heat outgrows the cooling, and the bearing has no state after {end} s"
     if status != OK:

@@ -144,7 +144,7 @@ def small(plan, tmp_path_factory):
         for name, point in cage_points(plan).items():
             paths.append(folder / f"{name}.nc")
             changed = variant(scene, {**plan["set"], **point.changes})
-            write_dataset(ensemble.ensemble_of(changed, Ensemble(**plan["ensemble"])), paths[-1])
+            write_dataset(ensemble.cage_ensemble(changed, Ensemble(**plan["ensemble"])), paths[-1])
     # as its rule gives the axes
     asked = {"axes": cage_axes(plan), "changes": plan["set"]}
     run, file = "applications.cage.gather.gathered_ensembles", folder / "cage.nc"

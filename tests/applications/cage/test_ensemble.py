@@ -9,7 +9,7 @@ from bearingwear.applications.cage import ensemble
 from bearingwear.applications.cage.draws import ASSUMED_CLEARANCE, CLOSE, cage_draw, cage_spread
 from bearingwear.applications.cage.ensemble import (
     Journal,
-    ensemble_of,
+    cage_ensemble,
     resumed_ensemble,
     share_interval,
 )
@@ -81,7 +81,7 @@ def test_the_mean_lies_in_its_interval_as_often_as_it_says(scene, monkeypatch):
         for seed in range(200)
     ]  # fmt: skip
     for row in rows:
-        values = ensemble.work(row)
+        values = ensemble.work_per_turn(row)
         held += abs(values.mean() - 1.0) <= ensemble.half_interval(values)
     assert abs(held - 180) <= 2.5 * np.sqrt(200 * 0.9 * 0.1)
 
@@ -89,14 +89,14 @@ def test_the_mean_lies_in_its_interval_as_often_as_it_says(scene, monkeypatch):
 def test_an_ensemble_stops_once_its_interval_is_narrow_enough(scene, monkeypatch):
     monkeypatch.setattr(ensemble, "cage_run", noisy_run)
     s = scene("gyro_s1", NOTHING)
-    loose, tight = (ensemble_of(s, Ensemble(within=w, runs=120)) for w in (0.15, 0.05))
+    loose, tight = (cage_ensemble(s, Ensemble(within=w, runs=120)) for w in (0.15, 0.05))
     assert loose.sizes["run"] < tight.sizes["run"] < 120
     for result, within in ((loose, 0.15), (tight, 0.05)):
         low, high = result["mean_work_interval"].values[0]
         assert result.attrs["met"] == 1 and high - low <= 2.0 * within * float(
             result["mean_work"][0]
         )
-    unmet = ensemble_of(s, Ensemble(within=0.01, runs=30))
+    unmet = cage_ensemble(s, Ensemble(within=0.01, runs=30))
     assert unmet.sizes["run"] == 30 and unmet.attrs["met"] == 0
 
 
@@ -111,7 +111,7 @@ def test_jammed_and_unsolved_runs_are_counted(scene, monkeypatch):
         return {"status": CAGE_JAMMED, "motion": JAMS} if start.whirl < 0.5 else {"status": 5}
 
     monkeypatch.setattr(ensemble, "cage_run", ends)
-    result = ensemble_of(scene("gyro_s1", NOTHING), Ensemble(runs=20))
+    result = cage_ensemble(scene("gyro_s1", NOTHING), Ensemble(runs=20))
     jams = int((result["status"] == CAGE_JAMMED).sum())
     assert 0 < jams < 20 and float(result["share"][JAMS]) == 1.0
     assert result["mean_work"].isnull().all() and result.attrs["met"] == 0
@@ -121,7 +121,7 @@ def test_values_that_make_no_bearing_are_a_status(scene, monkeypatch):
     monkeypatch.setattr(ensemble, "cage_run", noisy_run)
     big = {"distribution": "normal", "mean": 2.2, "standard_deviation": 0.01}
     s = scene("gyro_s1", {"uncertainty": {"ball_diameter_mm": big}, "cage_uncertainty": {}})
-    assert (ensemble_of(s, Ensemble(runs=20))["status"] == BEYOND_GROOVE).all()
+    assert (cage_ensemble(s, Ensemble(runs=20))["status"] == BEYOND_GROOVE).all()
 
 
 # real runs

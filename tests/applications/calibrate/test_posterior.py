@@ -76,9 +76,9 @@ def test_two_lives_by_dense_quadrature():
         Prior(KNOWN, Normal(0.0, 1.0)), [seen(t, model, 0.3) for t in (40.0, 55.0)]
     )
     K = np.exp(estimate.y)[None]
-    mean = estimate.mean(K)
+    mean = estimate.expectation(K)
     assert_allclose(mean, 2.10853655, rtol=5e-9)
-    assert_allclose(math.sqrt(estimate.mean((K - mean) ** 2)), 0.44230459, rtol=2e-8)
+    assert_allclose(math.sqrt(estimate.expectation((K - mean) ** 2)), 0.44230459, rtol=2e-8)
     assert_allclose(estimate.quantile(model, 0.1, 0.3), 30.3630596, rtol=2e-9)
     L10 = 0.3 * norm.ppf(0.1)
     ends = [estimate.median_quantile(model, p, L10) for p in (0.05, 0.95)]
@@ -90,7 +90,7 @@ def test_friction_and_wear_together_are_normal():
     x, y = Normal(math.log(0.08), 0.2), Normal(0.1, 1.1)
     tests = [
         seen(7.0, lambda x: 2.0 * x + 7.0, 0.3, count=2),
-        seen(0.011, lambda x: x - 2.0, 0.1, of_wear=False),
+        seen(0.011, lambda x: x - 2.0, 0.1, depends_on_wear=False),
     ]
     estimate = posterior(Prior(x, y), tests)
     design = np.array([[2.0, -1.0], [2.0, -1.0], [1.0, 0.0]])
@@ -164,7 +164,7 @@ def test_quantiles_after_a_run_out_are_those_of_a_skew_normal():
     prior, scatter, life, run_out = math.log(3.0), math.log(1.3), 1.4, 2.0
     test = seen(run_out, constant(life), scatter, censored=True)
     estimate = posterior(Prior(KNOWN, Normal(0.0, prior)), [test])
-    ends = estimate.ends("y", (0.05, 0.95))
+    ends = estimate.axis_quantiles("y", (0.05, 0.95))
     # y + scatter e < ln(life/run-out) has happened
     wide = math.hypot(prior, scatter)
     k = math.log(life / run_out)
@@ -173,7 +173,7 @@ def test_quantiles_after_a_run_out_are_those_of_a_skew_normal():
     assert_allclose(below, [0.05, 0.95], rtol=1e-6)
     carried = estimate.normal("y")
     assert carried.mean + norm.ppf(0.95) * carried.deviation > ends[1] + 0.1
-    assert estimate.ends("x", (0.05, 0.95)) == [0.0, 0.0]
+    assert estimate.axis_quantiles("x", (0.05, 0.95)) == [0.0, 0.0]
 
 
 def test_two_lives_shrink_the_interval_as_theory_has_it():
