@@ -665,7 +665,7 @@ def test_a_duty_warns_of_hard_starts_and_few_cycles(life_over_duty, hours_times,
 def test_acceleration_of_balls_by_hand(life_over_duty):
     """A ball of 2 mm that rolls as kinematics say, its orbit and its spin, over mu (Q_i + Q_o).
 
-    Within 10 %: contact angles at speed differ from the free one by two degrees.
+    Within 10 %: loaded contact angles are not the free one, which is taken here.
     """
     values = life_over_duty(HERTZ | {"wear.end_of_life": {"ball_diameter_loss_um": 0.01}}).values
     D, dm, alpha, omega = 2e-3, 7.5e-3, np.radians(20.0), 6000.0 * np.pi / 30.0

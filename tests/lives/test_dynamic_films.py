@@ -70,7 +70,7 @@ def test_a_dynamic_life_with_equal_balls_agrees_with_the_steady_one(scene, chang
     assert error <= 0.01 and error <= v["life_error_estimate"] <= 0.06
     for name in ("race_film_worn_through", "ball_film_worn_through"):
         if name in steady:
-            np.testing.assert_allclose(v[name], steady[name], rtol=5e-3)  # fewer steps: half of it
+            np.testing.assert_allclose(v[name], steady[name], rtol=5e-3)
     if "groove_depth_um" in changes.get("wear.end_of_life", {}):
         assert v["history_greatest_depth"][-1] == pytest.approx(0.1e-6, rel=1e-3)
 
@@ -108,7 +108,7 @@ def test_a_shallow_groove_is_as_deep_in_every_model(scene):
 def test_the_deepest_groove_by_hand(scene):
     """Strips of equal width wear as their slip times their share of Hertz' load.
 
-    To 0.2 %: the strips of the case are those of the line, not the points of the ellipse.
+    To 0.2 %; the difference is 0.05 %.
     """
     end = {"wear.end_of_life": {"groove_depth_um": 1e-4}}  # [um]; 1e-10 m
     base = THREE_BALLS | end | {"model.contact": "hertz"}
