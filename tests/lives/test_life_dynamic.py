@@ -143,7 +143,7 @@ def test_a_film_of_the_cage_wears_through(scene):
     # pockets that are 3 um wider have lost 1.5 um at each side, three times the film
     assert share[-1] == pytest.approx(3.0, rel=1e-3)
     filmed, bare = values["history_pocket_wear_rate"][gone : gone + 2].sum(axis=1)
-    assert bare / filmed == pytest.approx(5.0, rel=0.05)  # the balls' share of it stays
+    assert bare / filmed == pytest.approx(5.0, rel=0.05)  # as the wear coefficients
 
 
 def test_a_cage_with_a_weight_lives_longer(scene, life_ended_by_its_cage):
