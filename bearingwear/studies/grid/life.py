@@ -14,9 +14,8 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.lives.duty.lives import cycle_with_enough_points
-from bearingwear.results.kinds import ONLY_IN_CASES
 from bearingwear.results.labels import coded
-from bearingwear.results.netcdf import dataset, load
+from bearingwear.results.netcdf import load
 from bearingwear.results.words import datasets_by_bearing, scene_of
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
@@ -24,7 +23,6 @@ from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.read import load_scene, variant
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.sides import OF_ARRANGEMENT
-from bearingwear.solvers.solve import solve
 from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.dataset import stacked_dataset
 from bearingwear.studies.grid.gather import axis_coordinates
@@ -36,6 +34,7 @@ from bearingwear.studies.grid.interpolated import (
     interpolated_life,
 )
 from bearingwear.studies.sweep import Sweep
+from bearingwear.studies.sweep_dataset import KEEP_STUDY
 
 
 def study_life(scene: Path, study: Path) -> xr.Dataset:
@@ -174,9 +173,9 @@ def _lines(line: xr.Dataset, scene: Scene) -> list[Line]:
 def _cases_at(losses: xr.DataArray, scene: Scene) -> xr.Dataset:
     """Returns the solved cases of a scene over losses [um], of its only or its first bearing."""
     key = GRID_KEYS["ball_diameter_loss"]
-    solved = [dataset(solve(scene.with_({key: loss}))) for loss in losses.values.tolist()]
-    stacked = stacked_dataset(solved, {"ball_diameter_loss": len(solved)}, ONLY_IN_CASES)
-    (cases,) = datasets_by_bearing(stacked.assign_coords(ball_diameter_loss=losses)).values()
+    cases_over_loss = Sweep.of(scene, {key: losses.values.tolist()}, keep=KEEP_STUDY)
+    solved = coded(cases_over_loss.dataset(workers=1, progress=False))
+    (cases,) = datasets_by_bearing(solved.assign_coords(ball_diameter_loss=losses)).values()
     return _with_arrangement_stiffness(cases, scene.operation.preload_method)
 
 
