@@ -116,7 +116,8 @@ def _ending_sentence(file: Any, ending: str) -> str:
 
     ending: one of `ENDINGS`.
     """
-    status, end = int(variable_values(file, "status")), plain(float(variable_values(file, "end_time")))
+    status = int(variable_values(file, "status"))
+    end = plain(float(variable_values(file, "end_time")))
     if ending == "runaway":
         return f"RUNAWAY: the heat outgrows the cooling, and the bearing has no state after {end} s"
     if status != OK:
