@@ -3,6 +3,7 @@
 Depths of grooves stand on fixed grids, each along its own arc. Balls wear evenly.
 """
 
+import copy
 from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
@@ -32,6 +33,7 @@ from bearingwear.solvers.worn.depths import (
     WornPoint,
     arc_values,
     depth_spline,
+    seat_force,
     seat_of_case,
     wandering,
 )
@@ -57,6 +59,10 @@ without end, and their number with them: a state that needs more has none."""
 _GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start with less friction
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
+_SLIP_SHARE = 2  # column of the slip of a state
+_SLIP_SETS_IN = 0.1  # rise of a slip share in a step of wear that may have led past a fold
+_FOLD_STEP, _MOST_FOLD_STEPS = 0.1, 40
+"""Moves of a race past a fold, over the approach of a contact, and how many."""
 _RACE, _NOT_RACE = 2, [0, 1]  # of the unknowns, the axial place of the race; and the others
 _ACROSS = np.linspace(-0.95, 0.95, 20)
 _SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
@@ -124,6 +130,7 @@ class WornBearing:
         self.even = code.OK  # status of a bearing evenly worn, where a solve had to start from that
         self.seat = seat_of_case(case, problem.g, self.D, 0.0)
         self.u = case.u[:4].copy()
+        self.slip_shares = np.ones(2)  # of the state from which a solve starts [1]
         self.state = state_work()
         self._work: tuple[tuple[int, ...], FrictionWork] | None = None
         self.check = WornCheck()
@@ -187,8 +194,8 @@ class WornBearing:
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
         """Returns the steady state with some wear, solved from the last state.
 
-        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried. A
-        state that is not found leaves the bearing as it was.
+        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried,
+        and a state past a fold is sought. A state that is not found leaves the bearing as it was.
 
         problem: with another geometry or preload than those of the new bearing.
         """
@@ -204,25 +211,30 @@ class WornBearing:
         else:
             self._start_from_nearest(p, wear)
             starts = (self._start_through_grooves,)
-        kept = self.seat, self.u, self.reference
-        cells = self.races, self.ends, self.rows_added
+        kept = _Start(self.seat, self.u, self.reference, self.races, self.ends, self.rows_added)
         seat, u, races, work = self._state_in_cells(p, D, wear)
         for start in starts:
             if seat.status not in _FAR:
                 break
-            self.seat, self.u = kept[:2]
-            self.races, self.ends, self.rows_added = cells
+            self.seat, self.u = kept.seat, kept.u
+            self._take_cells(kept)
             if start(seat.status, p, D, wear):
                 seat, u, races, work = self._state_in_cells(p, D, wear)
+        has_jumped = seat.status == code.OK and self._has_jumped(kept.seat, seat, work.slip)
+        if self.wears and p.preload.constant_force and (seat.status in _FAR or has_jumped):
+            farthest = seat.delta_a if has_jumped else None
+            nearest = self._state_past_fold(kept, farthest, p, D, wear)
+            seat, u, races, work = nearest or (seat, u, races, work)
         status = seat.status
         if status in _FAR and self.even not in (code.OK, code.NOT_CONVERGED):
             status = self.even  # nothing holds the balls, however they are worn
         if status != code.OK:
-            self.seat, self.u, self.reference = kept
-            self.races, self.ends, self.rows_added = cells  # those added in vain would be slow
+            self.seat, self.u, self.reference = kept.seat, kept.u, kept.reference
+            self._take_cells(kept)  # those added in vain would be slow
             self._reset_pressures()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
+        self.slip_shares = work.slip[:, _SLIP_SHARE].copy()
         self._keep_start(p)
         return self._checked_point(p, D, wear, work)
 
@@ -304,6 +316,69 @@ class WornBearing:
             if seat.status == code.NOT_CONVERGED:  # the last place tried may lie beyond the cells
                 self._widen_cells(seat.status)
         return True
+
+    def _has_jumped(self, start: WornSeat, seat: WornSeat, slip: np.ndarray) -> bool:
+        """Returns whether slip of a contact set in as the race moved on in a step of wear.
+
+        Another state may then lie nearer.
+
+        slip: (2, 5), that of `FrictionWork` in the state.
+        """
+        rise = slip[:, _SLIP_SHARE] - self.slip_shares
+        return seat.delta_a > start.delta_a and bool(rise.max() > _SLIP_SETS_IN)
+
+    def _state_past_fold(
+        self, start: _Start, farthest: float | None, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork] | None:
+        """Returns the next state to which a constant force moves the race, as `_state_in_cells`.
+
+        As slip of a contact sets in, the axial force falls while the race moves on. Once wear has
+        brought its peak below the preload, the race moves until the force has risen again. Returns
+        None where the force does not fall: there is no fold. Without a state the bearing stays as
+        it is.
+
+        farthest: place of the race to which a solve has jumped; only a state that lies nearer is
+            returned, whether or not the force falls before it [m].
+        D: worn ball diameter [m].
+        """
+        held = copy.copy(self)  # with buffers of its own
+        held.seat, held.u = start.seat, start.u
+        held._take_cells(start)
+        held.races = tuple(
+            race._replace(
+                pressure=race.cells.fresh.copy(),
+                work=contact_buffers(*race.pressure.shape[::-1]),
+            )
+            for race in held.races
+        )
+        held.state, held._work = state_work(), None
+        left, step, has_fallen = 0.0, 0.0, False
+        for _ in range(_MOST_FOLD_STEPS):
+            delta_a = held.seat.delta_a + np.copysign(step, left)
+            if farthest is not None and delta_a >= farthest:
+                return None
+            there = replace(p, preload=p.preload._replace(constant_force=False, delta_a=delta_a))
+            held.seat, held.u, _, _ = held._state_in_cells(there, D, wear)
+            if held.seat.status != code.OK:
+                return None
+            before, left = left, p.preload.F_x - seat_force(p.g, held.seat)
+            if left * before < 0.0:
+                break
+            has_fallen = has_fallen or abs(left) > abs(before) > 0.0
+            step = _FOLD_STEP * max(held.seat.inner.approach, held.seat.outer.approach)
+        else:
+            return None
+        if farthest is None and not has_fallen:
+            return None
+        state = held._state_in_cells(p, D, wear)
+        if state[0].status != code.OK:
+            return None
+        vars(self).update(vars(held))
+        return state
+
+    def _take_cells(self, start: _Start) -> None:
+        """Takes the cells of a start, with the pressures that they have now."""
+        self.races, self.ends, self.rows_added = start.races, start.ends, start.rows_added
 
     def _reset_pressures(self) -> None:
         """Resets pressures and slopes, which a failed solve has changed."""
@@ -427,6 +502,7 @@ class WornBearing:
                 delta_a=new.delta_a + share * (new.delta_a - old.delta_a),
             )
             self.u = now.u + share * (now.u - before.u)
+            self.slip_shares = now.slip[:, _SLIP_SHARE]
 
     def _state_in_cells(
         self, p: ThrustProblem, D: float, wear: WornDepths
