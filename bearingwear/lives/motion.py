@@ -53,7 +53,8 @@ class Motion:
     progress: receives a line of text at each step.
     """
 
-    origin, range = 0.0, math.inf
+    origin = 0.0
+    range = math.inf
 
     def __init__(
         self,
@@ -69,7 +70,8 @@ class Motion:
         self.surfaces = FilmWear(scene)
         self._mounted = parameters.static_place(scene)
         self.films_gone: list[int] = []  # in the order in which they wore through
-        self._event_time, self._event_worn = 0.0, self.start  # when the way last changed
+        self._event_time = 0.0  # when a film was last gone [s]
+        self._event_worn = self.start  # wear at that time
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
         """Returns the state (1,) of a run at some wear.

@@ -213,7 +213,8 @@ class Surfaces:
             FilmWear(side) if follows_depths(side) else EvenWear(side) for side in scene.sides
         ]
         self.start = np.concatenate([bearing.start for bearing in self.bearings])
-        self.origin, self.range = 0.0, sum(bearing.loss_range for bearing in self.bearings)
+        self.origin = 0.0
+        self.range = sum(bearing.loss_range for bearing in self.bearings)
         ends = [0, *accumulate(bearing.start.size for bearing in self.bearings)]
         self._parts = [
             (bearing, slice(*part))
@@ -308,7 +309,8 @@ def follow_surfaces(wearing: Any, ends: Criteria, scene: Scene, quick: bool = Fa
     if is_one_integral(scene):
         wearing.origin = float(wearing.start[0])
         if quick:
-            tolerance, first = max(tolerance, _QUICK), _LONGER_FIRST * first
+            tolerance = max(tolerance, _QUICK)
+            first = _LONGER_FIRST * first
         method: Method = Simpson(tolerance, first, _loss_limit(scene), quick)
     else:
         method = RungeKutta(tolerance, first, (0.5,) if quick else QUARTERS)

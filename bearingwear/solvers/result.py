@@ -85,7 +85,8 @@ def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]
 
 def _all_finite(values: Mapping[str, Any]) -> bool:
     """Returns whether every number is finite."""
-    total, arrays = 0.0, [np.empty(0)]
+    total = 0.0
+    arrays = [np.empty(0)]
     for value in values.values():
         if isinstance(value, float):
             total += 0.0 * value  # NaN if the value is not finite

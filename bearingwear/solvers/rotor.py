@@ -318,7 +318,8 @@ class OnRotor:
         losses: of ball diameter [m].
         tolerance: unbalanced force over the larger one.
         """
-        a, F_s = self.arrangement, float(self.scene.operation.preload_N)
+        a = self.arrangement
+        F_s = float(self.scene.operation.preload_N)
         k_s = a.spring_stiffness_N_um * N_UM
 
         def trial_at(e: float) -> RotorTrial | int:

@@ -188,7 +188,9 @@ def acceleration_share(state: State, ramp_s: float) -> float:
     mu, Q = (np.broadcast_to(state[name], 2) for name in ("friction_coefficient", "contact_load"))
     spin, orbit = float(np.linalg.norm(motion[:3])), abs(float(motion[3]))
     force = (ball_inertia(m, D) * spin / (0.5 * D) + m * 0.5 * g.dm * orbit) / ramp_s
-    available = friction_capacity(*mu.tolist(), *Q.tolist())
+    mu_i, mu_o = mu.tolist()
+    Q_i, Q_o = Q.tolist()
+    available = friction_capacity(mu_i, mu_o, Q_i, Q_o)
     return force / available if available > 0.0 else math.inf
 
 

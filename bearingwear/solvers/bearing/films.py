@@ -150,10 +150,12 @@ class Films:
         # a film that never wears through is on the races alone where no material has one
         endless = film is not None and film.thickness_um is None
         on_races = None if endless and ball.film is not None else film
-        surfaces = _surface(ball, None, film), _surface(race, on_races, film)
-        if film is None or film.wear_table is None:
-            return cls(*surfaces)
-        return cls(*surfaces, WearTable.of(film.wear_table))
+        table = None
+        if film is not None and film.wear_table is not None:
+            table = WearTable.of(film.wear_table)
+        return cls(
+            ball=_surface(ball, None, film), race=_surface(race, on_races, film), table=table
+        )
 
     def table_factor(self, pressure: Any, temperature: Any) -> Any:
         """Returns the factor on K_s at peak pressures [Pa] and temperatures; 1 without a table."""
@@ -241,7 +243,8 @@ def _surface(
         )
         hardness = friction_film.brinell_hardness_GPa
         film = Archard(friction_film.wear_coefficient, hardness * GPA if hardness else H)
-    initial_K_s, running_in = material.wear_coefficient, 0.0
+    initial_K_s = material.wear_coefficient
+    running_in = 0.0
     if material.running_in is not None:
         initial_K_s = material.running_in.wear_coefficient
         running_in = material.running_in.depth_um * UM

@@ -37,7 +37,8 @@ def fitted_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tupl
 
     race: `INNER_RACE` or `OUTER_RACE`.
     """
-    return fitted_contact(*curvatures(g, race, D, cos_alpha), g.E_star)
+    A, B = curvatures(g, race, D, cos_alpha)
+    return fitted_contact(A, B, g.E_star)
 
 
 def curvatures(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, float]:
@@ -61,8 +62,9 @@ def fitted_preload(g: Geometry, A1: float) -> float:
     length = math.hypot(A1, A2)
     d = max(length - (g.r_i + g.r_o - g.D0), 0.0)
     cosine = min(max(A2 / length, 0.0), 1.0)
-    K = [fitted_factors(g, race, g.D0, cosine)[0] for race in (INNER_RACE, OUTER_RACE)]
-    Q = sum(k ** (-2.0 / 3.0) for k in K) ** -1.5 * d**1.5
+    K_i, _, _ = fitted_factors(g, INNER_RACE, g.D0, cosine)
+    K_o, _, _ = fitted_factors(g, OUTER_RACE, g.D0, cosine)
+    Q = sum(K ** (-2.0 / 3.0) for K in (K_i, K_o)) ** -1.5 * d**1.5
     return g.n_balls * Q * A1 / length
 
 
@@ -78,7 +80,8 @@ def fitted_displacement(g: Geometry, F_x: float) -> float:
         return fitted_preload(g, radial * math.tan(alpha)) ** (2.0 / 3.0) - F_x ** (2.0 / 3.0)
 
     low, high = g.alpha0, STEEPEST
-    last, alpha = g.alpha0, g.alpha0 + FIRST_TILT
+    last = g.alpha0
+    alpha = g.alpha0 + FIRST_TILT
     last_value = excess(last)
     for _ in range(_MOST_SECANTS):
         value = excess(alpha)

@@ -31,7 +31,9 @@ class Ring(NamedTuple):
 
         Timoshenko and Goodier, *Theory of Elasticity*, section 32; a full disc has no hole.
         """
-        a2, b2, nu = self.inside**2, self.outside**2, self.nu
+        a2 = self.inside**2
+        b2 = self.outside**2
+        nu = self.nu
         hole = (1.0 + nu) * a2 * b2 / r**2 if a2 else 0.0
         shape = (1.0 - nu) * (a2 + b2) + hole - (1.0 - nu * nu) / (3.0 + nu) * r**2
         return (3.0 + nu) * self.rho * self.omega**2 * r * shape / (8.0 * self.E)
@@ -41,7 +43,9 @@ class Ring(NamedTuple):
 
         Lame's solution in plane stress.
         """
-        a2, b2, nu = self.inside**2, self.outside**2, self.nu
+        a2 = self.inside**2
+        b2 = self.outside**2
+        nu = self.nu
         uniform = (1.0 - nu) * (p_in * a2 - p_out * b2) * r
         hole = (1.0 + nu) * (p_in - p_out) * a2 * b2 / r if a2 else 0.0
         return (uniform + hole) / (self.E * (b2 - a2))
@@ -85,7 +89,8 @@ def temperatures(scene: Scene) -> Temperature:
 
     Of a thermal network they are those without friction heat.
     """
-    t, network = scene.temperature or Temperature(), scene.thermal
+    t = scene.temperature or Temperature()
+    network = scene.thermal
     if network is not None:
         t = network.parts(
             network.shaft_C, 0.5 * (network.shaft_C + network.housing_C), network.housing_C
@@ -109,7 +114,9 @@ def part_temperatures(scene: Scene) -> list[float]:
 
 def thermal_expansion(scene: Scene) -> Expansion:
     """Returns the thermal strains of the parts; 0 where a part is as warm as when mounted [1]."""
-    b, fits, t = scene.bearing, scene.fits or Fits(), temperatures(scene)
+    b = scene.bearing
+    fits = scene.fits or Fits()
+    t = temperatures(scene)
 
     def strain(part_C: float | None, material: str) -> float:
         return 0.0 if part_C is None else expansion(scene, material) * (part_C - t.reference_C)
@@ -154,7 +161,8 @@ def inner_growth(
     """
     if bore is None:
         return RingGrowth()
-    seat, track = 0.5 * bore, track_radius(scene, -1.0)
+    seat = 0.5 * bore
+    track = track_radius(scene, -1.0)
     ring = ring_of(scene.materials[scene.bearing.race_material], seat, track, rpm)
     speed = ring.growth_at_speed(track)
     if fits is None:
@@ -179,7 +187,9 @@ def _overlaps(
     scene: Scene, fits: Fits, heat: Expansion, ring: Ring, shaft: Ring
 ) -> tuple[float, float]:
     """Returns the radial overlap of shaft and inner ring at rest, and its change by speed [m]."""
-    seat, t, shaft_strain = ring.inside, temperatures(scene), heat.shaft
+    seat = ring.inside
+    t = temperatures(scene)
+    shaft_strain = heat.shaft
     if t.shaft_C is None and t.inner_ring_C is not None:  # a shaft as warm as its ring
         material = fits.shaft_material or scene.bearing.race_material
         shaft_strain = expansion(scene, material) * (t.inner_ring_C - t.reference_C)
@@ -194,7 +204,8 @@ def fit_loss_speed(scene: Scene, bore: float, fits: Fits) -> float:
 
     bore: of the inner ring [m].
     """
-    seat, material = 0.5 * bore, scene.materials[scene.bearing.race_material]
+    seat = 0.5 * bore
+    material = scene.materials[scene.bearing.race_material]
     ring = ring_of(material, seat, track_radius(scene, -1.0), 1.0)
     shaft = _shaft(scene, fits, seat, 1.0)
     at_rest, per_square = _overlaps(scene, fits, thermal_expansion(scene), ring, shaft)
@@ -211,14 +222,16 @@ def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
     b, fits = scene.bearing, scene.fits
     if b.outside_diameter_mm is None:
         return RingGrowth()
-    seat, track = 0.5 * MM * b.outside_diameter_mm, track_radius(scene, 1.0)
+    seat = 0.5 * MM * b.outside_diameter_mm
+    track = track_radius(scene, 1.0)
     ring_material = scene.materials[b.race_material]
     ring = ring_of(ring_material, track, seat, scene.operation.outer_speed_rpm)
     speed = ring.growth_at_speed(track)
     if fits is None:
         return RingGrowth(speed=speed)
     material = fits.housing_material or b.race_material
-    housing, t = scene.materials[material], temperatures(scene)
+    housing = scene.materials[material]
+    t = temperatures(scene)
     housing_strain = heat.housing
     if t.housing_C is None and t.outer_ring_C is not None:  # a housing as warm as its ring
         housing_strain = expansion(scene, material) * (t.outer_ring_C - t.reference_C)
@@ -244,7 +257,8 @@ def growth_with_bore(scene: Scene, bore: float | None) -> Growth:
 
 def growth_with_fits(scene: Scene, bore: float | None, fits: Fits | None) -> Growth:
     """Returns `growth_with_bore` with other fits of the inner ring than the scene's."""
-    heat, rpm = thermal_expansion(scene), scene.operation.shaft_speed_rpm
+    heat = thermal_expansion(scene)
+    rpm = scene.operation.shaft_speed_rpm
     return Growth(heat, inner_growth(scene, heat, bore, fits, rpm), outer_growth(scene, heat))
 
 
@@ -300,7 +314,8 @@ def is_held(scene: Scene) -> bool:
 
 def growth_values(scene: Scene) -> dict[str, Any]:
     """Returns result variables of the growth; none if the bearing runs as mounted."""
-    growth, values = growth_of(scene), {}
+    growth = growth_of(scene)
+    values = {}
     if scene.temperature is not None:
         values["part_temperature"] = part_temperatures(scene)
         values["thermal_growth"] = list(growth.heat)

@@ -100,7 +100,8 @@ def resting_side(scene: Scene, a: Arrangement, k: int, loss: float | None) -> Re
     k: its number on the rotor, 0 or 1; the second one faces the other way.
     loss: of ball diameter, in place of the scene's [m].
     """
-    g, facing = geometry(scene), 1.0 - 2.0 * k
+    g = geometry(scene)
+    facing = 1.0 - 2.0 * k
     outwards = -1.0 if a.orientation == "back_to_back" else 1.0
     # place on the rotor of the inner groove centres, at which the balls' forces act
     arm = (g.r_i - 0.5 * g.D0) * math.sin(g.alpha0)
@@ -255,7 +256,8 @@ class RotorAtRest:
         stop = math.inf if a.stop_um is None else a.stop_um * UM
         spring = None
         if scene.operation.preload_method == "constant_force":
-            force, k_s = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM
+            force = float(scene.operation.preload_N)
+            k_s = a.spring_stiffness_N_um * N_UM
             spring = PreloadSpring(force, k_s, stop)
         return cls((first, second), a.rotor_offset_mm * MM, spring)
 
@@ -308,9 +310,13 @@ class RotorAtRest:
 
     def _energy(self, force: np.ndarray, k_s: np.ndarray, q: np.ndarray) -> "_Energy":
         """Returns the energy of the rotor at a position, with its derivatives."""
-        E, slope, K, largest = 0.5 * q @ k_s @ q - force @ q, k_s @ q - force, k_s, 0.0
+        E = 0.5 * q @ k_s @ q - force @ q
+        slope = k_s @ q - force
+        K = k_s
+        largest = 0.0
         for seat in self.seats:
-            b, n = seat.balls(q), seat.tandem
+            b = seat.balls(q)
+            n = seat.tandem
             E = E + 0.4 * n * (b.Q @ b.d)  # the integral of a force that goes as d^1.5
             slope = slope + n * (b.Q @ b.along)
             K = K + n * b.stiffness(seat.factor)
@@ -365,7 +371,8 @@ class RotorAtRest:
 
     def _state(self, q: np.ndarray, force: np.ndarray, k_s: np.ndarray) -> RestingRotor:
         """Returns the rotor at a position `q` of balance; the arguments are `_least_energy`'s."""
-        bearings, unbalanced = [], k_s @ q - force
+        bearings = []
+        unbalanced = k_s @ q - force
         for seat in self.seats:
             b = seat.balls(q)
             unbalanced = unbalanced + seat.tandem * (b.Q @ b.along)
@@ -478,7 +485,8 @@ def check_launch(scene: Scene, source: str) -> None:
 
     source: file of the scene, for the message.
     """
-    a, launch = scene.arrangement, scene.launch or Launch()
+    a = scene.arrangement
+    launch = scene.launch or Launch()
     needed = ["rotor_mass_kg"]
     densities = (launch.axial_density_g2_Hz, launch.radial_density_g2_Hz)
     if launch.radial_g or densities != (None, None):
@@ -496,7 +504,9 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
 
     losses: as in `RotorAtRest.of`. Race wear counts as that of balls: both open the contacts.
     """
-    a, launch, rest = scene.arrangement, scene.launch or Launch(), RotorAtRest.of(scene, losses)
+    a = scene.arrangement
+    launch = scene.launch or Launch()
+    rest = RotorAtRest.of(scene, losses)
     assert a is not None and a.rotor_mass_kg is not None
     weight = a.rotor_mass_kg * GRAVITY
     frequencies = rest.frequencies(a) if a.span_mm is not None else None

@@ -79,11 +79,14 @@ def friction_law(scene: Scene, bare: bool = False) -> Law:
     """
     film = scene.friction.film
     if film is None:
-        mu, S = scene.friction.coefficient, 0.0
+        mu = scene.friction.coefficient
+        S = 0.0
     elif bare and film.bare_ball_race is not None:
-        mu, S = film.bare_ball_race, 0.0
+        mu = film.bare_ball_race
+        S = 0.0
     else:
-        mu, S = film.pressure_coefficient, film.shear_strength_MPa * MPA
+        mu = film.pressure_coefficient
+        S = film.shear_strength_MPa * MPA
     return Law(mu=float(mu), S=float(S))
 
 
@@ -166,7 +169,8 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
 
 def line_points(rule: Rule) -> EllipsePoints:
     """Returns a split rule with one point across as `EllipsePoints`."""
-    middle, area = np.zeros(rule.t.size), MIDDLE_WIDTH * rule.weight
+    middle = np.zeros(rule.t.size)
+    area = MIDDLE_WIDTH * rule.weight
     return EllipsePoints(
         split=True,
         s=rule.t,

@@ -134,7 +134,8 @@ def chebyshev_halves(n: int) -> tuple[np.ndarray, np.ndarray]:
     m = (n + 1) // 2
     angle, weight = gauss_legendre(max(MOST_BY_NUMPY, 2 * m))  # integrates the moments exactly
     angle = 0.25 * np.pi * (angle + 1.0)
-    y, weight = np.cos(angle), weight * np.sin(angle) ** 2
+    y = np.cos(angle)
+    weight = weight * np.sin(angle) ** 2
     mean, norm = np.zeros(m), np.empty(m)
     previous, current = np.zeros(y.size), np.ones(y.size)
     for k in range(m):

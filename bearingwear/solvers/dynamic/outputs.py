@@ -30,10 +30,12 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
     They are averages, ranges of loads, and the account of energy.
     """
     system, sums, bearing = run.system, run.recorder.sums, run.system.bearing
-    now, then = system.snapshot(), run.opening
+    now = system.snapshot()
+    then = run.opening
     time, integrals = now.time - then.time, now.integrals - then.integrals
     count = sums.count[0]
-    contacts, loads = sums.contacts / count, run.loads
+    contacts = sums.contacts / count
+    loads = run.loads
     contacts[:, :, QV] = integrals[: contacts[:, :, QV].size].reshape(-1, 2) / time
     if run.grid.is_periodic:
         contacts[:] = contacts.mean(axis=0)

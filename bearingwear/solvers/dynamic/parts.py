@@ -222,7 +222,8 @@ def bearing_model(scene: Scene, bare: Bare = COVERED) -> BearingModel:
 
     bare: which contacts have no film left.
     """
-    g, operation = parameters.geometry(scene), scene.operation
+    g = parameters.geometry(scene)
+    operation = scene.operation
     D = parameters.ball_diameters(scene)
     mass = ball_mass(g.rho, D)
     F_y, F_z = operation.radial_load_N

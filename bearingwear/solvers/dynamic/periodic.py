@@ -67,7 +67,8 @@ class Passing:
     """
 
     def __init__(self, system: DynamicSystem, tolerance: float, method: Tableau) -> None:
-        self.system, self.control = system, system.control(tolerance, method)
+        self.system = system
+        self.control = system.control(tolerance, method)
         self.start_state = system.packed(), system.time
         self.n = len(system.balls)
         bearing = system.bearing
@@ -201,7 +202,9 @@ class Passing:
             change = self.change(states)
         if change is None or inverse is None:
             return failure
-        best, best_size, inverse = states, float(np.abs(change).max()), inverse.copy()
+        best = states
+        best_size = float(np.abs(change).max())
+        inverse = inverse.copy()
         stalled = 0
         for _ in range(_MOST_STEPS if best_size > CONVERGED else 0):
             step = -inverse @ change
@@ -211,7 +214,9 @@ class Passing:
                 break
             stalled += 1
             if np.abs(new_change).max() < best_size:
-                best, best_size, stalled = states, float(np.abs(new_change).max()), 0
+                best = states
+                best_size = float(np.abs(new_change).max())
+                stalled = 0
             if best_size <= CONVERGED or stalled >= _STALLED:
                 break
             inverse_change = inverse @ (new_change - change)
@@ -227,15 +232,20 @@ def tangents(system: DynamicSystem, control: StepControl, duration: float) -> np
     """
     control = control._replace(method=ROSENBROCK)
     old = np.eye(len(system.balls) * BALL)
-    older, new, rate = old.copy(), old.copy(), TANGENT_STEPS / duration
+    older = old.copy()
+    new = old.copy()
+    rate = TANGENT_STEPS / duration
     for step in range(TANGENT_STEPS):
         tally = system.simulate(control, duration / TANGENT_STEPS)
         if tally.status != code.OK:
             return None
         system.time, system.h = tally.time, tally.h
+        # of the second order, but for the first step
         weights = (1.5 * rate, -2.0 * rate, 0.5 * rate) if step else (rate, -rate, 0.0)
-        buffers = (system.y, system.bearing, system.buffers, system.stages)
-        if not carry_tangents(weights, old, older, *buffers, new):
+        is_carried = carry_tangents(
+            weights, old, older, system.y, system.bearing, system.buffers, system.stages, new
+        )
+        if not is_carried:
             return None
         old, older, new = new, old, older
     return old.T

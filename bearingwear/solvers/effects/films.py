@@ -23,7 +23,9 @@ from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 def film_sentences(chosen: Choice) -> Iterator[str]:
     """Yields sentences on friction and wear of films, and on running in."""
-    scene, films, film = chosen.scene, Films.of(chosen.scene), chosen.scene.friction.film
+    scene = chosen.scene
+    films = Films.of(chosen.scene)
+    film = chosen.scene.friction.film
     if film is not None:
         offset = f" plus {film.pressure_coefficient:g}" if film.pressure_coefficient else ""
         yield (
@@ -170,7 +172,9 @@ def _friction_at_rest(scene: Scene) -> str:
     # loaded here: its kernels load slowly, and other commands do not use them
     from bearingwear.solvers.bearing.parameters import friction_law
 
-    g, preload, law = mounted_geometry(scene), scene.operation.preload_N, friction_law(scene)
+    g = mounted_geometry(scene)
+    preload = scene.operation.preload_N
+    law = friction_law(scene)
     sin_alpha = math.sin(g.alpha0)
     if not (preload > 0.0 and sin_alpha > 0.0):
         return f"at least {law.mu:.3g}"

@@ -35,7 +35,8 @@ def gyroscopic_share(scene: Scene) -> float:
     race control, the steeper of the two. NaN without a preload.
     """
     b, operation = scene.bearing, scene.operation
-    D, alpha = MM * b.ball_diameter_mm, math.radians(b.contact_angle_deg)
+    D = MM * b.ball_diameter_mm
+    alpha = math.radians(b.contact_angle_deg)
     gamma = b.ball_diameter_mm / b.pitch_diameter_mm
     relative, orbit = rolling_rates(scene)
     beta = math.atan2(math.sin(alpha), math.cos(alpha) - gamma)
@@ -86,7 +87,8 @@ def slip_sentences(chosen: Choice) -> Iterator[str]:
 
 def traction_sentences(chosen: Choice) -> Iterator[str]:
     """Yields a sentence on traction in the balance of normal forces, and on its share."""
-    model, share = chosen.scene.model, gyroscopic_share(chosen.scene)
+    model = chosen.scene.model
+    share = gyroscopic_share(chosen.scene)
     share_words = (
         "an unknown share" if math.isnan(share) else f"up to about {plain(100.0 * share, 2)} %"
     )
@@ -154,7 +156,8 @@ def cage_sentences(chosen: Choice) -> Iterator[str]:
 
 def ball_sentences(chosen: Choice) -> Iterator[str]:
     """Yields sentences on the motion of the balls in the model, and on the forces on them."""
-    scene, count = chosen.reduced(chosen.scene), chosen.scene.bearing.ball_count
+    scene = chosen.reduced(chosen.scene)
+    count = chosen.scene.bearing.ball_count
     if chosen.fidelity == "steady":
         yield "balls: one ball represents all, because all balls move identically"
         yield from _force_sentences(scene)
@@ -174,7 +177,8 @@ def ball_sentences(chosen: Choice) -> Iterator[str]:
 
 def _force_sentences(scene: Scene) -> Iterator[str]:
     """Yields sentences on the forces on a ball; neglecting one saves no time (reductions.py)."""
-    share, size = centrifugal_share(scene), "its magnitude is unknown before the solve"
+    share = centrifugal_share(scene)
+    size = "its magnitude is unknown before the solve"
     if not math.isnan(share):
         share_words = (
             f"{plain(100.0 * share, 2)} % of" if share < 1.0 else f"{plain(share, 2)} times"

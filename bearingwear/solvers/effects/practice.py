@@ -145,7 +145,8 @@ def _shoulder_angle(bearing: Bearing, race: int, radius: float) -> tuple[float, 
     if shoulder is None:
         assumed = max(SHOULDER_DEG, bearing.contact_angle_deg + SHOULDER_ROOM_DEG)
         return assumed, "the assumed shoulder"
-    D, cosine = bearing.ball_diameter_mm, math.cos(math.radians(bearing.contact_angle_deg))
+    D = bearing.ball_diameter_mm
+    cosine = math.cos(math.radians(bearing.contact_angle_deg))
     side = 1.0 if race == OUTER_SIDE else -1.0
     centre = 0.5 * bearing.pitch_diameter_mm - side * (radius - 0.5 * D) * cosine
     rise = side * (0.5 * shoulder - centre) / radius
@@ -201,7 +202,8 @@ def hoop_stress(evidence: Evidence) -> Finding | None:
     inside = 0.5 * _MM * bearing.bore_mm
     bottom = bearing.pitch_diameter_mm - bearing.ball_diameter_mm
     outside = 0.5 * _MM * (bearing.inner_shoulder_mm or bottom)
-    nu, omega = material.poisson_ratio, math.pi / 30.0 * evidence.scene.operation.shaft_speed_rpm
+    nu = material.poisson_ratio
+    omega = math.pi / 30.0 * evidence.scene.operation.shaft_speed_rpm
     shape = (3.0 + nu) * outside**2 + (1.0 - nu) * inside**2
     value = 0.25 * material.density_kg_m3 * omega**2 * shape / _MPA
     return {"value": value, "limit": HOOP_MPA}
@@ -279,9 +281,11 @@ def friction_beyond_practice(evidence: Evidence) -> Finding | None:
     value, (least, most) = evidence.scene.friction.ball_race, USUAL_FRICTION
     if not value:  # a film has none, and 0 has a status of its own
         return None
-    excess, phrase = least / value, f"below {least:g}, the lowest value ever measured"
+    excess = least / value
+    phrase = f"below {least:g}, the lowest value ever measured"
     if value > most:
-        excess, phrase = value / most, f"above {most:g}, the value at which metals seize"
+        excess = value / most
+        phrase = f"above {most:g}, the value at which metals seize"
     return {"value": value, "phrase": phrase, "excess": excess}
 
 
@@ -296,7 +300,9 @@ class _PartTemperature(NamedTuple):
 
 def _part_temperatures(evidence: Evidence) -> list[_PartTemperature]:
     """Returns the parts whose material has a temperature limit: steel parts and a polymer cage."""
-    bearing, cage, parts = evidence.scene.bearing, evidence.scene.cage, []
+    bearing = evidence.scene.bearing
+    cage = evidence.scene.cage
+    parts = []
     inner, balls, outer, *_ = evidence.state["part_temperature"]
     for part, celsius in (("inner ring", inner), ("balls", balls), ("outer ring", outer)):
         name = bearing.ball_material if part == "balls" else bearing.race_material

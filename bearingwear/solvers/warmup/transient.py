@@ -238,7 +238,8 @@ class HeatEquation:
         """Returns the heat that shaft and housing conduct into parts at 0 degC (parts,) [W]."""
         flows = []
         for n in self.networks:
-            G, now = n.conductance_W_K, network_at(n, time)
+            G = n.conductance_W_K
+            now = network_at(n, time)
             flows += [G.inner_ring_shaft * now.shaft_C, 0.0, G.outer_ring_housing * now.housing_C]
         return np.array(flows)
 
@@ -320,9 +321,12 @@ def _steps(
 
     Where there is no state before the end, a status is the last that is yielded.
     """
-    time, y = start.time, start.temperatures.ravel()
-    bearings, near = equation.bearings, list(equation.bearings.near)
-    longest, lost = np.inf, 0
+    time = start.time
+    y = start.temperatures.ravel()
+    bearings = equation.bearings
+    near = list(equation.bearings.near)
+    longest = np.inf
+    lost = 0
     while time < end:
         rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
         reach = end - time
@@ -336,7 +340,9 @@ def _steps(
                     yield code.NO_HEAT_BALANCE
                     return
                 instant = equation.instant(method.t, method.y.copy())
-                time, y, near = method.t, instant.temperatures.ravel(), list(bearings.near)
+                time = method.t
+                y = instant.temperatures.ravel()
+                near = list(bearings.near)
                 yield instant
         except NoState as unsolved:
             lost += 1

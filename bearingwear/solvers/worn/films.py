@@ -44,7 +44,8 @@ class WornFilms:
     @classmethod
     def of(cls, scene: Scene) -> "WornFilms":
         """Returns the films of a scene."""
-        film, films = scene.friction.film, Films.of(scene)
+        film = scene.friction.film
+        films = Films.of(scene)
         if film is None or not films.wear_through or film.bare_ball_race is None:
             return cls(films, AS_WITH_FILM)
         return cls(films, film.bare_ball_race)
@@ -100,7 +101,8 @@ class WornFilms:
 
         rate: wear per second.
         """
-        shortest, bare_parts = np.inf, self.bare_parts(wear)
+        shortest = np.inf
+        bare_parts = self.bare_parts(wear)
         balls = np.array([0.5 * wear.ball]), np.array([0.5 * rate.ball])
         grooves = zip(wear.grooves, rate.grooves, strict=True)
         parts: list[tuple[np.ndarray, np.ndarray]] = [*grooves, balls]
