@@ -213,7 +213,12 @@ class Life:
 
 
 def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
-    """Returns the life from the present wear to a criterion, or to where solver or range ends."""
+    """Returns the life from the present wear to a criterion, or to where solver or range ends.
+
+    wearing: what wears, and how fast.
+    ends: criteria that end the life.
+    method: takes its steps.
+    """
 
     def margins(node: Node) -> np.ndarray:
         return np.concatenate([ends.margins(node.states), wearing.events(node)])
@@ -255,7 +260,10 @@ class _Zero(NamedTuple):
 
 
 def _step_to_zero(life: Life, method: Method, margins: Margins, bound: float) -> int | None:
-    """Takes steps until a margin is zero, and returns its index; None where none is."""
+    """Takes steps until a margin is zero, and returns its index; None where none is.
+
+    bound: end of the integration, see `Node.x`.
+    """
     zero: _Zero | None = None
     before = margins(life.last)
     for _ in range(method.most_steps):
@@ -326,12 +334,15 @@ def _first_zero(
 ) -> tuple[_Zero | None, np.ndarray]:
     """Returns the first zero of a margin along solved nodes, and the margins of the last node.
 
-    `before` are the margins of the first node. The bracket of a zero closes on a solve that fails
-    in between.
+    None in place of a zero if there is none. The bracket of a zero closes on a solve that fails in
+    between.
+
+    before: margins of the first node.
     """
     a, *others = nodes
     for b in others:
-        after, zeros = margins(b), []
+        after = margins(b)
+        zeros = []
         for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
             margin = _Margin(int(k), method, margins, {a.x: before[k], b.x: after[k]})
             root = method.root(margin, a, b)

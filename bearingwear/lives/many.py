@@ -72,12 +72,18 @@ def worn_life(scene: Scene, quick: bool = True) -> Life | None:
 
 
 def worn_life_with_stiffness(scene: Scene, quick: bool = True) -> Life | None:
-    """Returns `worn_life` with states that know their stiffnesses."""
+    """Returns the life with grooves as they wear, whose states know their stiffnesses.
+
+    None where `life` does not follow grooves; a quick one is that of `worn_life`.
+    """
     return _worn_life(scene, StiffGrooves, quick)
 
 
 def _worn_life(scene: Scene, kind: type[Grooves], quick: bool) -> Life | None:
-    """Returns `worn_life` by one kind of grooves, with stiffnesses or without."""
+    """Returns the life with grooves as they wear; None where `life` does not follow them.
+
+    kind: of grooves, whose states know stiffnesses or not.
+    """
     if scene.duty is not None:
         over_duty = duty_life(scene, "steady", quick, kind)
         return over_duty.life if over_duty.is_worn else None

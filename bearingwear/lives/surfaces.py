@@ -194,7 +194,10 @@ class FilmWear(EvenWear):
         return state.with_values(values)
 
     def loss_rate(self, ball_rate: float, race_rates: np.ndarray) -> float:
-        """Returns `State.rate` by the rates of ball diameter and groove depths [m/s]."""
+        """Returns the rate of the loss that counts: of the balls, and of races if they do [m/s].
+
+        ball_rate, race_rates: of the ball diameter, and of the depths of both grooves [m/s].
+        """
         return ball_rate + float(race_rates.sum()) if self.scene.wear.counts_races else ball_rate
 
     def rates(self, state: State) -> np.ndarray:

@@ -187,5 +187,8 @@ class WornParts:
         return rates
 
     def mean_loss_rate(self, rates: np.ndarray) -> float:
-        """Returns `State.rate` by the rates of all wearing parts [m/s]."""
+        """Returns the mean rate of the loss that counts: of balls, and of races if they do [m/s].
+
+        rates: of all wearing parts.
+        """
         return float(rates[self.layout.diameter].mean()) + self._counted_depth(rates)

@@ -100,6 +100,12 @@ def coulomb_regularisation(v_r: float, qv: float, load: float) -> float | None:
 
 
 def torque_loss(torque: float, coulomb_torque: float) -> dict[str, Any]:
-    """Returns the result variable of the share of the torque lost to the regularisation."""
+    """Returns the result variable of the share of the torque lost to the regularisation.
+
+    It is left out without any torque.
+
+    torque: with the regularisation of the scene.
+    coulomb_torque: with one that represents Coulomb's law.
+    """
     lost = 1.0 - torque / coulomb_torque if coulomb_torque else math.nan
     return {"torque_lost_to_regularisation": lost} if math.isfinite(lost) else {}

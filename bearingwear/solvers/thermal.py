@@ -329,7 +329,9 @@ def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None
 
 
 def _central_slopes(heats: PartHeats, temperatures: np.ndarray, step: float) -> np.ndarray | None:
-    """Returns `heat_slopes` by central differences; None without a state on either side.
+    """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K].
+
+    It is that by central differences; None where a state on either side is missing.
 
     step: of a temperature [K].
     """

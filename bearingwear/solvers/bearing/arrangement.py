@@ -57,9 +57,12 @@ def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.n
 
 
 def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray:
-    """Returns `natural_frequencies` from the stiffness against Z and tilt about the middle [Hz].
+    """Returns axial, radial and conical frequency (3,) of a rotor that is not turning [Hz].
 
-    K: that stiffness (2, 2) [N/m, N, N m].
+    The rotor of the arrangement has mass and span. See `natural_frequencies`.
+
+    axial: stiffness of the arrangement [N/m].
+    K: stiffness against displacement along Z and tilt about the middle (2, 2) [N/m, N, N m].
     """
     assert a.rotor_mass_kg is not None and a.span_mm is not None
     m = a.rotor_mass_kg

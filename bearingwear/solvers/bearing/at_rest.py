@@ -52,7 +52,10 @@ class Mechanics(NamedTuple):
         return displacement
 
     def stiffness_matrix(self, F_x: float) -> np.ndarray:
-        """Returns `stiffness_of_loads` (5, 5) under an axial force [N] [N/m, N, N m]."""
+        """Returns the stiffness (5, 5) under an axial force [N], by displacements and tilts.
+
+        They are axial, along Y and Z, and about Y and Z [N/m, N, N m].
+        """
         _, ball = self._equilibrium(F_x)
         load, angle = np.array([ball.Q_i, ball.Q_o]), np.array([ball.alpha_i, ball.alpha_o])
         return stiffness_of_loads(self.g, np.array([self.D]), load, angle)

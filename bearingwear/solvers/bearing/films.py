@@ -163,7 +163,7 @@ class Films:
 
     @functools.cached_property
     def unworn(self) -> Factors:
-        """Returns `contact_factors` of new surfaces without a table, of each contact (2,)."""
+        """Returns K_s/H of new balls and races in both contacts (2,), without a table [1/Pa]."""
         ball, race = self.contact_factors(self.thickness > 0.0)
         return np.broadcast_to(ball, 2), np.broadcast_to(race, 2)
 

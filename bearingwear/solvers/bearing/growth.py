@@ -251,12 +251,18 @@ def growth_of(scene: Scene) -> Growth:
 
 
 def growth_with_bore(scene: Scene, bore: float | None) -> Growth:
-    """Returns `growth_of` with a bore of the inner ring [m]; without one the ring is rigid."""
+    """Returns the growth of a scene's bearing with a bore of the inner ring [m].
+
+    Without a bore the ring is rigid.
+    """
     return growth_with_fits(scene, bore, scene.fits)
 
 
 def growth_with_fits(scene: Scene, bore: float | None, fits: Fits | None) -> Growth:
-    """Returns `growth_with_bore` with other fits of the inner ring than the scene's."""
+    """Returns the growth of a scene's bearing with a bore [m] and fits of the inner ring.
+
+    The fit of the outer ring is that of the scene.
+    """
     heat = thermal_expansion(scene)
     rpm = scene.operation.shaft_speed_rpm
     return Growth(heat, inner_growth(scene, heat, bore, fits, rpm), outer_growth(scene, heat))
@@ -278,7 +284,7 @@ def axial_change(
     return 0.5 * (A1 * (heat.shaft + heat.housing) + side * span * (heat.shaft - heat.housing))
 
 
-def grown(g: Geometry, growth: Growth, axial: float) -> Geometry:
+def grown_geometry(g: Geometry, growth: Growth, axial: float) -> Geometry:
     """Returns the geometry of the running bearing.
 
     g: geometry as mounted.
@@ -329,5 +335,8 @@ def growth_values(scene: Scene) -> dict[str, Any]:
 
 
 def lasting_growth(scene: Scene) -> dict[str, Any]:
-    """Returns `growth_values` of a life, if the growth is constant along it; none of a pair."""
+    """Returns result variables of the growth that is constant along a life.
+
+    They are empty for a pair, and where a thermal network changes the growth along the life.
+    """
     return growth_values(scene) if scene.thermal is None and len(scene.sides) == 1 else {}

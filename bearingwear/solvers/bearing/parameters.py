@@ -16,7 +16,7 @@ from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Arrangement, Scene, once
 from bearingwear.solvers.bearing import quadrature as rules
 from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
-from bearingwear.solvers.bearing.growth import Growth, axial_change, grown, growth_of
+from bearingwear.solvers.bearing.growth import Growth, axial_change, grown_geometry, growth_of
 from bearingwear.solvers.bearing.mounted import GPA as GPA
 from bearingwear.solvers.bearing.mounted import MM as MM
 from bearingwear.solvers.bearing.mounted import RPM as RPM
@@ -47,7 +47,7 @@ def geometry(scene: Scene) -> Geometry:
 
 
 def running_geometry(scene: Scene, growth: Growth) -> Geometry:
-    """Returns `geometry` with a growth of the bearing that may differ from the scene's."""
+    """Returns geometry and material constants of a scene's bearing with some growth."""
     g = mounted_geometry(scene)
     if growth.is_none:
         return g
@@ -57,7 +57,7 @@ def running_geometry(scene: Scene, growth: Growth) -> Geometry:
         span = MM * (arrangement.span_mm or 0.0)
         A1 = g.BD * math.sin(g.alpha0) + static_place(scene)
         axial_growth = axial_change(growth.heat, A1, span, arrangement.orientation)
-    return grown(g, growth, axial_growth)
+    return grown_geometry(g, growth, axial_growth)
 
 
 def operating_point(scene: Scene, bare: Bare = COVERED) -> OperatingPoint:

@@ -101,7 +101,10 @@ class Passing:
         return bool(tally.status == code.OK)
 
     def march(self, orbits: float) -> bool:
-        """Continues as a run would, for a number of orbits; returns whether that succeeded."""
+        """Moves the balls on as a run would, for a number of orbits; returns whether it succeeded.
+
+        Their azimuths are taken back by whole turns and by what the load has turned.
+        """
         system, passing = self.system, self.passing
         self.put_balls(np.append(self.start, passing / system.turn))
         duration = orbits * self.n * passing
@@ -136,7 +139,7 @@ class Passing:
         return 0.0 < passing < LONGEST_PASSING * self.system.turn
 
     def change_after(self, states: np.ndarray) -> np.ndarray:
-        """Returns `change`, once a passing from these states has been simulated."""
+        """Returns the change in a passing from states, once it has been simulated; see `change`."""
         after = self.system.balls.copy()
         after[:, PSI] -= self.load_rate * states[-1] * self.system.turn
         next_balls = np.roll(states[:-1].reshape(self.n, BALL), -self.ahead, axis=0)

@@ -16,7 +16,7 @@ from bearingwear.solvers.bearing.growth import (
     RingGrowth,
     axial_change,
     fit_loss_speed,
-    grown,
+    grown_geometry,
     growth_of,
     growth_with_bore,
     growth_with_fits,
@@ -73,7 +73,7 @@ def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientat
     span: distance of the two bearings [m].
     """
     axial = g.BD * math.sin(g.alpha0) + fitted_displacement(g, F)
-    running = grown(g, growth, 0.0)
+    running = grown_geometry(g, growth, 0.0)
     running_preload = fitted_preload(
         running, axial + axial_change(growth.heat, axial, span, orientation)
     )

@@ -112,7 +112,7 @@ def ellipse_over_shoulder(evidence: Evidence) -> Finding:
     D = bearing.ball_diameter_mm
     radii = np.array([bearing.inner_groove_factor * D, bearing.outer_groove_factor * D])
     edges = _ellipse_edges(evidence, radii)
-    findings = []
+    findings: list[Finding] = []
     for race, name in ((INNER_SIDE, "inner"), (OUTER_SIDE, "outer")):
         limit, source = _shoulder_angle(bearing, race, radii[race])
         findings.append({"value": edges[race], "limit": limit, "source": source, "race": name})
@@ -323,7 +323,7 @@ def temperature_beyond_practice(evidence: Evidence) -> Finding | None:
     Its excess is 1 at the limit and grows by the share of the allowed span that is exceeded. None
     if no part has a limit.
     """
-    findings = []
+    findings: list[Finding] = []
     for part in _part_temperatures(evidence):
         for limit, side, sign in ((part.warmest, "above", 1.0), (COLDEST, "below", -1.0)):
             findings.append(

@@ -33,7 +33,7 @@ from bearingwear.solvers.worn.depths import (
     arc_values,
     depth_spline,
     seat_of_case,
-    wandering,
+    spread_by_wander,
 )
 from bearingwear.solvers.worn.films import AS_WITH_FILM, LEAST_WANDER, WornFilms
 
@@ -551,7 +551,7 @@ class WornBearing:
         for k, force in enumerate(point.forces):
             x, qv = point.x[k], point.qv_along[k]
             places = x + self.shift(k, force.alpha, g)
-            wear = wandering(self.arc[k], places, qv, self.wander * self.major[k])
+            wear = spread_by_wander(self.arc[k], places, qv, self.wander * self.major[k])
             factor: float | np.ndarray = race
             if self.films is not None:
                 at_cells, factor = self._film_factors(self.films, point, k, scene)
@@ -586,7 +586,7 @@ class WornBearing:
 
     @staticmethod
     def _lengths(seat: WornSeat, g: Geometry, D: float) -> np.ndarray:
-        """Returns `lengths` (2,) of a ball of diameter D [m] in a seat."""
+        """Returns the approaches (2,) of a ball of diameter D [m] and grooves as when new [m]."""
         R = 0.5 * D
         A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         inner = np.hypot(A1 - seat.X1, A2 - seat.X2) - (g.r_i - R)

@@ -91,10 +91,12 @@ def arc_values(arc: Arc, places: np.ndarray) -> np.ndarray:
     return np.asarray(((c[0] * x + c[1]) * x + c[2]) * x + c[3])
 
 
-def wandering(
+def spread_by_wander(
     grid: np.ndarray, places: np.ndarray, values: np.ndarray, wander: float
 ) -> np.ndarray:
-    """Spreads values at equally spaced places over a grid; their integral is kept.
+    """Returns values at equally spaced places, spread over a grid by the wander of the track.
+
+    Their integral is kept.
 
     wander: rms of the places, in the unit of the grid.
     """
