@@ -143,7 +143,10 @@ class RungeKutta(Method):
         return np.append(self.wearing.rates(node), 1.0) / self.wearing.loss_rate(node)
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        """Returns a step of the solver, with a node in its middle and one at its end."""
+        """Returns a step of the solver, with a node in its middle and one at its end.
+
+        bound: sum of the losses that the step does not pass [m].
+        """
         from scipy.integrate import RK45  # loads slowly; most lives take other steps
 
         start = life.last
@@ -208,7 +211,10 @@ class InTime(Method):
         return self.nodes_by_time[x]
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        """Returns a step as long as the way to wear allows; endless where nothing ends the life."""
+        """Returns a step as long as the way to wear allows; endless where nothing ends the life.
+
+        bound: time that the step does not pass [s].
+        """
         now = life.last
         if now is not self.now:
             self.rates_before = self.rates

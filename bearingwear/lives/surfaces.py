@@ -59,7 +59,10 @@ class Coating:
         return np.where(self.is_left, 1.0 - depths / thickness, np.inf)
 
     def remove(self, part: int, depths: np.ndarray) -> None:
-        """Removes the film of a part, if it is one of these, and any other that is worn through."""
+        """Removes the film of a part, if it is one of these, and any other that is worn through.
+
+        depths: worn off each part [m].
+        """
         self.is_left &= (self.share_left(depths) > 0.0) & (np.arange(self.is_left.size) != part)
 
 
@@ -130,16 +133,25 @@ class FilmWear(EvenWear):
         return self.films.bare(self.coating.is_left)
 
     def condition(self, worn: np.ndarray) -> Condition:
-        """Returns the condition of the bearing with some wear, and without films that are gone."""
+        """Returns the condition of the bearing with some wear, and without films that are gone.
+
+        worn: loss of ball diameter, and depths of inner and outer groove [m].
+        """
         counted = worn[0] + (worn[1] + worn[2] if self.scene.wear.counts_races else 0.0)
         return Condition(self.present_loss + float(counted), self.bare)
 
     def depths(self, worn: np.ndarray) -> np.ndarray:
-        """Returns the depths of inner groove, outer groove and ball surface (3,) [m]."""
+        """Returns the depths of inner groove, outer groove and ball surface (3,) [m].
+
+        worn: loss of ball diameter, and depths of inner and outer groove [m].
+        """
         return np.array([worn[1], worn[2], 0.5 * worn[0]])
 
     def running_in_time(self, worn: np.ndarray, rates: np.ndarray) -> float:
-        """Returns the time in which coefficients of surfaces that run in change by a part [s]."""
+        """Returns the time in which coefficients of surfaces that run in change by a part [s].
+
+        worn, rates: loss of ball diameter and depths of both grooves [m], and their rates [m/s].
+        """
         times = [np.inf]
         for surface, has_film, depth, rate in zip(
             (self.films.race, self.films.race, self.films.ball),

@@ -58,8 +58,10 @@ def relative_change(reference: np.ndarray, other: np.ndarray) -> np.ndarray:
 def regularisation_error(reference: np.ndarray, with_half: np.ndarray) -> np.ndarray:
     """Returns the error by the regularisation, from the answer (5,) with half of it.
 
-    It is infinite where slip is far below the regularisation: the torque is then in proportion to
-    its inverse, and half of it does not show the limit.
+    reference, with_half: `estimated_quantities` with the whole and with half of it.
+
+    The error is infinite where slip is far below the regularisation: the torque is then in
+    proportion to its inverse, and half of it does not show the limit.
     """
     change = relative_change(reference, with_half)
     friction = change[3:]  # of torque and power; a view

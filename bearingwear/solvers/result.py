@@ -112,5 +112,8 @@ def _values_to_check(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarra
 
 
 def _is_of_one_bearing(value: np.ndarray) -> bool:
-    """Returns whether only one of two bearings has finite numbers, which may end in NaN."""
+    """Returns whether a value of a pair is finite for one of its bearings at least.
+
+    value: (2, ...), of both bearings.
+    """
     return value.ndim > 0 and len(value) == 2 and any(np.isfinite(side).all() for side in value)

@@ -523,7 +523,11 @@ def pair_case(
 def _pair_status(
     state: RotorState, side_values: Sequence[Mapping[str, Any]], residual: float
 ) -> int:
-    """Returns the status of a pair: the first failure, or whether its balance is verified."""
+    """Returns the status of a pair: that of the first failure, else OK or UNVERIFIED.
+
+    side_values: result variables of each bearing.
+    residual: of the rotor's balance, see `rotor_balance`.
+    """
     for status in (state.status, *(int(values["status"]) for values in side_values)):
         if status != code.OK:
             return status

@@ -59,7 +59,7 @@ class Warmed:
 
     @classmethod
     def as_given(cls, scene: Scene) -> "Warmed":
-        """Returns a scene whose temperatures are given."""
+        """Returns a scene with given temperatures as a balance, which took no solves."""
         return cls(status=code.OK, scene=scene, heat=NO_HEAT, solves=0, slope=np.zeros((3, 3)))
 
     @property

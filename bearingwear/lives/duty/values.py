@@ -63,6 +63,8 @@ def palmgren_miner_life(shares: np.ndarray, lives: np.ndarray) -> float:
 
     The inverse life is the sum of the share of each phase over its life. The life is NaN where that
     of a phase with a share is not known.
+
+    shares, lives: share of the time of each phase, and life in it alone (phases,).
     """
     has_share = shares > 0.0
     damage = float((shares[has_share] / lives[has_share]).sum())
@@ -117,7 +119,9 @@ def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
 
 
 def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """Returns the integrals of rates (nodes, ...) up to each node, by monotone cubics.
+    """Returns the integrals of rates (nodes, ...) over times (nodes,) up to each node.
+
+    They are those of monotone cubics.
 
     Two nodes have the same time where a film is worn through. A new cubic starts there.
     """

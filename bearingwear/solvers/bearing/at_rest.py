@@ -18,7 +18,10 @@ _SLIDE_ROUNDING = {"xtol": 1e-18, "rtol": 1e-14}
 
 
 def race_displacement(g: Geometry, length: Any) -> Any:
-    """Returns the axial displacement of the inner race at a distance of the groove centres [m]."""
+    """Returns the axial displacement of the inner race at which the groove centres are apart [m].
+
+    length: distance of the groove centres [m], a number or an array.
+    """
     across = g.BD * math.cos(g.alpha0)
     return np.sqrt(np.maximum(length**2 - across**2, 0.0)) - g.BD * math.sin(g.alpha0)
 
@@ -146,6 +149,7 @@ class AxialRotor(NamedTuple):
         F_s, k_s, stop = self.spring
 
         def unbalanced(slide: float) -> float:
+            """Returns the force on the outer ring beyond that of its spring [N]."""
             return second.force(place + slide) - F_s + k_s * slide
 
         reach = FIRST_REACH

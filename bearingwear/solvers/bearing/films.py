@@ -194,7 +194,12 @@ class Films:
         return not (inner or ball), not (outer or ball)
 
     def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, table_factor=1.0):
-        """Returns K_s/H of a ball and of a race [1/Pa], by cover and depth [m] of each."""
+        """Returns K_s/H of a ball and of a race [1/Pa].
+
+        on_ball, on_race: shares that their films cover, or whether they do.
+        ball_depth, race_depths: worn off them [m].
+        table_factor: on K_s, see `table_factor`.
+        """
         return (
             surface_factor(self.ball, self.race, ball_depth, on_ball, on_race, table_factor),
             surface_factor(self.race, self.ball, race_depths, on_race, on_ball, table_factor),
@@ -205,7 +210,8 @@ class Films:
     ) -> Factors:
         """Returns K_s/H of balls and of races in both contacts (..., 2) at worn depths [m] [1/Pa].
 
-        cover: whether inner race, outer race and balls still have their film.
+        cover: whether inner race, outer race and balls still have their film (3,).
+        table_factor: on K_s, see `table_factor`.
         """
         return self.factors(cover[2], cover[:2], ball_depth, race_depths, table_factor)
 
@@ -224,7 +230,7 @@ def follows_depths(scene: Scene) -> bool:
 def _surface(
     material: Material, friction_film: FilmFriction | None, common: FilmFriction | None
 ) -> Surface:
-    """Returns the surface of a part.
+    """Returns the surface of a ball or a race of a material, with its film if it has one.
 
     friction_film: film that the scene's friction names, if it is on this part.
     common: film that the scene's friction names, which completes that of the material.

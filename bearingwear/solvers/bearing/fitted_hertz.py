@@ -33,9 +33,10 @@ def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, flo
 
 
 def fitted_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:
-    """Returns K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact, by the fit.
+    """Returns K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact with a race, by the fit.
 
     race: `INNER_RACE` or `OUTER_RACE`.
+    D, cos_alpha: ball diameter [m], and cosine of the contact angle.
     """
     A, B = curvatures(g, race, D, cos_alpha)
     return fitted_contact(A, B, g.E_star)
@@ -45,6 +46,7 @@ def curvatures(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[fl
     """Returns half the sums of the curvatures: A along the major axis, B along rolling [1/m].
 
     race: `INNER_RACE` or `OUTER_RACE`.
+    D, cos_alpha: ball diameter [m], and cosine of the contact angle.
     """
     r_g = g.r_o if race > 0.0 else g.r_i
     B = 0.5 * (2.0 / D - race * 2.0 * cos_alpha / (g.dm + race * D * cos_alpha))
@@ -76,6 +78,7 @@ def fitted_displacement(g: Geometry, F_x: float) -> float:
     radial = g.BD * math.cos(g.alpha0)
 
     def excess(alpha: float) -> float:
+        """Returns the thrust at a contact angle beyond the preload, both to the power 2/3."""
         # the power 2/3 of the thrust rises about linearly with the angle, which suits secants
         return fitted_preload(g, radial * math.tan(alpha)) ** (2.0 / 3.0) - F_x ** (2.0 / 3.0)
 

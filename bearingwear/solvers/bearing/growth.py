@@ -100,7 +100,7 @@ def temperatures(scene: Scene) -> Temperature:
 
 @functools.lru_cache(maxsize=64)  # used several times in each solve
 def _completed(t: Temperature) -> Temperature:
-    """Returns temperatures in which the reference replaces those of rings and balls not given."""
+    """Returns temperatures with the reference for rings and balls that have none."""
     parts = ("inner_ring_C", "balls_C", "outer_ring_C")
     return replace(t, **{name: t.reference_C for name in parts if getattr(t, name) is None})
 
@@ -119,6 +119,7 @@ def thermal_expansion(scene: Scene) -> Expansion:
     t = temperatures(scene)
 
     def strain(part_C: float | None, material: str) -> float:
+        """Returns the thermal strain of a part; 0 without a temperature."""
         return 0.0 if part_C is None else expansion(scene, material) * (part_C - t.reference_C)
 
     return Expansion(
@@ -155,9 +156,13 @@ def ring_of(material: Material, inside: float, outside: float, rpm: float) -> Ri
 def inner_growth(
     scene: Scene, heat: Expansion, bore: float | None, fits: Fits | None, rpm: float
 ) -> RingGrowth:
-    """Returns the growth of the inner ring by speed [r/min] and fit.
+    """Returns the growth of the inner ring by speed and fit.
 
-    It is taken as a plane annulus from bore [m] to track, rigid without a bore.
+    It is taken as a plane annulus from bore to track, rigid without a bore.
+
+    heat: thermal strains of the parts.
+    bore: diameter [m].
+    rpm: speed of the shaft [r/min].
     """
     if bore is None:
         return RingGrowth()
@@ -178,7 +183,11 @@ def inner_growth(
 
 
 def _shaft(scene: Scene, fits: Fits, seat: float, rpm: float) -> Ring:
-    """Returns the shaft within the seat of the inner ring."""
+    """Returns the shaft within the seat of the inner ring as a rotating annulus.
+
+    seat: radius [m].
+    rpm: speed [r/min].
+    """
     material = scene.materials[fits.shaft_material or scene.bearing.race_material]
     return ring_of(material, 0.5 * MM * fits.shaft_bore_mm, seat, rpm)
 

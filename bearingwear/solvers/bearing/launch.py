@@ -139,12 +139,16 @@ class Balls(NamedTuple):
         return self.s[:, None] * self.slopes[0] + self.c[:, None] * self.slopes[1]
 
     def stiffness(self, factor: np.ndarray) -> np.ndarray:
-        """Returns the stiffness of the bearing by the position of the rotor (4, 4)."""
+        """Returns the stiffness of the bearing by the position of the rotor (4, 4).
+
+        factor: load over deformation^1.5 of each ball (n,) [N/m^1.5].
+        """
         along, (axial, radial) = self.along, self.slopes
         # derivative of the contact angle, times the length
         across = self.c[:, None] * axial - self.s[:, None] * radial
-        k, turn = 1.5 * factor * np.sqrt(self.d), self.Q / self.length
-        return (along.T * k) @ along + (across.T * turn) @ across
+        compression = 1.5 * factor * np.sqrt(self.d)
+        turning = self.Q / self.length
+        return (along.T * compression) @ along + (across.T * turning) @ across
 
 
 def series_contact(g: Geometry, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -169,6 +173,7 @@ def place_as_mounted(g: Geometry, preload: float) -> float:
     across = g.BD * math.cos(g.alpha0)
 
     def unbalanced(A1: float) -> float:
+        """Returns the thrust beyond the preload at an axial distance of the groove centres [N]."""
         length = math.hypot(A1, across)
         return g.n_balls * factor * max(length - g.BD, 0.0) ** 1.5 * A1 / length - preload
 
@@ -309,7 +314,10 @@ class RotorAtRest:
         return max(min(dents_first, dents_second), 0.0)
 
     def _energy(self, force: np.ndarray, k_s: np.ndarray, q: np.ndarray) -> "_Energy":
-        """Returns the energy of the rotor at a position, with its derivatives."""
+        """Returns the energy of the rotor at a position `q`, with its derivatives.
+
+        force, k_s: load and stiffness of the spring, as in `_least_energy`.
+        """
         E = 0.5 * q @ k_s @ q - force @ q
         slope = k_s @ q - force
         K = k_s
@@ -445,7 +453,11 @@ class LaunchResult:
 
 
 def miles(density: float, frequency: float, amplification: float) -> float:
-    """Returns the rms acceleration of an oscillator under a density, both in one unit.
+    """Returns the rms acceleration of an oscillator under random vibration [g].
+
+    density: of the acceleration [g2/Hz].
+    frequency: of the oscillator [Hz].
+    amplification: at resonance [1].
 
     J. W. Miles, J. Aeronautical Sciences (Nov 1954) 753.
     """
@@ -476,7 +488,7 @@ class RandomResponse:
 
     @property
     def largest_g(self) -> float:
-        """Returns the largest expected acceleration, at least three sigma."""
+        """Returns the largest expected acceleration, at least three sigma, in g."""
         return max(THREE_SIGMA, self.expected) * self.rms_g
 
 
@@ -533,7 +545,10 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
 
 
 def _random_responses(launch: Launch, frequencies: np.ndarray | None) -> dict[str, RandomResponse]:
-    """Returns the responses to the densities of a launch, by their direction."""
+    """Returns the responses to the densities of a launch, by their direction.
+
+    frequencies: axial, radial and conical (3,) [Hz]; not needed without a density.
+    """
     densities = {"axial": launch.axial_density_g2_Hz, "radial": launch.radial_density_g2_Hz}
     responses = {}
     for k, (direction, density) in enumerate(densities.items()):
@@ -546,7 +561,10 @@ def _random_responses(launch: Launch, frequencies: np.ndarray | None) -> dict[st
 
 
 def launch_forces(axial: float, across: float) -> dict[str, tuple[float, float]]:
-    """Returns axial and radial force of each load by its name, without those that are zero [N]."""
+    """Returns axial and radial force of each load by its name, without those that are zero [N].
+
+    axial, across: largest forces along the axis and across it [N].
+    """
     forces = {"along +X": (axial, 0.0), "along -X": (-axial, 0.0)} if axial else {}
     if across:
         forces |= {"across": (0.0, across)}

@@ -77,7 +77,10 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
 
 
 def slips_across(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows) -> np.ndarray:
-    """Returns gyroscopic and rolling slip (2, n, 2, strips) [m/s], as in `contact_values`."""
+    """Returns gyroscopic and rolling slip in the contacts of n balls (2, n, 2, strips) [m/s].
+
+    The arguments are those of `contact_values`.
+    """
     v = np.zeros((2, len(D), 2, scene.model.strips))
     v1, v2 = v
     summary.slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), v1, v2)

@@ -37,7 +37,10 @@ def strip_area_factors(n: int) -> np.ndarray:
 
 
 def uniform_weights(y: np.ndarray, low: float = -1.0, high: float = 1.0) -> np.ndarray:
-    """Returns weights of n points for a uniform density, exact for polynomials of degree n - 1."""
+    """Returns weights of n points for a uniform density, exact for polynomials of degree n - 1.
+
+    y: points (n,) from low to high.
+    """
     z = (2.0 * y - low - high) / (high - low)
     moments = np.zeros(y.size)
     moments[0] = high - low
@@ -114,6 +117,7 @@ def chebyshev(n: int) -> tuple[np.ndarray, np.ndarray]:
 def area_shares_across(across: np.ndarray, halves: bool) -> np.ndarray:
     """Returns the shares of a strip's area at its points.
 
+    across: places of the points over the half-width (n,).
     halves: whether each half of the strip is integrated by itself.
     """
     if not halves or across.size == 1:

@@ -51,7 +51,7 @@ class RaceControlProblem:
 
     @classmethod
     def of(cls, scene: Scene) -> "RaceControlProblem":
-        """Returns the problem of a scene."""
+        """Returns the problem of a scene, its rotating load at the instant along +Z."""
         g = parameters.geometry(scene)
         operation = scene.operation
         F_y, F_z = operation.radial_load_N

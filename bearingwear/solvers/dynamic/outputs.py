@@ -118,6 +118,7 @@ def add_cage_values(
 
     integrals: those of the state over the window, from the first one on.
     time: length of the window [s].
+    values: result variables, to which these are added in place.
     """
     layout, first, D = system.layout, system.layout.qv, system.bearing.D
     pockets = integrals[layout.pockets - first : layout.land - first] / time

@@ -143,14 +143,18 @@ def film_beyond_tests(evidence: Evidence) -> Finding | None:
 
 
 def film_worn(evidence: Evidence) -> Finding | None:
-    """Returns the finding of a film worn through in a life that continues with its friction."""
+    """Returns the finding of a film worn through in a life that continues with its friction.
+
+    None where no film is worn through, where that ends the life, and where the scene has another
+    friction without film.
+    """
     if evidence.life is None or "history_film_worn_share" not in evidence.life:
         return None
     shares, film = evidence.life["history_film_worn_share"], evidence.scene.friction.film
     if not shares.max() > 0.0 or (film is not None and film.bare_ball_race is not None):
         return None
-    ends_there = len(shares) < 3 or not shares[:-1].max() > 0.0
-    if ends_there:
+    ends_life = len(shares) < 3 or not shares[:-1].max() > 0.0
+    if ends_life:
         return None
     races = [name for name, share in zip(("inner", "outer"), shares[-1], strict=True) if share]
     return {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from bearingwear.measures import plain
 from bearingwear.scene.accuracy import CAGE_TOLERANCE
 from bearingwear.scene.arrangement import Arrangement, set_over_pair
-from bearingwear.scene.scene import Scene
+from bearingwear.scene.scene import Cage, Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, curvatures
 from bearingwear.solvers.bearing.mounted import MM, RPM, mounted_geometry
 from bearingwear.solvers.dynamic.stability import seeks_periodic, why_not_periodic
@@ -194,7 +194,7 @@ def _force_sentences(scene: Scene) -> Iterator[str]:
 
 def _dynamic_sentences(scene: Scene) -> Iterator[str]:
     """Yields sentences on degrees of freedom, loads and cage of the dynamic model."""
-    operation, cage = scene.operation, scene.cage
+    operation = scene.operation
     is_fixed = operation.preload_method == "fixed_position"
     loads = [] if is_fixed else [f"preload of {operation.preload_N:g} N"]
     if any(operation.radial_load_N):
@@ -213,28 +213,31 @@ def _dynamic_sentences(scene: Scene) -> Iterator[str]:
     yield from _force_sentences(scene)
     if len(set(scene.wear.ball_diameter_loss_um)) > 1:
         yield "ball diameters: individual, as worn"
-    if cage is not None:
-        guide = "balls" if cage.guiding_race == "ball" else f"land of the {cage.guiding_race} race"
-        g = math.hypot(*operation.gravity_m_s2)
-        weight = (
-            f"gravity {g:.3g} m/s2"
-            if g
-            else "weightless, because operation.gravity_m_s2 is not given"
-        )
-        balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
-        yield f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}"
-        tolerance = scene.model.dynamic_tolerance
-        if tolerance > CAGE_TOLERANCE:
-            yield f"steps: tolerance {tolerance:g}; cage wear requires 0.001"
-        elif tolerance == CAGE_TOLERANCE:
-            yield (
-                "steps: tolerance 0.001, which gives cage wear to within 10 % as long as the "
-                "motion persists"
-            )
+    if scene.cage is not None:
+        yield from _cage_motion_sentences(scene, scene.cage)
     yield (
         "Coriolis force and radial inertia of the balls: neglected, as in the published model; "
         "the energy balance includes the work done by the Coriolis force"
     )
+
+
+def _cage_motion_sentences(scene: Scene, cage: Cage) -> Iterator[str]:
+    """Yields sentences on the motion of a cage that is solved, and on the steps it requires."""
+    guide = "balls" if cage.guiding_race == "ball" else f"land of the {cage.guiding_race} race"
+    g = math.hypot(*scene.operation.gravity_m_s2)
+    weight = "weightless, because operation.gravity_m_s2 is not given"
+    if g:
+        weight = f"gravity {g:.3g} m/s2"
+    balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
+    yield f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}"
+    tolerance = scene.model.dynamic_tolerance
+    if tolerance > CAGE_TOLERANCE:
+        yield f"steps: tolerance {tolerance:g}; cage wear requires 0.001"
+    elif tolerance == CAGE_TOLERANCE:
+        yield (
+            "steps: tolerance 0.001, which gives cage wear to within 10 % as long as the "
+            "motion persists"
+        )
 
 
 def solution_sentences(chosen: Choice) -> Iterator[str]:

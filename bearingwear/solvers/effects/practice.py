@@ -125,9 +125,8 @@ def _ellipse_edges(evidence: Evidence, radii: np.ndarray) -> np.ndarray:
     radii: of the inner and the outer groove [mm].
     """
     angle, load, major = (evidence.contacts(name) for name in _CONTACT)
-    if (
-        evidence.case is not None and "maximum_contact_load" in evidence.case
-    ):  # the largest load, not the mean
+    if evidence.case is not None and "maximum_contact_load" in evidence.case:
+        # the load is a mean over time; the axis of the largest one counts
         with np.errstate(invalid="ignore", divide="ignore"):
             growth = np.cbrt(np.asarray(evidence.case["maximum_contact_load"]) / load)
         major = major * np.where(np.isfinite(growth), growth, 1.0)

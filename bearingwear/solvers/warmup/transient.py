@@ -71,7 +71,7 @@ class SpeedCourse(NamedTuple):
 
 
 def ramp(seconds: float) -> SpeedCourse:
-    """Returns the course of a constant acceleration from rest to the full speed."""
+    """Returns the course of a constant acceleration from rest to full speed in some seconds."""
     return SpeedCourse((0.0, seconds), (0.0, 1.0)) if seconds else SpeedCourse((0.0,), (1.0,))
 
 
@@ -195,6 +195,7 @@ class ThermalBearings:
         """
 
         def heats(temperatures: np.ndarray) -> np.ndarray | None:
+            """Returns the heat of all parts at other temperatures; None without a state."""
             try:
                 return self.heat(instant.time, instant.share, temperatures)
             except NoState:
@@ -320,6 +321,8 @@ def _steps(
     """Yields the instants after each step up to an end [s].
 
     Where there is no state before the end, a status is the last that is yielded.
+
+    tolerance: relative error of a step.
     """
     time = start.time
     y = start.temperatures.ravel()

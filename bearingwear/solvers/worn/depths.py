@@ -83,7 +83,7 @@ def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
 
 
 def arc_values(arc: Arc, places: np.ndarray) -> np.ndarray:
-    """Returns values of a spline; beyond its ends they are those at the ends."""
+    """Returns values of a spline at places [m]; beyond its ends they are those at the ends."""
     steps = (places - arc.first) / arc.step
     piece = np.clip(np.floor(steps).astype(int), 0, arc.c.shape[1] - 1)
     x = np.clip(steps - piece, 0.0, 1.0) * arc.step

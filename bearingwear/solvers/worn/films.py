@@ -61,7 +61,11 @@ class WornFilms:
         return gaussian_filter1d(film_cover(self.films.race, depth), spread, truncate=6.0)
 
     def bare(self, race_depth: np.ndarray, ball_depth: float, spread: float) -> np.ndarray:
-        """Returns the share of each place of a groove without any film; see `cover_of_race`."""
+        """Returns the share of each place of a groove on which no film is left [1].
+
+        race_depth, spread: as `depth` and `spread` of `cover_of_race`.
+        ball_depth: worn off the balls [m].
+        """
         if not self.films.wear_through:
             return np.zeros_like(race_depth)
         on_race = self.cover_of_race(race_depth, spread)
@@ -79,6 +83,8 @@ class WornFilms:
 
         They are in proportion to the cover of each film.
 
+        on_race: share of each place that the film of the race covers.
+        race_depth, ball_depth: worn off [m].
         pressure: peak pressure of the unworn contact [Pa].
         temperature: of the contact [degC].
         """
