@@ -44,6 +44,7 @@ class HertzianLives:
     """
 
     def __init__(self, scene: Scene, quick: bool = False):
+        """Makes the solvers of a scene, and of each condition of its duty if it has one."""
         self.quick = quick or not is_one_integral(scene)
         self.solver = solver_of(scene, tolerance=WELL_BALANCED)
         self._duty_solvers: list[Remembered] = []

@@ -136,7 +136,11 @@ class RungeKutta(Method):
         return self.node(x, y[:-1], float(y[-1]))
 
     def _derivative(self, s: float, y: np.ndarray) -> np.ndarray:
-        """Returns the derivative of wear and time by the sum of the losses; raises Unsolved."""
+        """Returns the derivative of wear and time by the sum of the losses; raises Unsolved.
+
+        s: sum of the losses [m].
+        y: wear of all bearings [m], then the time [s].
+        """
         node = self.node(s, y[:-1], float(y[-1]))
         if node.status != code.OK:
             raise Unsolved(node)

@@ -245,7 +245,8 @@ def controlled_error_estimates(
             "shaft_torque": torque_of_heat(changed_problem, rows),
         }
         answers.append(estimated_quantities(changed_values, n_balls))
-    as_solved, (with_twice_points, with_half_slip) = estimated_quantities(values, n_balls), answers
+    as_solved = estimated_quantities(values, n_balls)
+    with_twice_points, with_half_slip = answers
     return error_values(
         [
             DOUBLED * relative_change(as_solved, with_twice_points),

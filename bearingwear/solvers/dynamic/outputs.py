@@ -91,17 +91,17 @@ def averages(
 
 
 def account_values(change: dict[str, float], kinetic: float) -> dict[str, float]:
-    """Returns the error of the energy balance, and the shares of the neglected terms.
+    """Returns result variables: the error of the energy balance, and shares of neglected terms.
 
     change: of each term of `DynamicSystem.energy` over the window [J].
     kinetic: energy at its end [J].
     """
-    supplied = change.pop("supplied")
+    accounted = sum(value for key, value in change.items() if key != "supplied")
     lost = sum(change[key] for key in ("heat", "cage heat", "damping")) + abs(change["drag"])
     # Without friction there is no heat to compare with; rounding depends on the kinetic energy.
     scale = max(lost, LEAST_LOST * kinetic)
     return {
-        "energy_account_error": (supplied - sum(change.values())) / scale,
+        "energy_account_error": (change["supplied"] - accounted) / scale,
         "coriolis_energy_share": change["coriolis"] / scale,
         "azimuth_energy_share": change["azimuth"] / scale,
     }

@@ -63,6 +63,7 @@ _SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
 """Places along a contact, over its semi-major axis, and the load of Hertz there, over its sum."""
 _FIRST_ON_THE_WAY, _LEAST_ON_THE_WAY, _MOST_ON_THE_WAY = 0.25, 1.0 / 32.0, 16
 """Steps from an even groove to one as it is worn, over what they differ by, and how many."""
+_MOVES = 8  # of a race that is held too far from where it was, to where it is held
 _ROUNDS = 3  # in which the depth of the grooves at a contact is found
 _NO_MOVES = np.empty((0, 3)), np.empty((0, 2, 3))
 ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
@@ -463,7 +464,7 @@ class WornBearing:
         state = self.state._replace(balance=ROUGH) if self.on_the_way else self.state
         way = p.preload.delta_a - self.seat.delta_a if held else 0.0
         kept = [race.pressure.copy() for race in races]
-        for moves in (1, 8) if way != 0.0 else (1,):
+        for moves in (1, _MOVES) if way != 0.0 else (1,):
             seat, u = self.seat, self.u.copy()
             for race, pressure in zip(races, kept, strict=True):
                 np.copyto(race.pressure, pressure)
