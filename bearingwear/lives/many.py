@@ -184,6 +184,7 @@ def lives_by_end(
 
     @cache
     def time_to_limit(name: str, limit: float) -> float:
+        """Returns the time at which the life meets one criterion [s]; NaN if it does not."""
         return life.time_to(criteria_of(with_end(worn, EndOfLife(**{name: limit}))))
 
     def worn_length(end: EndOfLife) -> float:

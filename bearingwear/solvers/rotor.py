@@ -85,7 +85,7 @@ class RotorState(NamedTuple):
 
 
 def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> RotorState:
-    """Returns a bearing as half of a symmetric pair.
+    """Returns the state of a rotor on a symmetric pair, by a solution of one of its bearings.
 
     At a fixed position both bearings hold the rotor, which stays where it is. A spring has no
     stiffness here, and the rotor follows the bearing; the sliding ring moves twice as far.

@@ -101,10 +101,10 @@ def _worst_along_life(measure: Measure, extremes: Sequence[float]) -> float:
 
 
 def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
-    """Returns the volume worn off the surfaces of bearing k by a full share of each condition [m3].
+    """Returns the volumes (nodes, conditions, surfaces) worn off bearing k [m3].
 
-    (nodes, conditions, surfaces): from the start of the life to each of its nodes, off the inner
-    race, the outer race and all balls.
+    They are those from the start of the life to each of its nodes, off inner race, outer race and
+    all balls, as if each condition took all the time.
     """
     cycle, life = over_duty.cycle, over_duty.life
     balls = cycle.scenes[0].one_of_alike.sides[k].bearing.ball_count

@@ -119,6 +119,7 @@ def surface_factor(part: Surface, partner: Surface, depth, covered, partner_cove
     film, or where that is worn through, the partner's film covers the part (assumed). Where neither
     is left, the material below wears.
 
+    depth: worn off the part, a number or one for each place [m].
     covered, partner_covered: shares of each place that the films cover, or whether they do.
     """
     factor = part.substrate_factor(depth)

@@ -346,6 +346,7 @@ class RotorAtRest:
         lengths = np.array([1.0, 1.0, 1.0 / self.seats[0].g.R_i, 1.0])[free]
 
         def free_energy(q: np.ndarray) -> _Energy:
+            """Returns the energy with derivatives by the scaled free coordinates alone."""
             energy = self._energy(force, k_s, q)
             return energy._replace(
                 slope=energy.slope[free] * lengths,

@@ -96,6 +96,7 @@ def _check_fidelity(scene: Scene, wanted: str) -> None:
     """Raises NotAvailable for a fidelity that does not exist or cannot solve a scene."""
 
     def refusal(problem: str, others: str) -> NotAvailable:
+        """Returns the error that names a problem of the fidelity and others to choose."""
         return NotAvailable(
             f"{scene.name}: model.fidelity: got '{wanted}'; {problem}, expected auto, {others}"
         )

@@ -153,6 +153,7 @@ def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
     limit = 100.0 * MOST_LEFT_OUT
 
     def effect(name: str, is_on: bool, change: float, note: str) -> EffectSize:
+        """Returns an effect by its relative change of the preload [1]."""
         if not is_held(scene):
             return EffectSize(name=name, is_on=is_on, size=SECOND_ORDER, limit=IF_GIVEN, note=note)
         return EffectSize(

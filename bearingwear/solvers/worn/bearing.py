@@ -446,9 +446,8 @@ class WornBearing:
             work = self._friction_work(p, races)
             seat, u = self._state(p, D, races, work)
             self.loaded = [race.cells.X[loaded_ends(race.pressure)] for race in races]
-            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widen_cells(
-                seat.status
-            ):
+            is_state = seat.status in (code.OK, code.BEYOND_GROOVE)
+            if not (is_state and self._widen_cells(seat.status)):
                 break
         return seat, u, races, work
 
