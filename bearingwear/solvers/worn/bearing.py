@@ -188,10 +188,7 @@ class WornBearing:
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
         """Returns the steady state with some wear, solved from the last state.
 
-        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried. A
-        state that is not found leaves the bearing as it was.
-
-        problem: with another geometry or preload than those of the new bearing.
+        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried.
         """
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
