@@ -178,6 +178,7 @@ def spread_ellipse(m: int, across: int) -> EllipsePoints:
         if near:
             y, share = chebyshev_halves(2 * math.ceil(NEAR_SHARE * across / 2))
         else:
+            # fewer with the distance, as measured in benchmarks/ellipse.py
             y, share = chebyshev(round(across * max(FAR_SHARE, 0.55 - 0.5 * s)))
         ones = np.ones(y.size)
         strips.append(

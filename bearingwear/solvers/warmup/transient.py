@@ -228,12 +228,10 @@ class HeatEquation:
     def slowest(self) -> float:
         """Returns the slowest time constant without heat, of parts, shaft and housing [s]."""
         rates = np.linalg.eigvals(self.G / self.C[:, None]).real
-        followed = [
-            tau
-            for n in self.networks
-            for tau in (n.shaft_time_constant_s, n.housing_time_constant_s)
-        ]
-        return max(1.0 / float(rates.min()), *followed)
+        time_constants = [1.0 / float(rates.min())]
+        for network in self.networks:
+            time_constants += [network.shaft_time_constant_s, network.housing_time_constant_s]
+        return max(time_constants)
 
     def heat_from_surroundings(self, time: float) -> np.ndarray:
         """Returns the heat that shaft and housing conduct into parts at 0 degC (parts,) [W]."""
@@ -376,11 +374,8 @@ def _distance_left(equation: HeatEquation, instant: Instant) -> float:
 
 def _shaft_and_housing_left(equation: HeatEquation, time: float) -> float:
     """Returns how far shafts and housings are from their final temperatures at most [K]."""
-    return max(
-        abs(_approach(time, n.reference_C, end, constant) - end)
-        for n in equation.networks
-        for end, constant in (
-            (n.shaft_C, n.shaft_time_constant_s),
-            (n.housing_C, n.housing_time_constant_s),
-        )
-    )
+    distances = []
+    for network in equation.networks:
+        now = network_at(network, time)
+        distances += [abs(now.shaft_C - network.shaft_C), abs(now.housing_C - network.housing_C)]
+    return max(distances)
