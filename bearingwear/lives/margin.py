@@ -126,7 +126,7 @@ def life_in_case(scene: Scene, name: str) -> Life | None:
 
 @once
 def _duty_lives(scene: Scene) -> dict[str, Life]:
-    """Returns `lives_by_case` of a scene, computed once."""
+    """Returns the lives along which the requirements of a scene hold, by case, computed once."""
     return lives_by_case(scene)
 
 

@@ -112,7 +112,9 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
     """Returns the cycle with the instants of its starts, which warm the bearings."""
     from bearingwear.lives.duty.warm import warm_start  # loads slowly; few lives need it
 
-    scenes, running, starting = [*cycle.scenes], cycle.running.copy(), cycle.starting
+    scenes = [*cycle.scenes]
+    running = cycle.running.copy()
+    starting = cycle.starting
     phases = [*zip(cycle.case_of_phase, duty.phases.values(), strict=True)]
 
     def order(k: int) -> tuple[float, ...]:

@@ -49,7 +49,13 @@ def groove_geometry(
     E_star: float,
     rho: float,
 ) -> Geometry:
-    """Returns the geometry from diameters [m], angle [rad] and groove factors (section 2)."""
+    """Returns the geometry of an unworn bearing (theory.md section 2).
+
+    D0, dm: ball diameter and pitch diameter [m].
+    alpha0: free contact angle [rad].
+    f_i, f_o: groove radii over the ball diameter.
+    E_star, rho: contact modulus [Pa], and density of the balls [kg/m3].
+    """
     return Geometry(
         n_balls=n_balls,
         D0=D0,

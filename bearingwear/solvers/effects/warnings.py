@@ -19,7 +19,9 @@ class _Sentences(string.Formatter):
     """Sentences whose numbers have no powers of ten."""
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        if (match := re.fullmatch(r"(\+?)\.(\d)g", format_spec)) is None:
+        """Returns a value in words; a number of significant digits by `plain`."""
+        match = re.fullmatch(r"(\+?)\.(\d)g", format_spec)
+        if match is None:
             return str(super().format_field(value, format_spec))
         return plain(value, int(match[2]), match[1])
 
@@ -72,7 +74,8 @@ def _pair_warnings(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> l
     worst_warnings = []
     for warnings in by_id.values():
         worst = max(warnings, key=lambda warning: warning["excess"] or 0.0)
-        number, sentence = worst.pop("bearing"), worst["sentence"]
+        number = worst.pop("bearing")
+        sentence = worst["sentence"]
         if [warning["sentence"] for warning in warnings] != [sentence] * len(scene.sides):
             sentence = f"bearing {number}: {sentence}"
         worst_warnings.append(worst | {"sentence": sentence})
