@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.kernels.status import STATUS_SENTENCES
 from bearingwear.measures import LIMITED
-from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
+from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, imported_function, kind_of
 from bearingwear.results.labels import coded, labelled
 from bearingwear.results.netcdf import CaseFileError, dataset
 from bearingwear.results.netcdf import load as read_file
@@ -523,7 +523,7 @@ class Plot:
         if name not in kinds:
             raise AttributeError(f"plot: got {name!r}, expected {', '.join(kinds)}")
         kind = kinds[name]
-        drawing = function(STUDY_PLOTS[kind])
+        drawing = imported_function(STUDY_PLOTS[kind])
 
         def figure(data: str | os.PathLike[str] | xr.Dataset, bearing: str | None = None) -> Figure:
             return self._figure(data, {kind: STUDY_PLOTS[kind]}, bearing)

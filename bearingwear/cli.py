@@ -206,12 +206,12 @@ def _run(args: argparse.Namespace) -> int:
     """Calls the handler of a command and returns its exit status; prints errors as lines."""
     # imported here, because `--help` does not need them
     from bearingwear.atomic import OutputError
-    from bearingwear.results.kinds import function
+    from bearingwear.results.kinds import imported_function
     from bearingwear.results.netcdf import CaseFileError
     from bearingwear.scene.checking.errors import NotAvailable
     from bearingwear.scene.scene import SceneError
 
-    handler = function(args.run)
+    handler = imported_function(args.run)
     try:
         status: int = handler(args)
         return status

@@ -23,7 +23,7 @@ del sys.path[0], sys.argv[0]
 previous_hook = sys.excepthook
 
 
-def print_exception(kind, *details):  # type: ignore[no-untyped-def]
+def print_exception(kind, *details):
     """Prints an exception that nobody handles, except an interrupt while Snakemake reads rules."""
     if kind is not KeyboardInterrupt:
         previous_hook(kind, *details)
