@@ -219,7 +219,10 @@ class Scene:
         return (*reduced_record(self), state)
 
     def nominal(self, name: str) -> float:
-        """Returns the scene's value of a key of `UNCERTAIN`; for materials, that of the races."""
+        """Returns the value of a key of `UNCERTAIN`, in the unit of the key.
+
+        A property of a material is that of the races. The value of `wear_scatter` is 1.
+        """
         return nominal_value(self, name)
 
     @property
@@ -244,7 +247,10 @@ class Scene:
 
     @property
     def one_of_alike(self) -> Scene:
-        """Returns the first bearing of a symmetric pair; any other scene as it is."""
+        """Returns the scene of one bearing for a symmetric pair, whose bearings are alike.
+
+        Any other scene is returned as it is.
+        """
         return self.sides[0] if self.pair is not None and self.pair.is_symmetric else self
 
     @functools.cached_property
@@ -442,31 +448,37 @@ def _material_advice(name: str, scene: Scene) -> str:
     return ""
 
 
+_BALL_CIRCLE = ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
+
+
 def most_balls(diameter: float, pitch_diameter: float) -> int:
-    """Returns how many balls (or pockets) of a diameter fit side by side on the pitch circle."""
+    """Returns how many balls (or pockets) fit side by side on the pitch circle.
+
+    diameter, pitch_diameter: in the same unit.
+    """
     if diameter >= pitch_diameter:
         return 0
-    # the tolerance is for balls that touch exactly
+    # without the tolerance, rounding would refuse the last of balls that touch exactly
     return math.floor(math.pi / math.asin(diameter / pitch_diameter) + 1e-9)
 
 
 def _check_balls(scene: Scene) -> None:
     """Refuses balls that do not fit on the pitch circle."""
-    b = scene.bearing
-    keys = ("bearing.ball_count", "bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
-    if b.ball_diameter_mm >= b.pitch_diameter_mm:
+    count, D = scene.bearing.ball_count, scene.bearing.ball_diameter_mm
+    dm = scene.bearing.pitch_diameter_mm
+    keys = ("bearing.ball_count", *_BALL_CIRCLE)
+    if D >= dm:
         raise SceneError(
             "bearing.pitch_diameter_mm",
-            f"got {b.pitch_diameter_mm:g} with balls of {b.ball_diameter_mm:g} mm, "
-            f"expected a number > {b.ball_diameter_mm:g}",
+            f"got {dm:g} with balls of {D:g} mm, expected a number > {D:g}",
             keys,
         )
-    limit = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
-    if b.ball_count > limit:
+    limit = most_balls(D, dm)
+    if count > limit:
         raise SceneError(
             "bearing.ball_count",
-            f"got {b.ball_count} balls of {b.ball_diameter_mm:g} mm that do not fit on a pitch "
-            f"circle of {b.pitch_diameter_mm:g} mm, expected at most {limit}",
+            f"got {count} balls of {D:g} mm that do not fit on a pitch circle of {dm:g} mm, "
+            f"expected at most {limit}",
             keys,
         )
 
@@ -549,9 +561,6 @@ def _check_cage_limits(scene: Scene) -> None:
             raise SceneError(
                 f"wear.end_of_life.{name}", f"got {value:g}; only allowed {condition}", ("cage",)
             )
-
-
-_BALL_CIRCLE = ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
 
 
 def _check_cage_ring(scene: Scene, cage: Cage) -> None:
