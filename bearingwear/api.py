@@ -286,12 +286,13 @@ def warmup(
 
     ramp_s = checked.start_s if seconds is None else seconds
     shaft_course = ramp(ramp_s) if course is None else course_of(checked, course)
-    warmed = labelled(warm_up_dataset(checked, shaft_course, duration))
-    if (status := str(warmed["status"].item())) != "ok":
-        end = float(warmed["end_time"])
-        text = f"{checked.name}: {warmed['ending'].item()} after {end:.4g} s ({status})"
+    warm_up = labelled(warm_up_dataset(checked, shaft_course, duration))
+    status = str(warm_up["status"].item())
+    if status != "ok":
+        end = float(warm_up["end_time"])
+        text = f"{checked.name}: {warm_up['ending'].item()} after {end:.4g} s ({status})"
         warnings.warn(text, stacklevel=2)
-    return warmed
+    return warm_up
 
 
 def _dataset_with_warnings(result: Result, scene_name: str) -> xr.Dataset:

@@ -48,7 +48,10 @@ _GARBAGE_THRESHOLD = 100_000
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command; return its exit status."""
+    """Runs a command and returns its exit status.
+
+    argv: arguments after the name of the program; by default those of this process.
+    """
     _collect_garbage_rarely()
     if sys.stdout.errors == "strict" and isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a locale without `°` or `–`
@@ -95,7 +98,7 @@ def _exit_status(argv: Sequence[str]) -> int:
 
 
 def _drop(stream: TextIO) -> None:
-    """Discard what is still buffered, because Python would try to print it once more."""
+    """Discards the buffered text of a stream, which Python would try to print again as it ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 

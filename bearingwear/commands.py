@@ -163,12 +163,12 @@ def check(args: argparse.Namespace) -> int:
     from bearingwear.solvers.effects.choice import choice
 
     scene = given_scene(args)
-    chosen = choice(scene, args.fidelity)
+    model = choice(scene, args.fidelity)
     if scene.duty is not None:
         from bearingwear.lives.duty.result import choices_of_phases
 
-        choices_of_phases(scene, args.fidelity)
-    print_sheet(check_document(args.scene, scene, chosen), args)
+        choices_of_phases(scene, args.fidelity)  # refuses phases without a common steady model
+    print_sheet(check_document(args.scene, scene, model), args)
     return SUCCESS
 
 
@@ -213,9 +213,9 @@ def _solve_each(args: argparse.Namespace) -> int:
     from bearingwear.studies.solve import solved_variants
 
     variants = [changes_of([*args.set, f"{key}={value}"]) for value in values]
-    solved = solved_variants(args.scene, variants, args.fidelity, args.case)
+    results = solved_variants(args.scene, variants, args.fidelity, args.case)
     status = SUCCESS
-    for result, path in zip(solved, outputs, strict=True):
+    for result, path in zip(results, outputs, strict=True):
         if args.record_timing:
             result.attrs["wall_time_s"] = float(result.wall_time_s)
         write_result(result, path)

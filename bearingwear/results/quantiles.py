@@ -89,10 +89,9 @@ class Spread(NamedTuple):
 
         `90 % of bearings have lives between 0.34 and 5.8 h`.
         """
-        low, high = self.bearings.text.split(" to ")
-        text = f"{BEARINGS_BETWEEN} have lives between {low} and {high} h".replace(
-            " %", "\N{NO-BREAK SPACE}%"
-        )
+        low, high = Rough(self.bearings.low).text, Rough(self.bearings.high).text
+        bearings = BEARINGS_BETWEEN.replace(" %", "\N{NO-BREAK SPACE}%")
+        text = f"{bearings} have lives between {low} and {high} h"
         if self.bearings.low == 0.0:
             text += " (0: some bearings meet an end-of-life criterion when new)"
         if self.solved < 1.0:

@@ -256,8 +256,9 @@ class Scene:
     @functools.cached_property
     def without_cage(self) -> Scene:
         """Returns the scene without its cage, the cage's results and the limits of its wear."""
-        end = self.wear.end_of_life
-        wear = replace(self.wear, end_of_life=end and end.without_cage)
+        wear = self.wear
+        if wear.end_of_life is not None:
+            wear = replace(wear, end_of_life=wear.end_of_life.without_cage)
         model = replace(self.model, cage_results=False)
         return replace(self, cage=None, cage_uncertainty=None, wear=wear, model=model)
 
@@ -285,7 +286,7 @@ class Scene:
             )
         try:
             return variant(self, changes)
-        except SceneError as error:  # its text is for the command line
+        except SceneError as error:  # the command line names a changed key as `--set KEY`
             raise error.in_source(error.source.removeprefix("--set ")) from None
 
     def case(self, name: str) -> Scene:
@@ -349,11 +350,13 @@ def plain_data(value: Any) -> Any:
             elif part is not None:
                 plain[name] = plain_data(part)
         if value.__class__ is Wear and len(value.ball_diameter_loss_um) == 1:
-            (plain["ball_diameter_loss_um"],) = value.ball_diameter_loss_um
+            plain["ball_diameter_loss_um"] = value.ball_diameter_loss_um[0]  # as files have it
         return plain
     if isinstance(value, Mapping):
         return {key: plain_data(part) for key, part in value.items()}
-    return [plain_data(part) for part in value] if isinstance(value, tuple) else value
+    if isinstance(value, tuple):
+        return [plain_data(part) for part in value]
+    return value
 
 
 class _Serialised(NamedTuple):
@@ -427,8 +430,10 @@ def key_of_scene(path: str) -> Part | None:
 def _check_materials(scene: Scene) -> None:
     """Refuses the name of a material that the scene does not define."""
     blocks = {"bearing": scene.bearing, "cage": scene.cage, "fits": scene.fits}
-    for block, values in blocks.items():
-        for key, name in vars(values).items() if values else ():
+    for block, record in blocks.items():
+        if record is None:
+            continue
+        for key, name in vars(record).items():
             if key.endswith("material") and name is not None and name not in scene.materials:
                 problem = (
                     f"got {name!r}, which is not under materials, "
