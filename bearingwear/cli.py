@@ -17,7 +17,8 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from bearingwear.arguments import command_parser
@@ -32,6 +33,7 @@ from bearingwear.console import (
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.errors import synonym
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
+from bearingwear.scene.new.scene_file import OPTIONS
 
 if TYPE_CHECKING:
     from bearingwear.scene.checking.errors import NotAvailable
@@ -42,6 +44,9 @@ RENAMED = {"compare": "show A.nc B.nc"}
 
 RENAMED_OPTIONS = {"--film": "--lubrication"}
 """Options of earlier versions."""
+
+_KEY_OF_OPTION = {option: key for option, key, *_ in OPTIONS}
+"""Keys of a scene by the options of `new`, which other commands take as `--set KEY=VALUE`."""
 
 _GARBAGE_THRESHOLD = 100_000
 """New objects after which Python looks for garbage; by default, it is 700."""
@@ -123,7 +128,7 @@ def _parsed_arguments(argv: Sequence[str]) -> argparse.Namespace:
         args.set += unknown
     elif unknown:
         command = parsers[args.command]
-        hint = _argument_hint(unknown[0], command._option_string_actions, argv)
+        hint = _argument_hint(unknown, command._option_string_actions, argv)
         command.error(f"got {unknown[0]!r}, which this command does not accept{hint}")
     return args
 
@@ -138,20 +143,24 @@ def _command_hint(typed: str, commands: Iterable[str]) -> str:
     return f"expected {', '.join(names)}"
 
 
-def _argument_hint(argument: str, options: Iterable[str], argv: Sequence[str]) -> str:
-    """Returns advice on an argument that a command does not accept, after a semicolon, or "".
+def _argument_hint(unknown: Sequence[str], options: Collection[str], argv: Sequence[str]) -> str:
+    """Returns advice on arguments that a command does not accept, after a semicolon, or "".
 
+    unknown: these arguments; the advice is on the first one.
     options: of the command.
     argv: the whole command line.
     """
-    option = argument.partition("=")[0]
+    option, _, value = unknown[0].partition("=")
+    if option in _KEY_OF_OPTION and "--set" in options:
+        value = value or "".join(unknown[1:2])
+        return f"; write --set {_KEY_OF_OPTION[option]}={value}"
     if option in RENAMED_OPTIONS:
         return f"; it is now {RENAMED_OPTIONS[option]}"
     if other_name := synonym(option, options):
         return f"; did you mean {other_name}"
     if similar := difflib.get_close_matches(option, options, n=2):
         return f"; did you mean {' or '.join(similar)}"
-    return _word_hint(argument, argv)
+    return _word_hint(unknown[0], argv)
 
 
 def _word_hint(word: str, argv: Sequence[str]) -> str:
@@ -188,7 +197,10 @@ def _check_study(
     if args.output is not None:
         scene_options.append("--output")
     if scene_options and not args.name.endswith(SCENE_SUFFIXES):
-        parser.error(f"got {scene_options[0]} without a scene; only allowed with SCENE.yaml")
+        scene_file = Path(f"{args.name}.yaml")
+        advice = f"; did you mean {scene_file}" if scene_file.is_file() else ""
+        problem = f"got {scene_options[0]} without a scene"
+        parser.error(f"{problem}; only allowed with SCENE.yaml{advice}")
 
 
 def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:

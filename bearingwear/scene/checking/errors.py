@@ -153,6 +153,8 @@ SYNONYMS = {
     # choices of keys and options
     "fixed_position": ("rigid", "fixed", "spacer", "displacement", "position"),
     "constant_force": ("spring", "springs", "constant", "force"),
+    "rigid": ("fixed", "spacer", "position", "fixed_position", "rigid_pair"),
+    "spring": ("springs", "constant", "force", "constant_force", "spring_pair"),
     "silicon_nitride": ("ceramic", "hybrid", "si3n4"),
     "bearing_steel": ("steel", "100cr6", "52100", "suj2", "440c"),
     "mos2": ("moly", "solid", "vacuum"),

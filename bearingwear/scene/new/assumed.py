@@ -85,6 +85,10 @@ PRELOAD_CLASSES = {"light": 0.5, "medium": 1.0, "heavy": 2.0}
 assumed; equal for all sizes, it means an equal pressure: light, about 1 GPa between steel parts.
 Medium and heavy lie within 30 % of classes M and H of a catalogue (tests/scene/test_new.py)."""
 
+_EXCESSIVE = 20.0
+"""Preload over that of class heavy above which it is doubted; about 4 GPa, where balls dent races
+at rest."""
+
 CONRAD_FILL_DEG = 186.0
 """Arc that the balls of a deep groove bearing fill when they are put between its rings."""
 
@@ -209,14 +213,13 @@ def numbers_of(
     area = _class_area(numbers)
     preload = _usual_preload(size, given, preload_class, area)
     dm = numbers["bearing.pitch_diameter_mm"].value
-    others = {
+    speed = _usual_speed(size.entry, dm, preload_method, preload.value, has_film)
+    friction = Origin(0.08, "starved or solid-lubricated steel")
+    return numbers | {
         _PRELOAD: preload,
-        "operation.shaft_speed_rpm": _usual_speed(
-            size.entry, dm, preload_method, preload.value, has_film
-        ),
-        "friction.ball_race": Origin(0.08, "starved or solid-lubricated steel"),
+        "operation.shaft_speed_rpm": _given_or(given, "operation.shaft_speed_rpm", speed),
+        "friction.ball_race": _given_or(given, "friction.ball_race", friction),
     }
-    return numbers | {key: _given_or(given, key, origin) for key, origin in others.items()}
 
 
 def _given_or(given: Mapping[str, float], key: str, usual: Origin) -> Origin:
@@ -289,7 +292,7 @@ def _usual_preload(
     if _PRELOAD in given:
         if preload_class is not None:
             raise refused_option("--preload-class", preload_class, "only allowed without --preload")
-        return Origin(given[_PRELOAD])
+        return _given_preload(given[_PRELOAD], area)
     letter = size.letters.load
     if preload_class is None and letter:
         has_maker_classes = size.entry is not None and size.entry.preloads
@@ -309,6 +312,18 @@ def _usual_pitch_diameter(entry: CatalogueBearing | None, bore: float, outside: 
     if entry is not None and entry.pitch is not None:
         return Origin(entry.pitch, SOURCES[entry.source], assumed=False)
     return Origin(0.5 * (bore + outside), "mean of bore and outside diameter")
+
+
+def _given_preload(preload: float, area: float) -> Origin:
+    """Returns a given preload [N], with a note where it looks like one in another unit.
+
+    area: that of `_class_area` [mm2].
+    """
+    heavy = PRELOAD_CLASSES["heavy"] * area
+    if not preload > _EXCESSIVE * heavy > 0.0:
+        return Origin(preload)
+    note = f"{preload / heavy:.0f} times a heavy preload; is it in N?"
+    return Origin(preload, note, assumed=False)
 
 
 def _class_preload(
