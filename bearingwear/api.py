@@ -25,7 +25,7 @@ from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS, PAIR_KINDS
-from bearingwear.scene.read import Source, as_scene, for_life, load_scene, written_data
+from bearingwear.scene.read import Source, as_scene, load_scene, scene_for_life, written_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
 from bearingwear.studies import STUDY_PLOTS, STUDY_SHEETS
 from bearingwear.studies.sweep import sweep
@@ -146,7 +146,7 @@ def life(
         No life was found (`status` and `message` give the reason), or the result has warnings
         (attribute `warnings`).
     """
-    checked = for_life(as_scene(scene))
+    checked = scene_for_life(as_scene(scene))
     from bearingwear.lives.life import life as life_result
 
     return _dataset_with_warnings(life_result(checked, fidelity, progress), checked.name)

@@ -301,9 +301,9 @@ def compile(args: argparse.Namespace) -> int:
 def life(args: argparse.Namespace) -> int:
     """Computes the life of a scene."""
     with ProgressLines(args.scene) as tell:
-        from bearingwear.scene.read import for_life
+        from bearingwear.scene.read import scene_for_life
 
-        scene = for_life(given_scene(args), args.scene)
+        scene = scene_for_life(given_scene(args), args.scene)
         from bearingwear.lives.life import life as life_result
 
         result = life_result(scene, args.fidelity, tell)
@@ -371,7 +371,7 @@ def warmup(args: argparse.Namespace) -> int:
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.warmup.result import warm_up_dataset
 
-    check_heat_capacities(scene.one_of_alike.sides, args.scene)
+    check_heat_capacities(scene.symmetric_half.sides, args.scene)
     check_output(args.output, args.scene)
     with ProgressLines(args.scene):
         seconds = scene.start_s if args.seconds is None else args.seconds

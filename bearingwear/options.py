@@ -58,9 +58,9 @@ def given_scene(args: argparse.Namespace) -> Scene:
 
     scene = load_scene(args.scene, args.set)
     if (case := getattr(args, "case", None)) is not None:
-        from bearingwear.scene.cases import in_case
+        from bearingwear.scene.cases import scene_in_case
 
-        scene = in_case(scene, case, "--case")
+        scene = scene_in_case(scene, case, "--case")
     if getattr(args, "output", None) is not None:
         check_output(args.output, args.scene)
     return scene

@@ -63,7 +63,7 @@ OF_ARRANGEMENT = {
 """Variables of an arrangement of two equal bearings, and those of one bearing they follow from."""
 
 
-def of_bearing(values: Mapping[str, Any], k: int) -> dict[str, Any]:
+def values_of_bearing(values: Mapping[str, Any], k: int) -> dict[str, Any]:
     """Returns the values of one bearing of a pair, and those that both bearings share.
 
     values: of a result of the pair, by the names of variables; all but those of `SHARED` have a

@@ -69,7 +69,7 @@ class GrooveChoice(NamedTuple):
 
 def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
     """Returns whether a life of a scene follows the grooves; NotAvailable where it cannot."""
-    scene = scene.one_of_alike
+    scene = scene.symmetric_half
     obstacle = None
     if fidelity != "steady":
         obstacle = f"model.fidelity {fidelity}"

@@ -265,7 +265,7 @@ def _loss_limit(scene: Scene) -> float:
 
 def is_one_integral(scene: Scene) -> bool:
     """Returns whether a life whose contacts stay Hertzian is an integral over the loss alone."""
-    sides = scene.one_of_alike.sides
+    sides = scene.symmetric_half.sides
     return len(sides) == 1 and not follows_depths(sides[0])
 
 
@@ -275,7 +275,7 @@ def surface_life(scene: Scene, solver: Remembered, quick: bool = False) -> Life:
     `solver` may be that of a scene that differs by its end. A `quick` life has longer steps where
     it is one integral, and fewer states between them where it is not.
     """
-    scene = scene.one_of_alike
+    scene = scene.symmetric_half
     life = follow_surfaces(Surfaces(scene, solver), Criteria(scene), scene, quick)
     life.solves = solver.solves
     return life

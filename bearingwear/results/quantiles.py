@@ -15,7 +15,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, header, load_kind
 from bearingwear.results.units import Interval, Rough, key_in_words
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.coefficients import NINETY, usual_spread
 from bearingwear.scene.decisive import decisive_data
@@ -172,7 +172,7 @@ def at_each_friction(uncertainty: xr.Dataset) -> list[xr.Dataset]:
     """
     if "friction" not in uncertainty.dims:
         return [uncertainty]
-    scene = scene_of(uncertainty)
+    scene = plain_scene(uncertainty)
     return [
         uncertainty.sel(friction=mu, drop=True).assign_attrs(
             scene=json.dumps(with_changes(scene, {"friction.ball_race": mu}))
@@ -214,7 +214,7 @@ def spread_of(
     choice: the scene's own preload, `GIVEN`, or the recommended one, `RECOMMENDED`.
     """
     for uncertainty in uncertainties:
-        sampled_scene = scene_of(uncertainty)
+        sampled_scene = plain_scene(uncertainty)
         if ASSUMED_SPREAD in uncertainty.attrs and "uncertainty" not in scene:
             del sampled_scene["uncertainty"]
         by_method = dict(methods(uncertainty))

@@ -38,7 +38,7 @@ def datasets_by_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
     second = dataset.isel({OF_BEARING: 1}, drop=True)
     if first.equals(second):
         return {None: first}
-    scene = scene_of(dataset)
+    scene = plain_scene(dataset)
     datasets: dict[str | None, xr.Dataset] = {}
     for bearing, bearing_dataset in zip(BEARINGS, (first, second), strict=True):
         bearing_scene = scene | {"name": f"{scene['name']}, {bearing} bearing"}
@@ -78,7 +78,7 @@ def name_in_words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def scene_of(dataset: xr.Dataset) -> dict[str, Any]:
+def plain_scene(dataset: xr.Dataset) -> dict[str, Any]:
     """Returns the data of the scene in a dataset's attribute `scene`, as `Scene.to_dict` has it."""
     return json.loads(dataset.attrs["scene"])
 

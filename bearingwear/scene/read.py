@@ -113,7 +113,7 @@ def _is_checked(scene: Scene) -> bool:
     return IS_CHECKED in scene.__dict__
 
 
-def for_life(scene: Scene, source: str = "scene") -> Scene:
+def scene_for_life(scene: Scene, source: str = "scene") -> Scene:
     """Returns the scene unchanged; refuses one without a criterion for the end of life.
 
     source: name of the scene in the SceneError.

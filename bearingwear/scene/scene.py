@@ -78,7 +78,7 @@ __all__ = [
     "Wear",
     "key_of_scene",
     "most_balls",
-    "once",
+    "cached_in_scene",
 ]
 
 LARGEST_LOSS = 0.1
@@ -246,7 +246,7 @@ class Scene:
         return sides_of(self)
 
     @property
-    def one_of_alike(self) -> Scene:
+    def symmetric_half(self) -> Scene:
         """Returns the scene of one bearing for a symmetric pair, whose bearings are alike.
 
         Any other scene is returned as it is.
@@ -297,9 +297,9 @@ class Scene:
         SceneError
             A ValueError with a one-line message that lists the cases.
         """
-        from bearingwear.scene.cases import in_case
+        from bearingwear.scene.cases import scene_in_case
 
-        return in_case(self, name, "case")
+        return scene_in_case(self, name, "case")
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the scene as plain nested data in the order of a scene file, with all defaults.
@@ -404,7 +404,7 @@ def _serialised_mapping(mapping: Mapping[str, Any]) -> _Serialised:
     return _Serialised(plain, f"{{{', '.join(texts)}}}")
 
 
-def once(of_scene: Callable[[Scene], Value]) -> Callable[[Scene], Value]:
+def cached_in_scene(of_scene: Callable[[Scene], Value]) -> Callable[[Scene], Value]:
     """Wraps a function of a scene so that its value is computed once and cached in the scene.
 
     The cache is the scene's `__dict__`, under the function's dotted name.

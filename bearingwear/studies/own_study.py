@@ -22,7 +22,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.scene.duty import phase_cases
-from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.friction import friction_changes_with_wear
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits, axes_around
 from bearingwear.studies.sampling import SAMPLES
@@ -56,7 +56,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     SceneError: a friction or a preload of 0, around which no grid is possible.
     """
     limits.check(scene, source)
-    changes_with_depth = scene.friction.film is not None or changes_as_it_wears(scene)
+    changes_with_depth = scene.friction.film is not None or friction_changes_with_wear(scene)
     frictions = [NO_FRICTION] if scene.friction.film else _frictions(scene, source)
     axes = axes_around(scene, frictions, source)  # refuses a preload of 0, which has no shares
     config: dict[str, Any] = {"studies": [], "unsolved": "warning"}
@@ -143,14 +143,14 @@ def _losses(scene: Scene) -> list[float]:
 
     If a preload method has no solution there, they go to the sooner end of the two lives.
     """
-    from bearingwear.scene.arrangement import held_by
+    from bearingwear.scene.arrangement import with_method
     from bearingwear.solvers.compose import solver_of
     from bearingwear.studies.design.map import life_point
 
     operation = scene.operation
     loss_at_end, solvers = {}, []
     for method in PRELOAD_METHODS:
-        method_scene = held_by(scene, method)
+        method_scene = with_method(scene, method)
         loss_at_end[method] = 1e6 * life_point(method_scene, None).get("loss_at_end", 0.0)
         solvers.append(solver_of(method_scene))
     end_of_life = loss_at_end[operation.preload_method] or max(loss_at_end.values())

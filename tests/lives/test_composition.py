@@ -125,7 +125,7 @@ def short_life(model, *changes):
     ]
     scene = load_scene(scene_file("gyro_s1"), changes_of_scene)
     if model == "worn":
-        return life_values(scene.one_of_alike, worn_life(scene))
+        return life_values(scene.symmetric_half, worn_life(scene))
     return life(scene, model).values
 
 

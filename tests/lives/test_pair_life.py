@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import dataset
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.sides import SHARED, of_bearing
+from bearingwear.sides import SHARED, values_of_bearing
 from bearingwear.solvers.solve import solve
 
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -36,7 +36,7 @@ def test_symmetric_pair_lives_as_the_single_bearing(lived, single, pair):
     alone, two = (lived(changes | end) for changes in (single, pair))
     assert criterion(alone) == criterion(two)
     for k in range(2):
-        other = of_bearing(two.values, k)
+        other = values_of_bearing(two.values, k)
         assert set(other) == set(alone.values)
         for name, value in alone.values.items():
             assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
@@ -48,7 +48,7 @@ def test_grooves_of_a_symmetric_pair_are_followed(lived):
     alone, two = lived(POSITION | worn), lived(RIGID | worn)
     assert alone.status == two.status == "ok" and "groove_depth" in alone.values
     for name, value in alone.values.items():
-        assert_allclose(of_bearing(two.values, 1)[name], value, rtol=1e-12, err_msg=name)
+        assert_allclose(values_of_bearing(two.values, 1)[name], value, rtol=1e-12, err_msg=name)
     result = dataset(two)
     assert result["groove_depth"].dims[0] == result["history_residual_preload"].dims[0] == "bearing"
     unlike = lived(FORCED | worn)

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.scene.arrangement import Arrangement
 from bearingwear.scene.checking.errors import NotAvailable
-from bearingwear.sides import SHARED, of_bearing
+from bearingwear.sides import SHARED, values_of_bearing
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.arrangement import (
     natural_frequencies,
@@ -96,7 +96,7 @@ def test_slope_of_the_force(scene):
 def test_symmetric_pair_is_the_single_bearing(solved, fidelity, single, pair, loss):
     alone, two = (solved(changes | {LOSS: loss}, fidelity) for changes in (single, pair))
     for k in range(2):
-        other = of_bearing(two, k)
+        other = values_of_bearing(two, k)
         for name, value in alone.items():
             assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
     assert set(two) - set(alone) <= SHARED

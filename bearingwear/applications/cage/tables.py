@@ -17,7 +17,7 @@ from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
 from bearingwear.results.units import digits, display
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.dynamic.windows import wear_per_joule
@@ -43,7 +43,7 @@ def cage_document(path: Path) -> Document:
     ]
     if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
         lines.append("The motion of a hanging cage may change after hundreds of turns.")
-    scene = scene_of(motions)
+    scene = plain_scene(motions)
     choice = Block(
         "Choice of a cage",
         lines=(f"{cage_choice_sentence(motions)}.", f"{quiet_region(motions)}."),
@@ -152,7 +152,7 @@ def mapped_cages(motions: xr.Dataset) -> list[MappedCage]:
 
 def present_cage(motions: xr.Dataset, cages: list[MappedCage]) -> MappedCage | None:
     """Returns the cage of a map that is nearest to the scene's; None if there is none."""
-    scene = scene_of(motions)
+    scene = plain_scene(motions)
     cage = scene["cage"]
     present = (
         GUIDES.index(cage["guiding_race"]),
@@ -260,7 +260,7 @@ def _design_value(axis: str, value: float) -> str:
 
 def mapped_wear(motions: xr.Dataset) -> dict[str, Any]:
     """Returns the wear of pockets and land of a map [m3/s] by the scene's K_s/H, without film."""
-    scene = scene_from_dict(scene_of(motions))
+    scene = scene_from_dict(plain_scene(motions))
     assert scene.cage is not None
     per_joule, rpm = wear_per_joule(scene, scene.cage.material), scene.operation.fastest_rpm
     return {

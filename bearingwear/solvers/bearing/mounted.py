@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from bearingwear.kernels.params import Geometry
-from bearingwear.scene.scene import Material, Scene, once
+from bearingwear.scene.scene import Material, Scene, cached_in_scene
 
 MM, UM, GPA = 1e-3, 1e-6, 1e9
 RPM = math.pi / 30.0
@@ -65,7 +65,7 @@ def groove_geometry(
     )
 
 
-@once
+@cached_in_scene
 def mounted_geometry(scene: Scene) -> Geometry:
     """Returns groove geometry and material pair of a scene, before anything has grown."""
     b = scene.bearing

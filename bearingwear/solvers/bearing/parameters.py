@@ -13,7 +13,7 @@ from bearingwear.kernels.contact.points import SEGMENTS, Rule
 from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.scene.scene import Arrangement, Scene, once
+from bearingwear.scene.scene import Arrangement, Scene, cached_in_scene
 from bearingwear.solvers.bearing import quadrature as rules
 from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
 from bearingwear.solvers.bearing.growth import Growth, axial_change, grown, growth_of
@@ -29,7 +29,7 @@ SEARCH_ACROSS = 4
 FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
 
 
-@once
+@cached_in_scene
 def static_place(scene: Scene) -> float:
     """Returns the axial displacement of the bearing as mounted, under its preload alone [m].
 
@@ -42,7 +42,7 @@ def static_place(scene: Scene) -> float:
     return static_displacement(mounted_geometry(scene), float(scene.operation.preload_N))
 
 
-@once
+@cached_in_scene
 def geometry(scene: Scene) -> Geometry:
     """Returns groove geometry and material pair of a scene as it runs: warm, at speed, fitted."""
     return running_geometry(scene, growth_of(scene))

@@ -17,7 +17,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.results.warnings import merged_warnings
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
@@ -160,7 +160,7 @@ class _FileContent(NamedTuple):
 def _case_content(dataset: xr.Dataset, path: Path) -> _FileContent:
     """Returns the content of a case file."""
     try:
-        scene = scene_of(dataset)
+        scene = plain_scene(dataset)
         case = _take_case(scene)
         int(dataset["status"])
         shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
@@ -177,7 +177,7 @@ def _sweep_content(dataset: xr.Dataset, path: Path) -> _FileContent:
     if not has_grid_keys or {*key_of} != {*dataset["status"].dims} or "end_criterion" in dataset:
         problem = f"got another sweep, expected one of solves over {', '.join(GRID_KEYS.values())}"
         raise CaseFileError(f"{path}: {problem}")
-    scene = scene_of(dataset)
+    scene = plain_scene(dataset)
     base = vars(_take_case(scene))
     field_of = dict(zip(GRID_KEYS.values(), base, strict=True))
     fields = [field_of[key] for key in key_of.values()]

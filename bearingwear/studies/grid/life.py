@@ -17,7 +17,7 @@ from bearingwear.lives.duty.lives import cycle_with_enough_points
 from bearingwear.results.kinds import ONLY_IN_CASES
 from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import dataset, load
-from bearingwear.results.words import datasets_by_bearing, scene_of
+from bearingwear.results.words import datasets_by_bearing, plain_scene
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.cases import NOMINAL
@@ -82,7 +82,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
         "and the cases contain the end-of-life criterion",
     )
     # the cases do not depend on the uncertain values, which the file may state as they were
-    study_scene, scene_content = scene_of(study), load_scene(scene_path).to_dict()
+    study_scene, scene_content = plain_scene(study), load_scene(scene_path).to_dict()
     for key in ("uncertainty", "cage_uncertainty"):
         if key in study_scene:
             study_scene[key] = scene_content.get(key)

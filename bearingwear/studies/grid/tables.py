@@ -18,7 +18,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
-from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, scene_of
+from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, plain_scene
 from bearingwear.studies.dataset import load_with_axes
 from bearingwear.studies.grid.answer import detailed_lives_block, lives_of
 from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
@@ -76,7 +76,7 @@ def study_summary(
     uncertainties: files of the study of uncertainty. The description of the scene is left to the
     page, since a change of it does not require a new summary.
     """
-    scene = scene_of(study)
+    scene = plain_scene(study)
     unsolved = tuple(unsolved_cases(study)) or ("None: every case was solved and verified.",)
     table = detailed_lives_block("Wear life", lives_of(lives, uncertainties), scene)
     table = replace(table, lines=(*table.lines, *_interpolation_lines(lives)))
@@ -122,7 +122,7 @@ def _interpolation_lines(lives: xr.Dataset) -> list[str]:
 
 def cases_in_words(study: xr.Dataset) -> Iterator[tuple[str, dict[str, int]]]:
     """Yields each case in words, and its index along each dimension of the grid."""
-    scene = scene_of(study)
+    scene = plain_scene(study)
     for i, (name, _) in enumerate(methods(study)):
         words = method_words(scene, name)
         for j, mu in enumerate(study["friction"].values):

@@ -26,7 +26,7 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import display
-from bearingwear.results.words import friction_text, methods, scene_of
+from bearingwear.results.words import friction_text, methods, plain_scene
 from bearingwear.studies.grid.figures.quasistatic import WEAR_RATE
 
 IN_TIME = {
@@ -100,7 +100,7 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
     grey = {"color": "0.3", **IN_TIME}
     frame(
         figure,
-        f"{scene_of(dynamic)['name']}: {_agreement(study, dynamic, bool(parts))}",
+        f"{plain_scene(dynamic)['name']}: {_agreement(study, dynamic, bool(parts))}",
         method_keys(name for name, _ in methods(dynamic))
         + [key("steady", color="0.3"), key("dynamic", marker="o", **grey)]
         + [key(f"{part}, dynamic", marker=marker, **grey) for part, marker in parts.values()]
@@ -172,7 +172,7 @@ def running_average_figure(case: xr.Dataset, reference: str | Path | None = None
     message = f"the last shaft turn changed the mean wear rate of {' and that of '.join(messages)}"
     frame(
         figure,
-        f"{scene_of(case)['name']}: {message if messages else 'no wear rates'}",
+        f"{plain_scene(case)['name']}: {message if messages else 'no wear rates'}",
         keys,
         columns=max(len(keys), 1),
     )
@@ -207,7 +207,7 @@ def _change_phrase(part: str, mean: xr.DataArray, turn: float) -> str:
 
 def _turn_duration(case: xr.Dataset) -> float:
     """Returns the duration of a turn of the shaft or of a faster outer race [s]."""
-    operation = scene_of(case)["operation"]
+    operation = plain_scene(case)["operation"]
     speeds = operation["shaft_speed_rpm"], operation.get("outer_speed_rpm", 0.0)
     return 60.0 / max(map(abs, speeds))
 

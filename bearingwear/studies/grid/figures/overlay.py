@@ -22,7 +22,7 @@ from bearingwear.plotting.drawing import (
     start_at_zero,
 )
 from bearingwear.results.units import Display, display, key_in_words, printed_unit
-from bearingwear.results.words import friction_text, methods, name_in_words, percent, scene_of
+from bearingwear.results.words import friction_text, methods, name_in_words, percent, plain_scene
 from bearingwear.scene.checking.errors import leaves
 
 _LOSS_RATE = display("m s-1", shown="um/1000 h")
@@ -35,7 +35,8 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     figure, panels = new_figure(3, 2, 7.2, 7.2, sharex=True, sharey="row")
     looks = [_nested_look(k, len(studies)) for k in range(len(studies))]
     power = display("W", *(study["total_qv"].sel(friction=friction) for study in studies))
-    wear_words = " or ".join(dict.fromkeys(counted_words(scene_of(study)) for study in studies))
+    scenes = [plain_scene(study) for study in studies]
+    wear_words = " or ".join(dict.fromkeys(map(counted_words, scenes)))
     rows = {
         "total_qv": ("QV of the bearing", power),
         "residual_preload": ("residual preload", display("N")),
@@ -61,13 +62,10 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     share_left = highest if lowest == highest else f"{lowest.removesuffix(' %')} to {highest}"
     frame(
         figure,
-        f"{', '.join(scene_of(study)['name'] for study in studies)} at {friction_text(friction)}: "
+        f"{', '.join(scene['name'] for scene in scenes)} at {friction_text(friction)}: "
         f"QV with {name_in_words(name)} after {float(loss[-1]):g} µm of wear is {share_left} of "
         "its initial value",
-        [
-            key(label, **look)
-            for label, look in zip(scene_labels([scene_of(s) for s in studies]), looks, strict=True)
-        ]
+        [key(label, **look) for label, look in zip(scene_labels(scenes), looks, strict=True)]
         + failed_keys(failed),
         columns=1,
     )
@@ -90,7 +88,7 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
     power = display("W", *(history.sel(friction=friction) for history in solved))
     ratio_texts, failed = [], []
     for scene, look in zip(lives, looks, strict=True):
-        label, ratios = scene_of(scene)["name"], []
+        label, ratios = plain_scene(scene)["name"], []
         for column, (name, life) in zip(
             panels.T, methods(scene.sel(friction=friction)), strict=False
         ):
@@ -108,7 +106,7 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
             start_at_zero(axes)
     list_failed(panels[0, 0], failed)
     words = " and ".join(name_in_words(name) for name, _ in methods(lives[0]))
-    labels = scene_labels([scene_of(scene_lives) for scene_lives in lives])
+    labels = scene_labels([plain_scene(scene_lives) for scene_lives in lives])
     frame(
         figure,
         f"QV at end of life relative to new, {friction_text(friction)}, {words}: "

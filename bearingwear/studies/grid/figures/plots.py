@@ -12,7 +12,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import digits, display, span
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.grid.figures import quasistatic
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Grid
@@ -46,7 +46,7 @@ def _histories(case: xr.Dataset) -> Figure:
         panel.set_ylabel(label)
     for panel in panels[-1]:
         panel.set_xlabel(time.label("time"))
-    name, turns = scene_of(case)["name"], digits(float(case["simulated_turns"]))
+    name, turns = plain_scene(case)["name"], digits(float(case["simulated_turns"]))
     frame(
         figure,
         f"{name}: contact loads of {span(load.values.ravel())} N over {turns} turns",
@@ -79,7 +79,7 @@ def life_plot(life: xr.Dataset) -> Figure:
         return history_figure(life)
     if "groove_depth" in life:
         return groove_figure(life)
-    scene = scene_of(life)
+    scene = plain_scene(life)
     method, friction = scene["operation"]["preload_method"], scene["friction"].get("ball_race")
     if friction is None:  # a film, whose friction depends on the pressure: its mean when new
         friction = round(float(life["history_friction_coefficient"].isel(step=0).mean()), 3)

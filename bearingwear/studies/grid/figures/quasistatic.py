@@ -34,7 +34,7 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread_of
 from bearingwear.results.units import Display, Interval, Rough, display
-from bearingwear.results.words import friction_text, methods, percent, scene_of
+from bearingwear.results.words import friction_text, methods, percent, plain_scene
 
 WEAR_RATE = display("m3 s-1")
 
@@ -64,9 +64,9 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
         panel.set_xticks(study["friction"])
     frame(
         figure,
-        f"{scene_of(study)['name']}, {worn_in_words(loss_um)}: "
+        f"{plain_scene(study)['name']}, {worn_in_words(loss_um)}: "
         f"{_friction_message(study['friction'], states)}",
-        method_keys((name for name, _ in states), scene_of(study))
+        method_keys((name for name, _ in states), plain_scene(study))
         + race_keys()
         + failed_keys(failed),
         columns=5,
@@ -82,7 +82,7 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
     first, last = np.flatnonzero(solved)[[0, -1]]
     ratios = " and ".join(
         f"{percent(float(state['total_qv'][last] / state['total_qv'][first]))} "
-        f"({method_words(scene_of(state), name)})"
+        f"({method_words(plain_scene(state), name)})"
         for name, state in states
     )
     last_mu, first_mu = (friction_text(float(mu[k])) for k in (last, first))
@@ -97,7 +97,7 @@ def power_unit(*states: xr.Dataset) -> Display:
 def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
     """Draws slip along both axes over the contact ellipses of single cases (Fig. 9)."""
     figure, panels = new_figure(2, 2, 7.2, 5.2, sharex=True, sharey="row")
-    scenes = [scene_of(case) for case in cases]
+    scenes = [plain_scene(case) for case in cases]
     styles = dashes(sorted({scene["friction"]["ball_race"] for scene in scenes}))
     shares: dict[float, float] = {}
     failed = []
@@ -154,7 +154,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
         states = methods(friction_cases)
         name, state = states[-1]
         share = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
-        scene = scene_of(friction_cases)
+        scene = plain_scene(friction_cases)
         drag = scene.get("lubricant", {}).get("drag_density_kg_m3", 0.0)
         bearing_text = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
         column[0].set_title(
@@ -171,7 +171,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
         + f"QV {'in a' if is_pair(scene) else 'with'} {method_words(scene, name)} after "
         f"{loss:g} µm of wear, "
         "relative to new: " + ", ".join(shares),
-        method_keys((name for name, _ in states), scene_of(studies[0]))
+        method_keys((name for name, _ in states), plain_scene(studies[0]))
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],
         columns=2 if columns == 1 else 3,
@@ -246,12 +246,12 @@ def life_figure(
             life = method_lives.sel(friction=mu)
             end = ends[int(life["end_criterion"])]
             if int(life["status"]) not in (OK, CRITERION_NOT_REACHED):
-                failed.append(f"{method_words(scene_of(lives), name)}, {friction_text(mu)}")
+                failed.append(f"{method_words(plain_scene(lives), name)}, {friction_text(mu)}")
             elif end not in criteria_met:
                 criteria_met.append(end)
             line = {"color": COLOURS[name], "linestyle": styles[mu]}
             _draw_life_column(column, life, line, END_MARKS[end].marker)
-    column[0].set_title(f"wear of {counted_words(scene_of(lives))}")
+    column[0].set_title(f"wear of {counted_words(plain_scene(lives))}")
     column[1].set_xlabel("running time (h)")
     for panel in column:
         panel.set_xlim(left=0.0)
@@ -261,9 +261,9 @@ def life_figure(
     column[1].set_ylabel("residual preload (N)")
     frame(
         figure,
-        f"{scene_of(lives)['name']}: {_shortest_and_longest(lives, frictions)}; "
+        f"{plain_scene(lives)['name']}: {_shortest_and_longest(lives, frictions)}; "
         f"{_spread_sentence(lives, frictions, uncertainties)}",
-        method_keys((name for name, _ in methods(lives)), scene_of(lives))
+        method_keys((name for name, _ in methods(lives)), plain_scene(lives))
         + dash_keys(styles)
         + [
             key("interpolated, Hertzian grooves", color="0.3", **_INTERPOLATED)
@@ -313,7 +313,7 @@ def _draw_life_column(column: np.ndarray, life: xr.Dataset, line: dict, end_mark
 def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     """States the range of the lives that have an end."""
     lives_found = [
-        (float(life["life"]), f"{method_words(scene_of(lives), name)}, {friction_text(mu)}")
+        (float(life["life"]), f"{method_words(plain_scene(lives), name)}, {friction_text(mu)}")
         for name, method_lives in methods(lives)
         for mu in frictions
         if int((life := method_lives.sel(friction=mu))["status"]) == OK
@@ -323,7 +323,7 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     (shortest, condition), (longest, _) = min(lives_found), max(lives_found)
     ends = " to ".join(dict.fromkeys(Rough(hours).text for hours in (shortest, longest)))
     condition = f"; {condition}" if len(lives_found) == 1 else ""
-    return f"life {ends} h (wear of {counted_words(scene_of(lives))}{condition})"
+    return f"life {ends} h (wear of {counted_words(plain_scene(lives))}{condition})"
 
 
 def _spread_sentence(
@@ -331,7 +331,7 @@ def _spread_sentence(
 ) -> str:
     """States the interval of the lives of bearings, where it was computed."""
     points = [(name, mu) for name, _ in methods(lives) for mu in frictions]
-    spreads = [spread_of(uncertainties, scene_of(lives), *point) for point in points]
+    spreads = [spread_of(uncertainties, plain_scene(lives), *point) for point in points]
     intervals = [spread.bearings for spread in spreads if spread]
     if not intervals:
         return NO_QUANTILES
