@@ -13,7 +13,7 @@ from bearingwear.kernels.status import STATUS_SENTENCES
 from bearingwear.measures import LIMITED
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, imported_function, kind_of
 from bearingwear.results.labels import coded, labelled
-from bearingwear.results.netcdf import CaseFileError, dataset
+from bearingwear.results.netcdf import CaseFileError, dataset_of_result
 from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
@@ -297,7 +297,7 @@ def warmup(
 
 def _dataset_with_warnings(result: Result, scene_name: str) -> xr.Dataset:
     """Return the dataset of a result, and issue its warnings where `solve` or `life` was called."""
-    result_dataset = dataset(result, by_name=True)
+    result_dataset = dataset_of_result(result, by_name=True)
     result_dataset.attrs["message"] = STATUS_SENTENCES[result.status]
     if result.status != "ok":
         text = f"{scene_name}: {result.status}: {STATUS_SENTENCES[result.status]}"

@@ -217,7 +217,7 @@ def dash_keys(styles: dict[float, str]) -> list[Line2D]:
     return [key(friction_text(mu), color="0.3", linestyle=dash) for mu, dash in styles.items()]
 
 
-def lines(
+def draw_lines(
     panel: Any,
     values: xr.DataArray,
     axis: str,

@@ -99,7 +99,7 @@ def _write_contents(file: Any, contents: Contents) -> None:
         variable[...] = data[name]
 
 
-def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
+def dataset_of_result(result: Result, by_name: bool = False) -> xr.Dataset:
     """Returns the dataset that `load` returns for the file of a result, with `wall_time_s`.
 
     by_name: whether with names instead of codes, as `labelled` does.

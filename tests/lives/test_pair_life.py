@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.lives.life import life
-from bearingwear.results.netcdf import dataset
+from bearingwear.results.netcdf import dataset_of_result
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.sides import SHARED, values_of_bearing
 from bearingwear.solvers.solve import solve
@@ -49,7 +49,7 @@ def test_grooves_of_a_symmetric_pair_are_followed(lived):
     assert alone.status == two.status == "ok" and "groove_depth" in alone.values
     for name, value in alone.values.items():
         assert_allclose(values_of_bearing(two.values, 1)[name], value, rtol=1e-12, err_msg=name)
-    result = dataset(two)
+    result = dataset_of_result(two)
     assert result["groove_depth"].dims[0] == result["history_residual_preload"].dims[0] == "bearing"
     unlike = lived(FORCED | worn)
     assert unlike.status == "ok" and unlike.values["groove_depth"].shape[0] == 2

@@ -16,7 +16,7 @@ import xarray as xr
 from bearingwear.lives.duty.lives import cycle_with_enough_points
 from bearingwear.results.kinds import ONLY_IN_CASES
 from bearingwear.results.labels import coded
-from bearingwear.results.netcdf import dataset, load
+from bearingwear.results.netcdf import dataset_of_result, load
 from bearingwear.results.words import datasets_by_bearing, plain_scene
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
@@ -141,7 +141,7 @@ def _lines(line: xr.Dataset, scene: Scene) -> list[Line]:
 def _cases_at(losses: xr.DataArray, scene: Scene) -> xr.Dataset:
     """Returns the cases of a condition over losses [um]: of its bearing, or of one of two alike."""
     key = GRID_KEYS["ball_diameter_loss"]
-    solved = [dataset(solve(scene.with_({key: loss}))) for loss in losses.values.tolist()]
+    solved = [dataset_of_result(solve(scene.with_({key: loss}))) for loss in losses.values.tolist()]
     stacked = stacked_dataset(solved, {"ball_diameter_loss": len(solved)}, ONLY_IN_CASES)
     (cases,) = datasets_by_bearing(stacked.assign_coords(ball_diameter_loss=losses)).values()
     return _with_arrangement_stiffness(cases, scene.operation.preload_method)

@@ -12,7 +12,7 @@ from bearingwear.document.document import Block
 from bearingwear.document.show import sheet_of_result
 from bearingwear.lives.life import life
 from bearingwear.plotting.drawing import Figure, frame, new_figure
-from bearingwear.results.netcdf import dataset
+from bearingwear.results.netcdf import dataset_of_result
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.words import datasets_by_bearing
 from bearingwear.scene.read import load_scene
@@ -25,7 +25,7 @@ FOLDED = "worst in each phase"
 def duty_report(scene: Path) -> tuple[xr.Dataset, str, Figure]:
     """Step: the life of a scene over its duty, its sheet as an answer of the page, its figure."""
     result = life(load_scene(scene))
-    lived = dataset(result)
+    lived = dataset_of_result(result)
     of_first, *_ = datasets_by_bearing(lived).values()
     if "history_phase_worn_share" in of_first:
         message, figure = duty_message(of_first), duty_figure(of_first)

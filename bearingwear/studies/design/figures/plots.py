@@ -13,9 +13,9 @@ from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
+    draw_lines,
     failed_keys,
     frame,
-    lines,
     method_keys,
     new_figure,
     start_at_zero,
@@ -63,7 +63,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
     for panel, (name, quantity) in zip(panels[0], quantities.items(), strict=True):
         values, label = line[name], quantity.label
         unit, finite = display(quantity.units, values), values.where(np.isfinite(values))
-        has_failed |= lines(panel, finite, "preload", label, unit, line["status"], marker=".")
+        has_failed |= draw_lines(panel, finite, "preload", label, unit, line["status"], marker=".")
         start_at_zero(panel)
     frame(
         figure,

@@ -12,11 +12,11 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import (
     Figure,
+    draw_lines,
     failed_keys,
     frame,
     key,
     label_edges,
-    lines,
     list_failed,
     method_keys,
     new_figure,
@@ -87,11 +87,13 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
             status = cases["status"] if look else None
             for panel, (name, (label, unit)) in zip(column, rows_of.items(), strict=False):
                 values = cases[name].mean("ball") if "ball" in cases[name].dims else cases[name]
-                failed |= lines(panel, values, "ball_diameter_loss", label, unit, status, **look)
+                failed |= draw_lines(
+                    panel, values, "ball_diameter_loss", label, unit, status, **look
+                )
         for name, (_, marker) in parts.items():
             look, label = IN_TIME | {"marker": marker}, "wear rate of the cage\n"
             rate, status = dynamic_at_mu[name], dynamic_at_mu["status"]
-            lines(column[2], rate, "ball_diameter_loss", label, WEAR_RATE, status, **look)
+            draw_lines(column[2], rate, "ball_diameter_loss", label, WEAR_RATE, status, **look)
         column[0].set_title(friction_text(mu))
     label_edges(panels)
     for panel in panels[:, 0]:

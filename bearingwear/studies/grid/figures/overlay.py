@@ -10,11 +10,11 @@ from bearingwear.document.rows import counted_words
 from bearingwear.plotting.drawing import (
     ABSCISSAE,
     Figure,
+    draw_lines,
     failed_keys,
     frame,
     key,
     label_edges,
-    lines,
     list_failed,
     mark_failed,
     new_figure,
@@ -50,7 +50,7 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
         for column, (name, state) in zip(panels.T, methods_of_study, strict=False):
             for panel, (quantity, (label, unit)) in zip(column, rows.items(), strict=True):
                 if quantity in state:  # no rate if nothing at all was solved
-                    lines(panel, state[quantity], "ball_diameter_loss", label, unit, **look)
+                    draw_lines(panel, state[quantity], "ball_diameter_loss", label, unit, **look)
                 failed |= mark_failed(panel, loss, state["status"], look["color"], number)
             column[0].set_title(name_in_words(name))
         ratio = float(state["total_qv"][-1] / state["total_qv"][0])

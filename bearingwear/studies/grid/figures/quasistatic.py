@@ -20,11 +20,11 @@ from bearingwear.plotting.drawing import (
     Figure,
     dash_keys,
     dashes,
+    draw_lines,
     failed_keys,
     frame,
     key,
     label_edges,
-    lines,
     list_failed,
     method_keys,
     new_figure,
@@ -56,9 +56,11 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
         methods(cases),
     )
     power = power_unit(cases)
-    lines(qv_panel, mean["qv"].sum("race", skipna=False), "friction", unit=power, **BALL_STYLE)
-    failed = lines(qv_panel, mean["qv"], "friction", "QV", power, status)
-    lines(load_panel, mean["contact_load"], "friction", "normal contact load", display("N"), status)
+    draw_lines(qv_panel, mean["qv"].sum("race", skipna=False), "friction", unit=power, **BALL_STYLE)
+    failed = draw_lines(qv_panel, mean["qv"], "friction", "QV", power, status)
+    draw_lines(
+        load_panel, mean["contact_load"], "friction", "normal contact load", display("N"), status
+    )
     start_at_zero(qv_panel)
     for panel in (qv_panel, load_panel):
         panel.set_xticks(study["friction"])
@@ -205,7 +207,7 @@ def _draw_wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> 
     failed = False
     for line in lines_shown:
         status = None if line.look == BALL_STYLE else cases["status"]
-        failed |= lines(
+        failed |= draw_lines(
             column[line.panel],
             line.values,
             "ball_diameter_loss",
