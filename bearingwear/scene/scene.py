@@ -155,6 +155,7 @@ class Scene:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Makes mappings read-only, and refuses values that contradict each other."""
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
         for name in ("uncertainty", "cage_uncertainty"):
             if (distributions := getattr(self, name)) is not None:
