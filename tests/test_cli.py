@@ -320,10 +320,12 @@ def test_each_value_is_solved_as_alone(tmp_path, capsys):
 
 def test_every_command_has_a_handler():
     from bearingwear import commands
-    from bearingwear.results.kinds import function
+    from bearingwear.results.kinds import imported_function
 
     (choices,) = (action.choices for action in command_parser()._actions if action.choices)
-    handlers = {name: function(parser.get_default("run")) for name, parser in choices.items()}
+    handlers = {
+        name: imported_function(parser.get_default("run")) for name, parser in choices.items()
+    }
     functions = inspect.getmembers(commands, inspect.isfunction)
     own = {name for name, value in functions if value.__module__ == commands.__name__}
     of_applications = {application.command for application in applications()}

@@ -35,10 +35,10 @@ def test_data_belong_to_the_module_that_names_them():
     assert "plotting/style.mplstyle" in source_files("bearingwear.studies.grid.figures.draw")
     assert "scene/new/new_scene.yaml.j2" in source_files("bearingwear.scene.new.scene_file")
     # warnings compare speed and preload with the limits of the bearing's maker
-    assert [p for p in source_files(*SOLVER) if not p.endswith(".py")] == [
+    assert {path for path in source_files(*SOLVER) if not path.endswith(".py")} == {
         "scene/new/skf_minimum_load.csv",
         "scene/new/catalogue.csv",
-    ]
+    }
 
 
 @pytest.fixture(autouse=True)
@@ -50,7 +50,7 @@ def in_the_project(monkeypatch):
 def test_imports_are_found_as_python_finds_them():
     """They are searched for in the text, which takes a tenth of the time of parsing it."""
     for path in sorted([*PACKAGE.rglob("*.py"), *ROOT.glob("workflow/studies/*/*.py")]):
-        assert set(provenance._imported(path)) == parsed_imports(path), path
+        assert set(provenance._imported_modules(path)) == parsed_imports(path), path
 
 
 def parsed_imports(path):
@@ -69,7 +69,7 @@ def parsed_imports(path):
         elif isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:
                 module = f"{node.module}.{alias.name}"
-                is_file = module.startswith(OURS) and provenance._file(module).is_file()
+                is_file = module.startswith(OURS) and provenance._module_file(module).is_file()
                 names.add(module if is_file else node.module)
     return {name for name in names if name.startswith(OURS)}
 
@@ -86,10 +86,10 @@ def test_results_of_solves_depend_on_all_sources_of_the_solver():
 CACHED = (
     provenance.sources,
     provenance.sources_hash,
-    provenance._imported,
-    provenance._data,
-    provenance._not_python,
-    provenance._file,
+    provenance._imported_modules,
+    provenance._data_files,
+    provenance._other_files,
+    provenance._module_file,
     provenance._is_module,
     provenance._file_hash,
 )

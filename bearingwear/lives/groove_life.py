@@ -76,7 +76,7 @@ def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
 
     Raises NotAvailable where the scene requests worn grooves that its model cannot follow.
     """
-    scene = scene.one_of_alike
+    scene = scene.symmetric_half
     obstacle = None
     if fidelity != "steady":
         obstacle = f"model.fidelity {fidelity}"

@@ -88,7 +88,7 @@ class Grooves:
 
     def unsolved_states(self) -> States:
         """Returns states with the status why the new bearings are not solved."""
-        losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.one_of_alike.sides)
+        losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.symmetric_half.sides)
         return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
 
     def middle_state(self, worn: Wears) -> States:

@@ -297,7 +297,7 @@ def _loss_limit(scene: Scene) -> float:
 
 def is_one_integral(scene: Scene) -> bool:
     """Returns whether a life whose contacts stay Hertzian is an integral over the loss alone."""
-    sides = scene.one_of_alike.sides
+    sides = scene.symmetric_half.sides
     return len(sides) == 1 and not follows_depths(sides[0])
 
 
@@ -308,7 +308,7 @@ def surface_life(scene: Scene, solver: Remembered, quick: bool = False) -> Life:
     quick: whether steps are longer where the life is one integral, and have fewer states between
         them where it is not.
     """
-    scene = scene.one_of_alike
+    scene = scene.symmetric_half
     life = follow_surfaces(Surfaces(scene, solver), Criteria(scene), scene, quick)
     life.solves = solver.solves
     return life

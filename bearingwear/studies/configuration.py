@@ -17,13 +17,13 @@ from bearingwear.console import UsageError
 from bearingwear.document.document import load_document
 from bearingwear.provenance import PACKAGE, other_copy, text_hash
 from bearingwear.results.pair_variables import BEARINGS
-from bearingwear.scene.arrangement import Arrangement, one_bearing
+from bearingwear.scene.arrangement import Arrangement, single_bearing_scene
 from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.decisive import decisive_data
-from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, variant
+from bearingwear.scene.read import as_data, changed_scene, load_scene, scene_for_life, variant
 from bearingwear.studies.axis import RisingAxis, in_name, place_of_errors
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
 from bearingwear.studies.grid.grid import GRID_AXES, Grid
@@ -240,10 +240,10 @@ def check_config(config: Mapping[str, Any]) -> None:
             problem = f"got {scene}, whose file has no uncertainty block, expected scenes with one"
             raise ValueError(f"config: uncertain_lives.scenes: {problem}")
     for scene, grid in studied.items():
-        for_life(load_scene(scene_file(scene)), scene_file(scene))
+        scene_for_life(load_scene(scene_file(scene)), scene_file(scene))
         _check_cases(scene, grid, {})
     for scene, grid in dynamic.items():
-        one_bearing(load_scene(scene_file(scene)), scene_file(scene))
+        single_bearing_scene(load_scene(scene_file(scene)), scene_file(scene))
         _check_cases(scene, grid, dynamic_model(config, scene))
         # a dynamic case without its steady twin could not be set beside it
         for case in grid.cases() if scene in studied else ():
@@ -291,7 +291,7 @@ def check_lives(lives: Mapping[str, Any]) -> None:
     for name, life in lives["lives"].items():
         path = scene_file(life["scene"])
         with place_of_errors(f"config/lives.yaml: lives.{name}"):
-            for_life(variant(path, life["set"]), path)
+            scene_for_life(variant(path, life["set"]), path)
 
 
 def check_design(design: Mapping[str, Any]) -> None:

@@ -13,7 +13,7 @@ from bearingwear.atomic import whole_file
 from bearingwear.results.entries import check_in_table, common_attributes, stored_data
 from bearingwear.results.netcdf import NETCDF_LOCK, CaseFileError, load
 from bearingwear.results.variable import Variable
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.scene import Scene
 from kerneljit.interrupt import Interrupt
 
@@ -233,7 +233,7 @@ def load_with_dynamic(steady_path: Path, dynamic_path: Path) -> tuple[xr.Dataset
     axes = ("preload_method", "friction", "ball_diameter_loss")
     grid = {axis: dynamic_cases[axis].values.tolist() for axis in axes}
     steady = load_with_axes(steady_path, **grid)
-    names = (scene_of(cases)["name"] for cases in (steady, dynamic_cases))
+    names = (plain_scene(cases)["name"] for cases in (steady, dynamic_cases))
     if len({*names}) > 1:
         raise CaseFileError(
             f"{dynamic_path}: got cases from another scene, expected the scene of {steady_path}"

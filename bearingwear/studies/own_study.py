@@ -22,7 +22,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.scene.duty import phase_cases
-from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.friction import friction_changes_with_wear
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits, axes_around
 from bearingwear.studies.sampling import SAMPLES
@@ -61,7 +61,7 @@ def study_files(scene: Scene, name: str, limits: DesignLimits, source: str) -> d
     SceneError: a friction or a preload of 0, around which no grid is possible.
     """
     limits.check(scene, source)
-    changes_with_depth = scene.friction.film is not None or changes_as_it_wears(scene)
+    changes_with_depth = scene.friction.film is not None or friction_changes_with_wear(scene)
     frictions = [NO_FRICTION] if scene.friction.film else _grid_frictions(scene, source)
     axes = axes_around(scene, frictions, source)  # refuses a preload of 0, which has no shares
     config: dict[str, Any] = {"studies": [], "unsolved": "warning"}
@@ -157,14 +157,14 @@ def _grid_losses(scene: Scene) -> list[float]:
 
     If a preload method has no solution there, they go to the sooner end of the two lives.
     """
-    from bearingwear.scene.arrangement import held_by
+    from bearingwear.scene.arrangement import with_method
     from bearingwear.solvers.compose import solver_of
     from bearingwear.studies.design.map import life_point
 
     end_losses = {}  # um; 0 where a life was not solved
     solvers = []
     for method in PRELOAD_METHODS:
-        method_scene = held_by(scene, method)
+        method_scene = with_method(scene, method)
         end_losses[method] = 1e6 * life_point(method_scene, None).get("loss_at_end", 0.0)
         solvers.append(solver_of(method_scene))
     end_loss = end_losses[scene.operation.preload_method] or max(end_losses.values())

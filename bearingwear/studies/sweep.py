@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.checking.errors import NotAvailable, SceneError
-from bearingwear.scene.read import Source, as_scene, for_life
+from bearingwear.scene.read import Source, as_scene, scene_for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Tell, Workers, points_at_once
 from bearingwear.studies.points import Axes, Rows, ScenePoint, SweepPoints
@@ -130,7 +130,7 @@ class SceneQuestion:
     def scene(self, point: ScenePoint) -> Scene:
         """Returns the scene with the values of a point. Raises SceneError if they are invalid."""
         scene = self.scenes[point.scene].with_(dict(zip(self.keys, point.values, strict=True)))
-        return for_life(scene) if self.what == "life" else scene
+        return scene_for_life(scene) if self.what == "life" else scene
 
     def __call__(self, point: ScenePoint) -> Answer:
         scene = self.scene(point)

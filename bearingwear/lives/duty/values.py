@@ -107,7 +107,7 @@ def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
     all balls, as if each condition took all the time.
     """
     cycle, life = over_duty.cycle, over_duty.life
-    balls = cycle.scenes[0].one_of_alike.sides[k].bearing.ball_count
+    balls = cycle.scenes[0].symmetric_half.sides[k].bearing.ball_count
     rates = [
         [
             [*state["race_wear_rate"], balls * state["ball_wear_rate"]]

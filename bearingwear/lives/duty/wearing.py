@@ -91,7 +91,7 @@ class DutySurfaces(_DutyWear):
     def __init__(self, cycle: Cycle, solvers: Sequence[Remembered]):
         self.cycle = cycle
         self.ways = [
-            Surfaces(scene.one_of_alike, solver)
+            Surfaces(scene.symmetric_half, solver)
             for scene, solver in zip(cycle.scenes, solvers, strict=True)
         ]
         first = self.ways[0]

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingwear.scene.blocks import Material
-from bearingwear.scene.friction import FilmFriction, FilmLife, changes_as_it_wears
+from bearingwear.scene.friction import FilmFriction, FilmLife, friction_changes_with_wear
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, fitted_factors
 from bearingwear.solvers.bearing.growth import part_temperatures
@@ -225,7 +225,7 @@ def limits_depth(scene: Scene) -> bool:
 
 def follows_depths(scene: Scene) -> bool:
     """Returns whether a life requires wear depths: for films, for running in or for its end."""
-    return changes_as_it_wears(scene) or limits_depth(scene)
+    return friction_changes_with_wear(scene) or limits_depth(scene)
 
 
 def _surface(

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from bearingwear.kernels.params import Geometry
-from bearingwear.scene.scene import Material, Scene, once
+from bearingwear.scene.scene import Material, Scene, cached_in_scene
 from bearingwear.scene.warmth import Fits, Temperature, expansion
 from bearingwear.solvers.bearing.mounted import GPA, MM, RPM, UM
 
@@ -252,7 +252,7 @@ def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
     return RingGrowth(speed, fit, pressure, seat_lost=at_rest > 0.0 and overlap <= 0.0)
 
 
-@once
+@cached_in_scene
 def growth_of(scene: Scene) -> Growth:
     """Returns the growth of a scene's bearing by heat, speed and fits."""
     bore = scene.bearing.bore_mm

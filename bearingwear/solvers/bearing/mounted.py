@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from bearingwear.kernels.params import Geometry
-from bearingwear.scene.scene import Material, Scene, once
+from bearingwear.scene.scene import Material, Scene, cached_in_scene
 
 MM, UM, GPA = 1e-3, 1e-6, 1e9
 RPM = math.pi / 30.0
@@ -71,7 +71,7 @@ def groove_geometry(
     )
 
 
-@once
+@cached_in_scene
 def mounted_geometry(scene: Scene) -> Geometry:
     """Returns geometry and material constants of a scene's bearing as mounted."""
     b = scene.bearing

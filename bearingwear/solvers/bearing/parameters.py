@@ -13,7 +13,7 @@ from bearingwear.kernels.contact.points import SEGMENTS, Rule
 from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.scene.scene import Arrangement, Scene, once
+from bearingwear.scene.scene import Arrangement, Scene, cached_in_scene
 from bearingwear.solvers.bearing import quadrature as rules
 from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
 from bearingwear.solvers.bearing.growth import Growth, axial_change, grown_geometry, growth_of
@@ -29,7 +29,7 @@ SEARCH_ACROSS = 4
 FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
 
 
-@once
+@cached_in_scene
 def static_place(scene: Scene) -> float:
     """Returns the axial displacement of the bearing as mounted, under its preload alone [m].
 
@@ -40,7 +40,7 @@ def static_place(scene: Scene) -> float:
     return static_displacement(mounted_geometry(scene), float(scene.operation.preload_N))
 
 
-@once
+@cached_in_scene
 def geometry(scene: Scene) -> Geometry:
     """Returns geometry and material constants of a scene's bearing as it runs, warm and fitted."""
     return running_geometry(scene, growth_of(scene))

@@ -9,7 +9,7 @@ import numpy as np
 
 from bearingwear.measures import plain
 from bearingwear.scene.scene import Scene
-from bearingwear.sides import of_bearing
+from bearingwear.sides import values_of_bearing
 from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import Evidence, Finding, evidence_of
 from bearingwear.solvers.effects.table import WARNINGS, Effect
@@ -69,7 +69,7 @@ def _pair_warnings(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> l
     """
     by_id: dict[str, list[dict[str, Any]]] = {}
     for k, side in enumerate(scene.sides):
-        for warning in warnings_of(side, chosen, of_bearing(values, k) if values else None):
+        for warning in warnings_of(side, chosen, values_of_bearing(values, k) if values else None):
             by_id.setdefault(warning["id"], []).append(warning | {"bearing": k + 1})
     worst_warnings = []
     for warnings in by_id.values():

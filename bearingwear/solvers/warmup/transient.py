@@ -15,7 +15,7 @@ from scipy.integrate import BDF
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 from bearingwear.scene.warmth import Thermal, check_heat_capacities
 from bearingwear.solvers.bearing_states import bearings_at_temperatures, heats_of, states_of
 from bearingwear.solvers.compose import solver_of
@@ -124,7 +124,7 @@ class ThermalBearings:
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.sides = scene.one_of_alike.sides
+        self.sides = scene.symmetric_half.sides
         check_heat_capacities(self.sides, scene.name)
         self.near: list[SolvedBearing | None] = [None] * len(self.sides)
         self.solves = 0
@@ -185,7 +185,7 @@ class ThermalBearings:
     def _bearings(self, share: float) -> Alone | OnRotor:
         """Returns the bearings at a share of their speed, the last ones if the share is theirs."""
         if share != self._at[0]:
-            self._at = share, solver_of(at_share(self.scene, share)).bearings
+            self._at = share, solver_of(at_speed_share(self.scene, share)).bearings
         return self._at[1]
 
     def heat_slopes(self, instant: Instant) -> np.ndarray | None:

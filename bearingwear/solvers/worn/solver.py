@@ -13,7 +13,7 @@ from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.contact.profile import contact_approach, semi_axis
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.steady.thrust import skid_ratio
-from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.friction import friction_changes_with_wear
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import friction_used
@@ -65,7 +65,7 @@ class Worn(Steady):
         self.scene, self.problem, self.start = scene, unworn.problem, unworn.condition
         self.mounted = parameters.static_place(scene)
         self.factors = parameters.wear_factors(scene)
-        filmed = scene.friction.film is not None or changes_as_it_wears(scene)
+        filmed = scene.friction.film is not None or friction_changes_with_wear(scene)
         self.bearing = WornBearing(
             self.problem,
             unworn.answer,

@@ -17,7 +17,7 @@ import numpy as np
 
 from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.choice import (
     ACTIVE,
@@ -186,7 +186,7 @@ class PreloadSearch:
     def _solve(self, places: Sequence[tuple[PreloadLine, float]], solved: int) -> None:
         """Solves at preloads of lines, and keeps the points."""
         jobs = [
-            _Job(held_by(self.scene, line.method, preload), self.limits, solved)
+            _Job(with_method(self.scene, line.method, preload), self.limits, solved)
             for line, preload in places
         ]
         for (line, preload), values in zip(

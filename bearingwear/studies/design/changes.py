@@ -19,7 +19,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.measures import LIMITED
 from bearingwear.results.variable import Variable, table
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.checking.records import Key
 from bearingwear.scene.scene import Scene, key_of_scene
@@ -225,7 +225,7 @@ def _assumption_changes(
 ) -> list[Change]:
     """Returns the changes of friction, warmth and grooves, by quick lives at the best preloads."""
     scenes = [
-        held_by(search.scene, line.method, point.preload)
+        with_method(search.scene, line.method, point.preload)
         for line, point in zip(search.lines, best, strict=True)
     ]
     now = _log_ratio(best[better].life, best[1 - better].life)

@@ -17,7 +17,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.results.netcdf import CaseFileError, load_kind
 from bearingwear.results.variable import Variable
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.dataset import pareto
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
@@ -207,7 +207,7 @@ def design_files(
 
 def line_of_scene(design: xr.Dataset) -> xr.Dataset:
     """Returns the line of a map at the scene's own friction and speed."""
-    scene = scene_of(design)
+    scene = plain_scene(design)
     mu = scene["friction"].get("ball_race")
     return design.sel(
         friction=NO_FRICTION if mu is None else mu,

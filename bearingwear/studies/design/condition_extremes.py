@@ -18,7 +18,7 @@ from bearingwear.lives.grooves import Grooves
 from bearingwear.lives.many import with_tandem_preload, worse_state
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
 from bearingwear.solvers.compose import WELL_BALANCED, solver_of
 from bearingwear.solvers.condition import States
@@ -177,7 +177,7 @@ def worn_states(life: Life) -> Solve:
     """
     wearing, last = life.wearing, life.last
     if isinstance(wearing, Grooves):
-        return lambda scene: wearing.states_elsewhere(scene.one_of_alike, last.worn)
+        return lambda scene: wearing.states_elsewhere(scene.symmetric_half, last.worn)
     conditions = tuple(state.answer.condition._replace(hold=None) for state in last.states)
     return lambda scene: solver_of(scene, tolerance=WELL_BALANCED)(conditions)
 
@@ -274,7 +274,7 @@ class _ConditionSearch:
 
     def _at_share(self, share: float) -> ConditionExtremes:
         """Returns the extremes at a share of the full speed; keeps them if it was solved."""
-        answer = self._in_condition(OperatingCondition(at_share(self.scene, share)))
+        answer = self._in_condition(OperatingCondition(at_speed_share(self.scene, share)))
         if answer.status == code.OK:
             self.by_share[share] = answer.extremes
         return answer

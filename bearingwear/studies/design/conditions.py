@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.duty import cases_of_use
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 
 SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Speeds at which limits apply beside the full one, as shares of the way to it from the lowest."""
@@ -112,7 +112,7 @@ def cold_conditions(scene: Scene) -> list[OperatingCondition]:
     if scene.operation.fastest_rpm:
         shares = [share for share in lower_speed_shares(scene) if share <= SLOW_SHARE]
     return [
-        OperatingCondition(as_mounted(at_share(scene, share)), MOUNTING)
+        OperatingCondition(as_mounted(at_speed_share(scene, share)), MOUNTING)
         for share in shares[:_MOST_COLD_SPEEDS]
     ]
 
@@ -126,7 +126,7 @@ def conditions_of(
         conditions = [OperatingCondition(case)]
         if not at_speed_only:
             shares = lower_speed_shares(case)
-            conditions += [OperatingCondition(at_share(case, share)) for share in shares]
+            conditions += [OperatingCondition(at_speed_share(case, share)) for share in shares]
             conditions += cold_conditions(case)
         conditions += [OperatingCondition(case, WARMING)] if warms_up else []
         plain += [

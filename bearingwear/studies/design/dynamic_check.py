@@ -11,7 +11,7 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.results.netcdf import load
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.recommend import best_method, recommended_for
@@ -35,7 +35,7 @@ def check_scene(scene: Scene, recommendation: xr.Dataset, times: float) -> Scene
         preload = float(recommendation["preload"][best])
     model = replace(scene.model, simulated_turns=max(TURNS, scene.model.simulated_turns))
     # its spread is that of another preload
-    return replace(held_by(scene, method, times * preload), uncertainty=None, model=model)
+    return replace(with_method(scene, method, times * preload), uncertainty=None, model=model)
 
 
 def check_scene_text(scene: Path, recommendation: Path, times: float) -> str:

@@ -14,7 +14,7 @@ from bearingwear.document.margin import margin_block, margin_sentences
 from bearingwear.lives.margin import Corner, launched_by_wear, torque_corners
 from bearingwear.measures import plain
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 
@@ -45,7 +45,7 @@ def machine_blocks(recommendation: xr.Dataset) -> list[Block]:
     """Returns blocks with the answers of `machine_answers` at each recommended preload."""
     answers = json.loads(recommendation.attrs.get(MACHINE, "[]"))
     has_several = sum(map(bool, answers)) > 1
-    scene_data = scene_of(recommendation)
+    scene_data = plain_scene(recommendation)
     sentences, torque_blocks = [], []
     for k, answer in enumerate(answers):
         if not answer:

@@ -34,7 +34,7 @@ from bearingwear.lives.margin import least_margin
 from bearingwear.measures import LIMITED
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.duty import cases_of_use
@@ -515,8 +515,8 @@ def _first_impractical(scene: Scene, states: Sequence[State]) -> int:
 
 def _life_warnings(scene: Scene, life: Life) -> list[dict[str, Any]]:
     """Returns the warnings of a life with worn grooves, as `life` has them."""
-    values = life_values(scene.one_of_alike, life) | {"groove_depth": ((), ())}  # of both
-    if scene.one_of_alike is not scene:
+    values = life_values(scene.symmetric_half, life) | {"groove_depth": ((), ())}  # of both
+    if scene.symmetric_half is not scene:
         values = joined([values, values])
     return warnings_of(scene, choice_for_life(scene), values)
 
@@ -524,7 +524,7 @@ def _life_warnings(scene: Scene, life: Life) -> list[dict[str, Any]]:
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
     """Returns the scene at a point of the map; with a film, its friction stays as it is."""
     lowest = min(scene.operation.lowest_speed_rpm, speed_rpm)
-    held = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
+    held = with_method(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
     if scene.friction.film is not None:
         return held
     return replace(held, friction=replace(scene.friction, ball_race=mu))

@@ -22,8 +22,8 @@ from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import merged_warnings, warnings_in
-from bearingwear.results.words import scene_of
-from bearingwear.scene.arrangement import held_by
+from bearingwear.results.words import plain_scene
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.decisive import decisive_data
@@ -180,7 +180,7 @@ def recommendation(
             reasons[line.method] = no_preload_reason(search, line) if limits.given else NO_LIMIT
         else:
             rows.append(_row(search, line, point))
-            held = held_by(scene, line.method, point.preload)
+            held = with_method(scene, line.method, point.preload)
             chosen.append(_ChosenPreload(held, point.values))
     if chosen:
         tell("what would change the choice")
@@ -313,7 +313,7 @@ def _dataset(
 
 def is_of_scene(dataset: xr.Dataset, scene: Scene) -> bool:
     """Whether a file was computed for a scene: all agrees that decides a life."""
-    return decisive_data(scene_of(dataset)) == decisive_data(scene.to_dict())
+    return decisive_data(plain_scene(dataset)) == decisive_data(scene.to_dict())
 
 
 def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:

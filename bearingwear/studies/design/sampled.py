@@ -23,7 +23,7 @@ from bearingwear.results.quantiles import (
     spread_at,
 )
 from bearingwear.results.units import Rough, key_in_words, text_to_error
-from bearingwear.results.words import methods, name_in_words, scene_of
+from bearingwear.results.words import methods, name_in_words, plain_scene
 from bearingwear.scene.scene import PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 
@@ -53,7 +53,7 @@ def sampled_blocks(uncertainty: xr.Dataset) -> list[Block]:
 
 def _quantile_block(uncertainty: xr.Dataset) -> Block:
     """Returns a table with a column for each method and preload."""
-    scene = scene_of(uncertainty)
+    scene = plain_scene(uncertainty)
     points = []
     for method, method_lives in methods(uncertainty):
         for k, preload_words in enumerate(flag_names(uncertainty["preload_choice"])):
@@ -107,7 +107,7 @@ def _floats(points: Sequence[_SampledPreload], name: str) -> tuple[float, ...]:
 
 def _index_block(uncertainty: xr.Dataset) -> Block:
     """Returns a table with a line for each uncertain value, and columns for each method."""
-    scene, names = scene_of(uncertainty), quantities_of(uncertainty)
+    scene, names = plain_scene(uncertainty), quantities_of(uncertainty)
     distributions = [scene["uncertainty"][name] for name in names]
     units = [
         "batch" if is_same_for_batch(name, Distribution(**distribution)) else "bearing"

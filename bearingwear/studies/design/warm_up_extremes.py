@@ -6,7 +6,7 @@ import functools
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 from bearingwear.solvers.warmup.transient import STEP_TOLERANCE, ramp, warm_up
 from bearingwear.studies.design.condition_extremes import (
     KEPT,
@@ -33,7 +33,7 @@ def warm_up_extremes(scene: Scene, seconds: float, exactly: bool) -> ConditionEx
     warming = warm_up(scene, ramp(seconds), tolerance=tolerance)
     parts, where = [], {}
     for instant in warming.instants:
-        condition = OperatingCondition(at_share(scene, instant.share), WARMING)
+        condition = OperatingCondition(at_speed_share(scene, instant.share), WARMING)
         where = condition.where(wear=NEW, time_s=instant.time)
         parts.append(state_extremes(condition.scene, instant.states, where, with_quasistatic=False))
     if warming.status in UNLOADED:

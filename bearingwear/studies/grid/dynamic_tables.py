@@ -10,7 +10,7 @@ from bearingwear.document.markdown import as_markdown
 from bearingwear.document.table import dataset_table
 from bearingwear.measures import plain
 from bearingwear.results.variables import RACES
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.dataset import load_with_dynamic
 from bearingwear.studies.grid.tables import (
     AXES,
@@ -78,7 +78,7 @@ def _comparison_markdown(solved: xr.Dataset) -> str:
         _drift_table(solved),
         Block("Not solved", lines=unsolved or (ALL_SOLVED,)),
     )
-    title = f"{scene_of(solved)['name']}: dynamic solution compared with the steady state"
+    title = f"{plain_scene(solved)['name']}: dynamic solution compared with the steady state"
     return as_markdown(Document((title,), blocks=blocks))
 
 

@@ -25,7 +25,7 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import hours_in_words
 from bearingwear.results.units import Rough, digits
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.lives.tables import dynamic_life, ended_by
 
 _BALLS, _RACES, _POCKETS, _LAND = SERIES[:4]
@@ -117,10 +117,12 @@ def _volume_unit(exponent: int) -> str:
 
 def _history_title(life: xr.Dataset) -> str:
     """Returns the length of a life in words, what ended it, and how the steady life compares."""
-    hours, name = float(life["life"]), scene_of(life)["name"]
+    hours, name = float(life["life"]), plain_scene(life)["name"]
     if int(life["status"]) != OK:
         return f"{name}: no end of life within {Rough(hours).text} h ({ended_by(life)})"
-    text = f"{name}: life ended by {ended_by(life)} after {hours_in_words(scene_of(life), hours)}"
+    text = (
+        f"{name}: life ended by {ended_by(life)} after {hours_in_words(plain_scene(life), hours)}"
+    )
     if "steady_life" in life:
         text += f", {hours / float(life['steady_life']):.3g} times the steady life"
     return text
@@ -153,7 +155,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         for step, colour in zip(steps, colours, strict=True)
     ]
     loss_um = 1e6 * float(life["history_ball_diameter_loss"][steps[-1]])
-    name = scene_of(life)["name"]
+    name = plain_scene(life)["name"]
     title = f"{name}: groove profiles up to a total wear depth of {loss_um:.2g} µm"
     frame(figure, title, keys, columns=5)
     return figure

@@ -14,7 +14,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import display
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.solvers.thermal import LOW_MARGIN
 from bearingwear.studies.warmup.result import ENDINGS, PEAKS
@@ -160,7 +160,7 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
 
 def _figure_title(warmup: xr.Dataset) -> str:
     """Returns a title that says how a warm-up ended, and its largest preload."""
-    name, ending = scene_of(warmup)["name"], ENDINGS[int(warmup["ending"])]
+    name, ending = plain_scene(warmup)["name"], ENDINGS[int(warmup["ending"])]
     end = plain(float(warmup["end_time"]))
     peak = plain(float(warmup["peak_residual_preload"]))
     peak_time = plain(float(warmup["peak_residual_preload_time"]))

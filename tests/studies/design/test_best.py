@@ -10,7 +10,7 @@ from support import numbers_in
 import bearingwear
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS, LIMITED
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.best import (
     EXACT_LIFE,
@@ -262,7 +262,7 @@ def test_the_recommendation_is_at_the_end_of_a_steep_rise():
     point = recommendation(scene, limits).isel(preload_method=0)
     lives = {}
     for beside in np.geomspace(106.0, 114.0, 9).tolist():
-        at = design_point(held_by(scene, PRELOAD_METHODS[0], beside), limits)
+        at = design_point(with_method(scene, PRELOAD_METHODS[0], beside), limits)
         assert at["impractical"] == 0 and min(limit_margins(at, limits)) > 0.0
         lives[beside] = at["life"] / 3600.0
     assert float(point["life"]) > 0.99 * max(lives.values())
@@ -276,7 +276,7 @@ def test_a_narrow_range_within_the_requirements_is_found_where_slip_ends_lives_a
     )
     limits = DesignLimits(axial_stiffness_N_um=2.0, maximum_pressure_GPa=1.67)
     point = recommendation(scene, limits).isel(preload_method=0)
-    at = design_point(held_by(scene, PRELOAD_METHODS[0], 48.75), limits)
+    at = design_point(with_method(scene, PRELOAD_METHODS[0], 48.75), limits)
     assert min(limit_margins(at, limits)) > 0.0
     assert float(point["life"]) > 0.99 * at["life"] / 3600.0 > 0.7
 
@@ -307,9 +307,9 @@ def test_a_film_is_recommended_for_as_life_computes_it(counts):
     )
     limits = DesignLimits(system_axial_stiffness_N_um=5.0)
     point = recommendation(scene, limits).isel(preload_method=0)
-    taken = held_by(scene, PRELOAD_METHODS[0], float(point["preload"]))
+    taken = with_method(scene, PRELOAD_METHODS[0], float(point["preload"]))
     values = life(taken).values
     assert float(point["life"]) == pytest.approx(float(values["life"]) / 3600.0, rel=1e-9)
     assert np.isfinite(np.asarray(values["race_film_worn_through"])).any()
-    less_preloaded = held_by(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"]))
+    less_preloaded = with_method(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"]))
     assert min(limit_margins(design_point(less_preloaded, limits), limits)) < 0.0

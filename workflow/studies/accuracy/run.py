@@ -17,7 +17,7 @@ from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
-from bearingwear.sides import of_bearing
+from bearingwear.sides import values_of_bearing
 from bearingwear.solvers.bearing.fitted_hertz import fitted_displacement, fitted_factors
 from bearingwear.solvers.bearing.outputs import wear_values
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
@@ -112,7 +112,7 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
     for name in ("simulated_turns", "coriolis_energy_share", "azimuth_energy_share"):
         row[name] = float(values.get(name, np.nan))
     if "qv_error_estimate" in values:
-        bearing_values = values if scene.pair is None else of_bearing(values, 0)
+        bearing_values = values if scene.pair is None else values_of_bearing(values, 0)
         row["estimate_total_qv"] = float(bearing_values["qv_error_estimate"])
         row["estimate_residual_preload"] = float(bearing_values["residual_preload_error_estimate"])
         row["estimate_wear_rate"] = float(bearing_values["wear_rate_error_estimate"])
@@ -135,7 +135,9 @@ def life_quantities(
         if "life_error_estimate" in life_values:
             row["estimate_life"] = float(life_values["life_error_estimate"])
         if "history_total_qv" in life_values:
-            bearing_values = life_values if new_scene.pair is None else of_bearing(life_values, 0)
+            bearing_values = (
+                life_values if new_scene.pair is None else values_of_bearing(life_values, 0)
+            )
             row["end_qv"] = float(bearing_values["history_total_qv"][-1])
         row["life_wall_time"] = statistics.median(wall)
         row["life_processor_time"] = statistics.median(processor)
@@ -166,7 +168,7 @@ def timed_solve(run: Callable[[], dict], repeats: int, seconds: float) -> TimedS
 def quantities(scene: Scene, values: dict) -> dict[str, float]:
     """Returns the quantities with errors, in a pair those of the first bearing."""
     if scene.pair is not None:
-        values = of_bearing(values, 0)
+        values = values_of_bearing(values, 0)
     qv = values["qv"].mean(axis=0)
     row = {
         "total_qv": float(values["total_qv"]),

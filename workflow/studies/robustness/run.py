@@ -14,7 +14,7 @@ from bearingwear.lives.life import life
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.sides import of_bearing
+from bearingwear.sides import values_of_bearing
 from bearingwear.solvers.result import MAY_BE_INFINITE
 from bearingwear.solvers.solve import case_values
 from bearingwear.studies.answers import REFUSED, answers_at
@@ -124,7 +124,7 @@ def _pair_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> 
     problems = []
     for k, side in enumerate(scene.sides):
         by_bearing = {name: value for name, value in values.items() if name != "status"}
-        bearing_values = of_bearing(by_bearing, k)
+        bearing_values = values_of_bearing(by_bearing, k)
         # NaN pads what only one bearing has: further steady states, error estimates
         finite_values = {
             name: value

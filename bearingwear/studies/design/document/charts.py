@@ -16,7 +16,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import load_quantiles
 from bearingwear.results.units import digits, printed_unit, scale_of
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.studies.design.choice import design_files, limit_margins, limits_of, line_of_scene
 from bearingwear.studies.design.document.sheets import (
     NONE_VIOLATED,
@@ -109,7 +109,7 @@ def _achieved_requirements(recommendation: xr.Dataset) -> str:
 
 def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands) -> Iterator[Chart]:
     """Yields the life over the preload, then each quantity of the short tables."""
-    scene, limits = scene_of(design), limits_of(design).given
+    scene, limits = plain_scene(design), limits_of(design).given
     recommended = {method: float(point["preload"]) for method, point in methods(recommendation)}
     lines = preload_points(design, recommendation)
     violated = {method: _violated_ranges(line) for method, line in lines.items()}

@@ -18,7 +18,7 @@ from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Display, Rough, digits, display
 from bearingwear.results.variables import CASE
-from bearingwear.results.words import name_in_words, scene_of
+from bearingwear.results.words import name_in_words, plain_scene
 from bearingwear.studies.design.choice import limits_of
 from bearingwear.studies.design.plan import CHECKED_FIDELITIES
 from bearingwear.studies.design.recommend import RECOMMENDATION
@@ -70,8 +70,8 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     recommended = load(recommendation)
     cases_by_preload = _cases_by_preload(recommended, cases)
     points = [_checked_preload(preload, pair) for preload, pair in sorted(cases_by_preload.items())]
-    scene = scene_of(recommended)
-    first = scene_of(next(iter(cases_by_preload.values()))["steady"])
+    scene = plain_scene(recommended)
+    first = plain_scene(next(iter(cases_by_preload.values()))["steady"])
     limit = limits_of(recommended).gyroscopic_slip_share
     method = name_in_words(first["operation"]["preload_method"])
     has_preload = np.isfinite(recommended["preload"].values).any()
@@ -145,7 +145,7 @@ def _cases_by_preload(
     """Reads the steady and the dynamic case of each preload, by preload and fidelity."""
     if recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError("got no recommendation, expected recommendation.nc of a design study")
-    name = scene_of(recommendation)["name"]
+    name = plain_scene(recommendation)["name"]
     cases: dict[float, dict[str, xr.Dataset]] = {}
     for path in paths:
         case = load(path)
@@ -154,7 +154,7 @@ def _cases_by_preload(
             raise CaseFileError(
                 f"{path}: got a file of another kind, expected a steady or dynamic case"
             )
-        scene = scene_of(case)
+        scene = plain_scene(case)
         if scene["name"] != name:
             raise CaseFileError(f"{path}: got the scene {scene['name']}, expected {name}")
         cases.setdefault(scene["operation"]["preload_N"], {})[str(fidelity)] = case

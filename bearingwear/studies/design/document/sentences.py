@@ -15,8 +15,8 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
 from bearingwear.results.units import Rough, digits, printed_unit
-from bearingwear.results.words import methods, percent_in_text, scene_of
-from bearingwear.scene.arrangement import held_by
+from bearingwear.results.words import methods, percent_in_text, plain_scene
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines, minimum_preload_words
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
@@ -86,12 +86,12 @@ def recommended_points(recommendation: xr.Dataset) -> list[RecommendedPoint]:
 
 def method_names(dataset: xr.Dataset) -> list[str]:
     """Returns the preload methods of a file in words."""
-    return [method_words(scene_of(dataset), method) for method, _ in methods(dataset)]
+    return [method_words(plain_scene(dataset), method) for method, _ in methods(dataset)]
 
 
 def headline(recommendation: xr.Dataset) -> str:
     """States which preload to take, and what keeps it from a longer life."""
-    scene, points = scene_of(recommendation), recommended_points(recommendation)
+    scene, points = plain_scene(recommendation), recommended_points(recommendation)
     name = scene["name"]
     if not limits_of(recommendation).given:
         return f"{name}: {without_limits(recommendation.attrs[NONE_BECAUSE])[0]}"
@@ -119,7 +119,7 @@ def _why_not_longer(recommendation: xr.Dataset, point: xr.Dataset) -> str:
         return limit_met_words(recommendation, point)
     if name != "end_of_range":
         return LIMIT_WORDS[name]
-    scene_preload = scene_of(recommendation)["operation"]["preload_N"]
+    scene_preload = plain_scene(recommendation)["operation"]["preload_N"]
     less = "less" if float(point["preload"]) < scene_preload else "more"
     beyond = float(point.get("beyond_preload", math.nan))
     if not math.isfinite(beyond):
@@ -134,7 +134,7 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
     spreads: of the life, by method; None where it was not sampled.
     """
     method, point, life = recommended_points(recommendation)[0]
-    scene, where = scene_of(recommendation), life_condition_words(recommendation, point)
+    scene, where = plain_scene(recommendation), life_condition_words(recommendation, point)
     text = f"The computed life{f' {where}' if where else ''} is {Rough(life).text} h"
     spread, (band, _) = spreads[method], band_by_wear(scene, life)
     intervals = [f"{BEARINGS_BETWEEN}: {spread.bearings.text} h"] if spread else []
@@ -152,7 +152,7 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
 
 def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
     """States the minimum preload by the maker if known, beside the recommended one if any."""
-    scene = scene_of(recommendation)
+    scene = plain_scene(recommendation)
     if points := recommended_points(recommendation):
         operation = scene["operation"] | {"preload_N": points[0].preload}
         return [sentence(line) for line in minimum_preload_lines(scene | {"operation": operation})]
@@ -162,7 +162,7 @@ def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
 
 def trust_sentence(recommendation: xr.Dataset) -> str:
     """States what the life may be used for."""
-    scene = scene_of(recommendation)
+    scene = plain_scene(recommendation)
     if calibration := scene.get("calibrated"):
         return f"{CALIBRATED.format(**calibration)}."
     if film_sentences := film_lines(scene):
@@ -197,7 +197,7 @@ def setting_sentence(recommendation: xr.Dataset) -> str:
 
 def _side_words(recommendation: xr.Dataset, best: RecommendedPoint) -> str:
     """States that a preload is that of each side of a tandem set, and of which pair if rigid."""
-    arrangement = scene_of(recommendation).get("arrangement") or {}
+    arrangement = plain_scene(recommendation).get("arrangement") or {}
     if max(arrangement.get("tandem") or [1]) == 1:
         return ""
     words = " on each side"
@@ -217,7 +217,7 @@ def _rounded_down(tolerance: float) -> float:
 
 def spacer_offset(recommendation: xr.Dataset, preload: float) -> float:
     """Returns the approach of both bearings under a preload, at rest and as mounted [µm]."""
-    scene = held_by(scene_from_dict(scene_of(recommendation)), "fixed_position", preload)
+    scene = with_method(scene_from_dict(plain_scene(recommendation)), "fixed_position", preload)
     sides = scene.sides
     return 1e6 * sum(map(static_place, sides)) * 2.0 / len(sides)
 
@@ -246,5 +246,5 @@ def none_sentences(recommendation: xr.Dataset) -> list[str]:
 
 def _method_in_sentence(recommendation: xr.Dataset, method: str) -> str:
     """Returns the words of a method, with an article if it is a kind of pair."""
-    scene = scene_of(recommendation)
+    scene = plain_scene(recommendation)
     return f"{'a ' * is_pair(scene)}{method_words(scene, method)}"

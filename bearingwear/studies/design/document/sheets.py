@@ -26,7 +26,7 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, Spread, load_quantiles, spread_of
 from bearingwear.results.units import Estimated, Rough, ascii_text, digits
 from bearingwear.results.warnings import WARNING, warning_line
-from bearingwear.results.words import methods, name_in_words, scene_of
+from bearingwear.results.words import methods, name_in_words, plain_scene
 from bearingwear.studies.design.changes import (
     FRICTION_KEY,
     GROOVE_KEY,
@@ -133,7 +133,7 @@ def preload_document(
     design: a map of lives beside the recommendation.
     uncertainty: quantiles of the lives at the recommended preloads.
     """
-    scene = scene_of(recommendation)
+    scene = plain_scene(recommendation)
     stated = stated_warnings(recommendation)
     spreads = recommended_spreads(recommendation, uncertainty)
     has_preload = bool(recommended_points(recommendation))
@@ -160,7 +160,7 @@ def preload_document(
 
 def _facts(recommendation: xr.Dataset, stated: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Returns the facts of the document, with the warnings that it states."""
-    scene, limits = scene_of(recommendation), limits_of(recommendation).given
+    scene, limits = plain_scene(recommendation), limits_of(recommendation).given
     return {
         "kind": "recommendation",
         "scene": scene["name"],
@@ -207,7 +207,7 @@ def recommended_spreads(
     recommendation: xr.Dataset, uncertainty: xr.Dataset | None
 ) -> dict[str, Spread | None]:
     """Returns the spread of the life at each recommended preload, by method; None if unknown."""
-    scene = scene_of(recommendation)
+    scene = plain_scene(recommendation)
     uncertainties = [] if uncertainty is None else [uncertainty]
     mu = scene["friction"].get("ball_race")
     return {
@@ -263,7 +263,7 @@ def _limited_by_words(point: xr.Dataset) -> str:
 
 def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None]) -> list[Row]:
     """Returns rows of the lives, their numerical error, their grooves and their spread."""
-    scene, lives = scene_of(recommendation), _floats(recommendation["life"])
+    scene, lives = plain_scene(recommendation), _floats(recommendation["life"])
     counts = scene["wear"]["counts"].replace("_and_", " + ")
     rows = [Row(f"life, {counts}", "h", _lives_to_error(recommendation), "life")]
     if np.count_nonzero(np.array(lives) > 0.0) > 1:
@@ -417,7 +417,7 @@ def violated_words(point: xr.Dataset) -> str:
 
 def _map_block(design: xr.Dataset) -> Block:
     """Returns every preload of the map, by each method, at the scene's friction and speed."""
-    scene, lines = scene_of(design), methods(line_of_scene(design))
+    scene, lines = plain_scene(design), methods(line_of_scene(design))
     preloads, names, points = [], [], []
     for k, preload in enumerate(design["preload"].values):
         for method, line in lines:

@@ -17,7 +17,7 @@ from bearingwear.document.bearing_line import (
 from bearingwear.measures import LIMITED
 from bearingwear.results.units import printed_unit
 from bearingwear.results.warnings import warnings_in
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.design.choice import ACTIVE, limits_of
 from bearingwear.studies.design.conditions import (
     AT_END_OF_LIFE,
@@ -50,7 +50,7 @@ def _speed_and_warm_up_words(dataset: xr.Dataset) -> str:
 
 def _speed_range_words(dataset: xr.Dataset) -> str:
     """Returns the range of speeds, over all cases: `from rest to 9000 r/min`."""
-    operations = [case["operation"] for case in scenes_by_case(scene_of(dataset)).values()]
+    operations = [case["operation"] for case in scenes_by_case(plain_scene(dataset)).values()]
     speeds = [
         abs(operation["shaft_speed_rpm"]) or abs(operation.get("outer_speed_rpm") or 0.0)
         for operation in operations
@@ -67,14 +67,14 @@ def _speed_range_words(dataset: xr.Dataset) -> str:
 
 def conditions_words(dataset: xr.Dataset) -> str:
     """Returns cases and speeds of a file: `worst of 2: nominal, fast; from rest to 9000 r/min`."""
-    cases = scenes_by_case(scene_of(dataset))
+    cases = scenes_by_case(plain_scene(dataset))
     phrases = [worst_case_phrase(cases)] if len(cases) > 1 else []
     return "; ".join([*phrases, _speed_and_warm_up_words(dataset)])
 
 
 def extent_words(dataset: xr.Dataset) -> str:
     """Returns where the values of a file are worst: speeds, cases and wear, within a sentence."""
-    cases = scenes_by_case(scene_of(dataset))
+    cases = scenes_by_case(plain_scene(dataset))
     case_words = f" in {len(cases)} cases" if len(cases) > 1 else ""
     return f"{_speed_and_warm_up_words(dataset)}{case_words}, from new to the end of life"
 
@@ -148,7 +148,7 @@ def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme
 
 
 def _has_cases(dataset: xr.Dataset) -> bool:
-    return bool(scene_of(dataset).get("cases"))
+    return bool(plain_scene(dataset).get("cases"))
 
 
 def _is_resting(extreme: str) -> bool:
@@ -158,19 +158,19 @@ def _is_resting(extreme: str) -> bool:
 
 def life_condition_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     """Returns the speed, and the case if there are several, of a method's life; or the duty."""
-    if scene_of(recommendation).get("duty"):
+    if plain_scene(recommendation).get("duty"):
         return _OVER_DUTY
     where = worst_condition(recommendation, point, "life")
     if where is None:
         return ""
     words = condition_words({**where, "wear": ""})
-    cases = len(scenes_by_case(scene_of(recommendation)))
+    cases = len(scenes_by_case(plain_scene(recommendation)))
     return f"{words} (case {where['case']}, the shortest of {cases})" if cases > 1 else words
 
 
 def lives_condition_words(dataset: xr.Dataset) -> str:
     """Returns the speed or the case of the lives of a map or a recommendation; or the duty."""
-    scene = scene_of(dataset)
+    scene = plain_scene(dataset)
     if scene.get("duty"):
         return _OVER_DUTY
     if scene.get("cases"):
@@ -198,7 +198,7 @@ def limit_met_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
 
 def stated_warnings(recommendation: xr.Dataset) -> list[dict[str, Any]]:
     """Returns the warnings of a recommendation, each of which names the cases that have it."""
-    scene = scene_of(recommendation)
+    scene = plain_scene(recommendation)
     return [
         warning_with_cases(warning, scene, warning.get("in_cases", ()))
         for warning in warnings_in(recommendation.attrs)

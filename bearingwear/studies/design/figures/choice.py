@@ -25,7 +25,7 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
 from bearingwear.results.units import display
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.studies.design.choice import (
     ACTIVE,
     NO_PRELOAD,
@@ -97,8 +97,8 @@ def design_figure(
     if has_area:
         _draw_choices(figure, panels[1], design)
     handles = [
-        *method_keys([method for method, _ in methods(lives)], scene_of(design)),
-        *_life_keys(scene_of(design), limit is not None, uncertainty is not None),
+        *method_keys([method for method, _ in methods(lives)], plain_scene(design)),
+        *_life_keys(plain_scene(design), limit is not None, uncertainty is not None),
         *(_groove_keys() if has_worn_grooves else ()),
         *_end_keys(lives),
         *(_letter_keys(design) if has_area else ()),
@@ -195,7 +195,7 @@ def _draw_spread_bar(panel: Any, method: str, point: xr.Dataset, uncertainty: xr
 
 def _draw_choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
     """Draws the recommended preload of every friction and speed, with a letter for its limit."""
-    scene = scene_of(design)
+    scene = plain_scene(design)
     preload = design["recommended_preload"]
     low, high = float(preload.min()), float(preload.max())
     image = None

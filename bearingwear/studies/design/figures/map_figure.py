@@ -15,7 +15,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import FAILED, Figure, failed_keys, frame, new_figure
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.studies.design.document.worst_conditions import extent_words, lives_condition_words
 from bearingwear.studies.design.figures.choice import set_preload_scale
 
@@ -43,7 +43,7 @@ MAPPED = {
 
 def map_overview(design: xr.Dataset) -> Figure:
     """Draws the map over preload and friction at the scene's speed."""
-    scene = scene_of(design)
+    scene = plain_scene(design)
     speed = scene["operation"]["shaft_speed_rpm"]
     plane = design.sel(shaft_speed=speed)
     quantities = {name: quantity for name, quantity in MAPPED.items() if name in design}

@@ -13,9 +13,9 @@ from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
+    draw_lines,
     failed_keys,
     frame,
-    lines,
     method_keys,
     new_figure,
     start_at_zero,
@@ -29,7 +29,7 @@ from bearingwear.results.quantiles import (
     spread_text,
 )
 from bearingwear.results.units import Rough, digits, display, span
-from bearingwear.results.words import friction_text, methods, scene_of
+from bearingwear.results.words import friction_text, methods, plain_scene
 from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.document.sentences import method_names
 from bearingwear.studies.design.document.words import LIMIT_WORDS
@@ -54,7 +54,7 @@ def map_plot(design: xr.Dataset) -> Figure:
 
 def _lines_over_preload(design: xr.Dataset) -> Figure:
     """Draws the quantities of a map of one friction, a panel each."""
-    scene = scene_of(design)
+    scene = plain_scene(design)
     speed = scene["operation"]["shaft_speed_rpm"]
     line = design.sel(shaft_speed=speed).isel(friction=0)
     quantities = {name: quantity for name, quantity in MAPPED.items() if name in line}
@@ -63,7 +63,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
     for panel, (name, quantity) in zip(panels[0], quantities.items(), strict=True):
         values, label = line[name], quantity.label
         unit, finite = display(quantity.units, values), values.where(np.isfinite(values))
-        has_failed |= lines(panel, finite, "preload", label, unit, line["status"], marker=".")
+        has_failed |= draw_lines(panel, finite, "preload", label, unit, line["status"], marker=".")
         start_at_zero(panel)
     frame(
         figure,
@@ -87,7 +87,7 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
     )
     spread_texts = []
     for row, sampled in zip(panels, frictions, strict=True):
-        scene = scene_of(sampled)
+        scene = plain_scene(sampled)
         for panel, (method, choices) in zip(row, methods(sampled), strict=True):
             words = method_words(scene, method)
             if len(frictions) > 1:
@@ -99,7 +99,7 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
             if spread:
                 panel.axvspan(*spread.bearings, color=COLOURS[method], alpha=0.12, linewidth=0.0)
             spread_texts.append(f"{words}, {spread_text(spread)}")
-    scene = scene_of(uncertainty)
+    scene = plain_scene(uncertainty)
     title = f"{scene['name']}: {'; '.join(spread_texts)}; wear of {counted_words(scene)}"
     frame(figure, title, cumulated_keys(scene), columns=2)
     return figure
@@ -108,7 +108,7 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
 def recommendation_plot(recommendation: xr.Dataset) -> Figure:
     """Draws the life at the recommended preload of each method."""
     figure, ((panel,),) = new_figure(1, 1, 5.4, 3.2)
-    scene, points = scene_of(recommendation), methods(recommendation)
+    scene, points = plain_scene(recommendation), methods(recommendation)
     for height, (method, point) in enumerate(points):
         life = float(point["life"])
         panel.barh(height, np.nan_to_num(life), color=COLOURS[method], height=0.4)

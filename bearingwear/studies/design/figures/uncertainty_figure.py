@@ -26,7 +26,7 @@ from bearingwear.results.quantiles import (
     spread_at,
     spread_text,
 )
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.studies.design.figures.choice import counting_key
 
 QUANTITY_WORDS = {
@@ -46,7 +46,7 @@ QUANTITY_WORDS = {
 
 def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
     """Draws the spread of lives, the effect of each uncertain value, and its Sobol index."""
-    scene, lives_by_method = scene_of(uncertainty), methods(uncertainty)
+    scene, lives_by_method = plain_scene(uncertainty), methods(uncertainty)
     rows = len(lives_by_method)
     figure, panels = new_figure(rows, 3, 7.2, 2.9 * rows + 0.9)
     names = quantities_of(uncertainty)
@@ -166,7 +166,7 @@ def _title(uncertainty: xr.Dataset, names: list[str], failed: int) -> str:
     """
     choices = uncertainty.isel(preload_method=0)
     lives = choices.sel(preload_choice=available_preload_choice(choices))
-    scene_name = scene_of(uncertainty)["name"]
+    scene_name = plain_scene(uncertainty)["name"]
     if not np.isfinite(lives["total_index"]).any():
         return f"{scene_name}: too few lives could be computed to determine their spread"
 
