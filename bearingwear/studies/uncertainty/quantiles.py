@@ -87,8 +87,8 @@ def uncertain_lives(
     workers: processes that solve lives.
     tell: takes lines of progress, and a line on distributions that are assumed.
 
-    Returns the variables of `ANALYSED` over friction, preload method, choice of preload, inputs that
-        vary, and probability.
+    Returns the variables of `ANALYSED` over friction, preload method, choice of preload, inputs
+        that vary, and probability.
     """
     plan = sampling_of(samples, seed)
     assumptions: list[str] = []

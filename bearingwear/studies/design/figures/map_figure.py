@@ -42,7 +42,10 @@ MAPPED = {
 
 
 def map_overview(design: xr.Dataset) -> Figure:
-    """Draws the map over preload and friction at the scene's speed."""
+    """Returns a figure of lives and worst values over preload and friction, at the scene's speed.
+
+    It has a row for each of `MAPPED` in the map, and a column for each preload method.
+    """
     scene = scene_of(design)
     speed = scene["operation"]["shaft_speed_rpm"]
     plane = design.sel(shaft_speed=speed)
@@ -87,7 +90,12 @@ def _draw_quantity(
     cmap: str,
     label: str,
 ) -> None:
-    """Draws a quantity of every method, a panel each; grey where it is infinite."""
+    """Draws a quantity of every preload method, a panel each; grey where it is infinite.
+
+    row: panels.
+    plane: map at one speed.
+    values: of the quantity, in the unit of the label.
+    """
     positive = values.where(np.isfinite(values) & (values > 0.0))
     if not bool(positive.notnull().any()):  # never solved, or nothing but zeros
         for panel in row:
