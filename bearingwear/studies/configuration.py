@@ -127,6 +127,7 @@ def scene_values(
     replaced_keys = tuple(replaced)
 
     def hash_of_values(wildcards: Any) -> str:
+        """Returns the hash of the scene that the wildcards of a job name."""
         path = file(wildcards) if callable(file) else file.format(**dict(wildcards.items()))
         return scene_hash(path, replaced_keys, cage, uncertainty)
 

@@ -191,7 +191,8 @@ def _only_run(folder: Path) -> Iterator[int]:
 
 def copy_own_page(folder: Path) -> Path | None:
     """Copies the page of a study beside its folders and returns its path; None without a page."""
-    report, page = folder / PAGE, folder / PAGE.name
+    report = folder / PAGE
+    page = folder / PAGE.name
     if not report.is_file():
         return None
     root_prefix = "../" * (len(PAGE.parts) - 1)  # with which its links to files begin

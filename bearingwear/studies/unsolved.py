@@ -45,7 +45,8 @@ def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
     paths: study files and files of wear life.
     CaseFileError: a file of another kind.
     """
-    checked, unsolved = 0, []
+    checked = 0
+    unsolved = []
     for path in map(Path, paths):
         dataset = load(path)
         if not {"preload_method", "friction"} <= set(dataset["status"].dims):

@@ -116,7 +116,8 @@ def _ending_sentence(file: Any, ending: str) -> str:
 
     ending: one of `ENDINGS`.
     """
-    status, end = int(values(file, "status")), plain(float(values(file, "end_time")))
+    status = int(values(file, "status"))
+    end = plain(float(values(file, "end_time")))
     if ending == "runaway":
         return f"RUNAWAY: the heat outgrows the cooling, and the bearing has no state after {end} s"
     if status != OK:
@@ -132,7 +133,8 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
     """
     figure, panels = new_figure(1, 3, 10.0, 3.2)
     temperature, preload, pressure = panels[0]
-    time, bearings = warmup["time"].values, warmup.sizes["side"]
+    time = warmup["time"].values
+    bearings = warmup.sizes["side"]
     at_speed = max(_course_times(warmup.attrs["course"])[-1], _LINEAR)
     for k, style in enumerate(_LINE_STYLES[:bearings]):
         bearing = warmup.isel(side=k)
@@ -159,7 +161,8 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
 
 def _figure_title(warmup: xr.Dataset) -> str:
     """Returns a title that says how a warm-up ended, and its largest preload."""
-    name, ending = scene_of(warmup)["name"], ENDINGS[int(warmup["ending"])]
+    name = scene_of(warmup)["name"]
+    ending = ENDINGS[int(warmup["ending"])]
     end = plain(float(warmup["end_time"]))
     peak = plain(float(warmup["peak_residual_preload"]))
     peak_time = plain(float(warmup["peak_residual_preload_time"]))

@@ -192,12 +192,10 @@ def life_tolerance_figure(trade: xr.Dataset) -> Figure:
 def dynamic_figure(trade: xr.Dataset) -> Figure:
     """Returns a figure of errors of dynamic runs by turns, start, tolerance and regularisation."""
     points = numerical_points(trade, "long")
-    short_error, long_error = (
-        percent_in_text(
-            _largest_error(points_where(points, sweep="turns", label=turns), "total_qv")
-        )
-        for turns in ("2", "50")
-    )
+    short_runs = points_where(points, sweep="turns", label="2")
+    long_runs = points_where(points, sweep="turns", label="50")
+    short_error = percent_in_text(_largest_error(short_runs, "total_qv"))
+    long_error = percent_in_text(_largest_error(long_runs, "total_qv"))
     title = (
         f"Dynamic model: the error in total QV is up to {short_error} with 2 turns and up "
         f"to {long_error} with 50"

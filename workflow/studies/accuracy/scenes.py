@@ -87,6 +87,7 @@ def scene_with_end(scene: Scene, end: str) -> Scene:
         return scene
 
     def with_end(loss_um: float, method: str) -> Scene:
+        """Returns the scene whose life ends at a loss, with a preload method."""
         limits = EndOfLife(ball_diameter_loss_um=loss_um, preload_fraction=PRELOAD_LEFT)
         operation = replace(scene.operation, preload_method=method)
         wear = replace(scene.wear, end_of_life=limits, ball_diameter_loss_um=(0.0,))

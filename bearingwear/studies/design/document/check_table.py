@@ -99,7 +99,8 @@ def _explanation(recommendation: xr.Dataset, case_scene: Mapping[str, Any]) -> s
     method = name_in_words(case_scene["operation"]["preload_method"])
     has_preload = np.isfinite(recommendation["preload"].values).any()
     middle = "the recommended preload" if has_preload else "the scene's preload (no recommendation)"
-    operation, friction = scene["operation"], scene["friction"]["ball_race"]
+    operation = scene["operation"]
+    friction = scene["friction"]["ball_race"]
     cage_sentences = WITH_CAGE if "cage" in case_scene else WITHOUT_CAGE
     return (
         f"The values apply to a new bearing ({method}, {operation['shaft_speed_rpm']:g} r/min, "
@@ -215,7 +216,8 @@ def _compared_numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -
             errors=sum(errors),
         )
 
-    share, rate = "gyroscopic_slip_share", "ball_diameter_loss_rate"
+    share = "gyroscopic_slip_share"
+    rate = "ball_diameter_loss_rate"
     power = display("W", steady["total_qv"], dynamic["total_qv"])
     return [
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),

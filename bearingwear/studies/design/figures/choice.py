@@ -71,25 +71,19 @@ def design_figure(
             _draw_stars(over_preload, over_stiffness, method, point)
             if uncertainty is not None:
                 _draw_spread_bar(over_preload, method, point, uncertainty)
-    stiffness = stiffness_of(design)
-    limit = limits_of(design).given.get(stiffness.key)
-    if limit is not None:
-        over_stiffness.axvline(limit, **_LIMIT_LINE)
+    has_limit = _draw_stiffness_limit(over_stiffness, design)
     for panel in panels[0]:
         panel.set_ylabel("wear life (h)")
         if bool((lives["life"] > 0.0).any()):
             _set_logarithmic_life(panel)
     over_preload.set(xlabel="initial preload (N)", title="life against preload")
-    over_stiffness.set(
-        xlabel=STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.words}\n"),
-        title="life against stiffness",
-    )
+    over_stiffness.set_title("life against stiffness")
     set_preload_scale(over_preload, design)
     if has_area:
         _draw_choices(figure, panels[1], design)
     handles = [
         *method_keys([method for method, _ in methods(lives)], scene_of(design)),
-        *_life_keys(scene_of(design), limit is not None, uncertainty is not None),
+        *_life_keys(scene_of(design), has_limit, uncertainty is not None),
         *(_groove_keys() if has_worn_grooves else ()),
         *_end_keys(lives),
         *(_letter_keys(design) if has_area else ()),
@@ -116,6 +110,17 @@ def _draw_lives(over_preload: Any, over_stiffness: Any, lives: xr.Dataset) -> bo
         _draw_lives_over_stiffness(over_stiffness, method, line, is_allowed, is_on_front)
         has_failed |= mark_failed(over_preload, line["preload"], line["status"], COLOURS[method], k)
     return has_failed
+
+
+def _draw_stiffness_limit(panel: Any, design: xr.Dataset) -> bool:
+    """Labels the axis of stiffness, and draws its limit; returns whether there is one."""
+    stiffness = stiffness_of(design)
+    panel.set_xlabel(STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.words}\n"))
+    limit = limits_of(design).given.get(stiffness.key)
+    if limit is None:
+        return False
+    panel.axvline(limit, **_LIMIT_LINE)
+    return True
 
 
 def _is_allowed(line: xr.Dataset, limits: DesignLimits) -> xr.DataArray:

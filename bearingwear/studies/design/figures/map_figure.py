@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -102,27 +102,20 @@ def _draw_quantity(
             panel.axis("off")
         return
     norm = LogNorm(float(positive.min()), float(positive.max()))
-    axes = plane["preload"], plane["friction"]
     image = None
     for k, (panel, (_, points)) in enumerate(zip(row, methods(plane), strict=True)):
         finite = positive.isel(preload_method=k).transpose("friction", "preload")
         image = panel.pcolormesh(
-            *axes, finite, shading="nearest", cmap=cmap, norm=norm, rasterized=True
-        )
-        failed = np.argwhere((points["status"] != OK).transpose("friction", "preload").values)
-        if failed.size:
-            x, y = plane["preload"].values[failed[:, 1]], plane["friction"].values[failed[:, 0]]
-            panel.plot(x, y, color="crimson", **{**FAILED, "markersize": 3})
-        is_infinite = (values == np.inf).isel(preload_method=k).transpose("friction", "preload")
-        panel.pcolormesh(
-            *axes,
-            is_infinite.where(is_infinite),
+            plane["preload"],
+            plane["friction"],
+            finite,
             shading="nearest",
-            cmap="Greys",
-            vmin=0.0,
-            vmax=4.0,
+            cmap=cmap,
+            norm=norm,
             rasterized=True,
         )
+        _mark_failed_points(panel, points)
+        _fill_infinite(panel, values.isel(preload_method=k))
         panel.grid(False)
     row[0].set_ylabel("friction coefficient")
     if image is not None:
@@ -130,3 +123,28 @@ def _draw_quantity(
         bar.set_label(label)
         bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
         bar.ax.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _mark_failed_points(panel: Any, points: xr.Dataset) -> None:
+    """Draws a cross at each point over preload and friction that was not solved."""
+    is_failed = (points["status"] != OK).transpose("friction", "preload").values
+    rows, columns = np.nonzero(is_failed)
+    if rows.size:
+        preloads = points["preload"].values[columns]
+        frictions = points["friction"].values[rows]
+        panel.plot(preloads, frictions, color="crimson", **{**FAILED, "markersize": 3})
+
+
+def _fill_infinite(panel: Any, values: xr.DataArray) -> None:
+    """Fills the cells over preload and friction whose values are infinite with grey."""
+    is_infinite = (values == np.inf).transpose("friction", "preload")
+    panel.pcolormesh(
+        values["preload"],
+        values["friction"],
+        is_infinite.where(is_infinite),
+        shading="nearest",
+        cmap="Greys",
+        vmin=0.0,
+        vmax=4.0,  # a light grey
+        rasterized=True,
+    )
