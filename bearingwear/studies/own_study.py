@@ -79,7 +79,10 @@ def study_files(scene: Scene, name: str, limits: DesignLimits, source: str) -> d
 
 
 def _grid_configuration(scene: Scene, name: str, frictions: Sequence[float]) -> dict[str, Any]:
-    """Returns the data of config.yaml for cases over friction and wear."""
+    """Returns the data of config.yaml for cases over friction and wear.
+
+    frictions: coefficients of the grid.
+    """
     losses = _grid_losses(scene)
     return {
         "studies": [

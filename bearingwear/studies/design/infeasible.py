@@ -161,6 +161,7 @@ def _value_text(
 def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
     """Returns the condition in which a measure is the worst; empty where that is not known.
 
+    has_cases: whether to name the case.
     values: of a design point.
     name: of the measure, a key of `LIMITED`.
     """
@@ -174,7 +175,10 @@ def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
 
 
 def _unsolved_words(points: Sequence[PreloadPoint], has_cases: bool) -> str:
-    """Returns the condition in which most points were not solved, and why; empty if unknown."""
+    """Returns the condition in which most points were not solved, and why; empty if unknown.
+
+    has_cases: whether to name the case.
+    """
     words = []
     for point in points:
         where = point.values.get(NOT_SOLVED_AT)

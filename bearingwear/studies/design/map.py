@@ -203,7 +203,10 @@ def _hertzian_life(scene: Scene, slip_limit: float | None) -> _SolvedLife:
 
 
 def _ended_by_slip(scene: Scene, slip_limit: float) -> Scene:
-    """Returns a scene whose life ends by its gyroscopic slip share alone."""
+    """Returns a scene whose life ends by its gyroscopic slip share alone.
+
+    slip_limit: gyroscopic slip share [1].
+    """
     return with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
 
 
@@ -278,6 +281,8 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
     """Returns `design_point` over a duty: the worst of its cases along one life.
 
     The life is over the cycle of all phases, so a case that was not solved leaves no life.
+
+    quick: see `design_point`.
     """
     over_duty = duty_life(scene, quick=quick)
     points: dict[str, PointValues] = {}
@@ -306,7 +311,10 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
 
 
 def _case_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
-    """Returns `design_point` of a scene without further cases."""
+    """Returns `design_point` of a scene without further cases.
+
+    quick: see `design_point`.
+    """
     if not scene.operation.turns:
         return _standstill_point(scene, limits)
     life, values = _case_life(scene, limits.gyroscopic_slip_share, quick)
@@ -542,6 +550,8 @@ def _first_impractical(scene: Scene, states: Sequence[State]) -> int:
     """Returns the flag of the variable `impractical`: the first such warning, or 0 for none.
 
     States of a pair stand for its worse bearing.
+
+    states: when new and at the end of life.
     """
     bearing = scene.sides[0]
     values = {"end_criterion": NO_CRITERION, **history_values(list(states))}
@@ -560,7 +570,10 @@ def _life_warnings(scene: Scene, life: Life) -> list[dict[str, Any]]:
 
 
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
-    """Returns the scene at a point of the map; with a film, its friction stays as it is."""
+    """Returns the scene at a point of the map; with a film, its friction stays as it is.
+
+    mu: friction coefficient of balls on races.
+    """
     lowest = min(scene.operation.lowest_speed_rpm, speed_rpm)
     held = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
     if scene.friction.film is not None:

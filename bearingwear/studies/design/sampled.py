@@ -86,7 +86,10 @@ def _sampled_preloads(uncertainty: xr.Dataset) -> list[_SampledPreload]:
 
 
 def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
-    """Returns the rows of a table of quantiles of lives, with a value for each preload."""
+    """Returns the rows of a table of quantiles of lives, with a value for each preload.
+
+    points: lives at each preload.
+    """
     wear_as_stated = tuple(
         rough_value(interval_of(point.lives, ALL_BUT_WEAR) if point.spread else None)
         for point in points
@@ -118,7 +121,10 @@ def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
 
 
 def _floats(points: Sequence[_SampledPreload], name: str) -> tuple[float, ...]:
-    """Returns the number in a variable of the lives at each preload."""
+    """Returns the number in a variable of the lives at each preload.
+
+    points: lives at each preload.
+    """
     return tuple(float(point.lives[name]) for point in points)
 
 

@@ -130,6 +130,8 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
     """Returns a figure of temperatures, preload and contact pressure over time.
 
     The axis of time is logarithmic once the machine is at speed.
+
+    warmup: dataset of `warm_up_dataset`.
     """
     figure, panels = new_figure(1, 3, 10.0, 3.2)
     temperature, preload, pressure = panels[0]
@@ -160,7 +162,10 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
 
 
 def _figure_title(warmup: xr.Dataset) -> str:
-    """Returns a title that says how a warm-up ended, and its largest preload."""
+    """Returns a title that says how a warm-up ended, and its largest preload.
+
+    warmup: dataset of `warm_up_dataset`.
+    """
     name = scene_of(warmup)["name"]
     ending = ENDINGS[int(warmup["ending"])]
     end = plain(float(warmup["end_time"]))

@@ -30,6 +30,7 @@ def cages_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
 
     The runs of all ensembles have the same samples, so that they can be compared one by one.
 
+    plan: data of config/accuracy.yaml.
     trade: of `gathered_cages`.
     """
     cages = plan["cages"]

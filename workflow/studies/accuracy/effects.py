@@ -25,6 +25,7 @@ def effect_rows(trade: xr.Dataset, row: Plan) -> Iterator[list]:
 
     Factors are relative to the first point of the sweep on the scene; NaN where either is unsolved.
 
+    trade: all points of the study over `point`.
     row: block of the plan's `effects`, with `sweep`, `label` and `text`.
     """
     points = points_where(trade, sweep=row["sweep"])
@@ -45,7 +46,11 @@ def effect_rows(trade: xr.Dataset, row: Plan) -> Iterator[list]:
 
 
 def effects_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
-    """Returns a paragraph, and a table of the effects for each sweep."""
+    """Returns a paragraph, and a table of the effects for each sweep.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    """
     times = Agreement(plan["tolerance"]["time"])
     columns = {head: times if head.startswith("time") else Agreement() for head in EFFECT_COLUMNS}
     rows_by_title: dict[str, list] = {}

@@ -46,6 +46,7 @@ QUANTITY = {
 def numerical_points(trade: xr.Dataset, against: str, leave_out: Iterable[str] = ()) -> xr.Dataset:
     """Returns the points of numerical settings, not of models, that are against a reference.
 
+    trade: all points of the study over `point`.
     against: name of the reference.
     leave_out: names of sweeps.
     """
@@ -105,6 +106,7 @@ def draw_uncertainty_of_reference(
 ) -> None:
     """Draws a line at the uncertainty of a reference on a scene: the error of its check.
 
+    trade: all points of the study over `point`.
     against: name of the reference.
     """
     check = points_where(trade, scene=scene, sweep=against, label="check")
@@ -113,7 +115,10 @@ def draw_uncertainty_of_reference(
 
 
 def legend_keys(points: xr.Dataset) -> list[Any]:
-    """Returns the legend of the sweeps, the front and the presets."""
+    """Returns the legend of the sweeps, the front and the presets.
+
+    points: of one scene or of several, over `point`.
+    """
     handles = []
     for name in distinct_texts(points, "sweep"):
         if not name.startswith("preset"):
@@ -165,7 +170,10 @@ def small_multiples(
 
 
 def steady_figure(trade: xr.Dataset) -> Figure:
-    """Returns a figure of errors by quadrature and regularisation of the steady state."""
+    """Returns a figure of errors by quadrature and regularisation of the steady state.
+
+    trade: all points of the study over `point`.
+    """
     points = numerical_points(trade, "steady", leave_out=["life_tolerance"])
     strips = points_where(points, sweep="strips", label="strips 50")
     split = points_where(points, sweep="split", label="split 32")
@@ -181,7 +189,10 @@ def steady_figure(trade: xr.Dataset) -> Figure:
 
 
 def life_tolerance_figure(trade: xr.Dataset) -> Figure:
-    """Returns a figure of the errors in wear life by the settings of the steady state."""
+    """Returns a figure of the errors in wear life by the settings of the steady state.
+
+    trade: all points of the study over `point`.
+    """
     points = numerical_points(trade, "steady")
     regularised = points_where(points, sweep="regularisation", label="0.001")
     largest_error = percent_in_text(_largest_error(regularised, "life"))
@@ -190,7 +201,10 @@ def life_tolerance_figure(trade: xr.Dataset) -> Figure:
 
 
 def dynamic_figure(trade: xr.Dataset) -> Figure:
-    """Returns a figure of errors of dynamic runs by turns, start, tolerance and regularisation."""
+    """Returns a figure of errors of dynamic runs by turns, start, tolerance and regularisation.
+
+    trade: all points of the study over `point`.
+    """
     points = numerical_points(trade, "long")
     short_runs = points_where(points, sweep="turns", label="2")
     long_runs = points_where(points, sweep="turns", label="50")
@@ -207,6 +221,8 @@ def integration_figure(trade: xr.Dataset) -> Figure:
     """Returns a figure of errors by tolerance, integrator, regularisation and points.
 
     All runs have the same number of turns.
+
+    trade: all points of the study over `point`.
     """
     points = numerical_points(trade, "short")
     small, large = "0.0001", "0.1"  # regularisation v_r [m/s]
@@ -227,7 +243,10 @@ def integration_figure(trade: xr.Dataset) -> Figure:
 
 
 def overview_figure(trade: xr.Dataset) -> Figure:
-    """Returns a figure of errors and times of both models, medians over the scenes."""
+    """Returns a figure of errors and times of both models, medians over the scenes.
+
+    trade: all points of the study over `point`.
+    """
     figure, panels = new_figure(1, 2, 7.6, 4.4)
     titles = {
         "steady": "steady state: times differ by little more than noise",
@@ -263,6 +282,8 @@ def median_over_scenes(points: xr.Dataset) -> xr.Dataset:
     """Returns one point for each sweep and label, with medians over the scenes that solved it.
 
     The medians are those of CPU times and of the magnitudes of errors.
+
+    points: of one scene or of several, over `point`.
     """
     names = [_CPU, *(name for name in points if str(name).startswith("error_"))]
     median_points = []
@@ -306,7 +327,10 @@ _MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
 
 def models_figure(trade: xr.Dataset) -> Figure:
-    """Returns a figure of differences between models, rather than between numerical settings."""
+    """Returns a figure of differences between models, rather than between numerical settings.
+
+    trade: all points of the study over `point`.
+    """
     figure, panels = new_figure(1, 3, 8.6, 4.8, sharey=True)
     scenes = distinct_texts(points_where(trade, kind="reference"), "scene")
     texts = [point.text for point in (*SIMPLER, *NEGLECTED_WORK)]
@@ -328,6 +352,7 @@ def _draw_differences(
 ) -> None:
     """Draws a row of marks for each simpler model, a mark for each scene.
 
+    trade: all points of the study over `point`.
     marks: looks by scene.
     """
     points = (*SIMPLER, *NEGLECTED_WORK) if quantity == "total_qv" else SIMPLER
@@ -346,7 +371,10 @@ def _draw_differences(
 
 
 def _models_title(trade: xr.Dataset) -> str:
-    """Returns the title of `models_figure`, with the largest differences over the scenes."""
+    """Returns the title of `models_figure`, with the largest differences over the scenes.
+
+    trade: all points of the study over `point`.
+    """
     race_control = points_where(trade, sweep="fidelity_steady", label="race control")
     without_cage = points_where(trade, sweep="fidelity", label="no cage")
     total = percent_in_text(_largest_error(race_control, "total_qv"))
@@ -383,6 +411,7 @@ def figure(trade: Path, which: str) -> Figure:
 def accuracy_plot(trade: xr.Dataset) -> Figure:
     """Returns the overview of all sweeps for `bearingwear plot`.
 
+    trade: all points of the study over `point`.
     CaseFileError: a single sweep, which has no errors yet, or sweeps of one kind.
     """
     if "scene" not in trade:
@@ -408,5 +437,8 @@ def _largest_text(ratios: np.ndarray) -> str:
 
 
 def _largest_error(points: xr.Dataset, quantity: str) -> float:
-    """Returns the largest magnitude of the errors in a quantity; NaN without any."""
+    """Returns the largest magnitude of the errors in a quantity; NaN without any.
+
+    points: of one scene or of several, over `point`.
+    """
     return finite_statistic(np.max, np.abs(points[f"error_{quantity}"].values))

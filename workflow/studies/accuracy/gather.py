@@ -108,6 +108,7 @@ def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
 def points_where(trade: xr.Dataset, **texts: str) -> xr.Dataset:
     """Returns the points whose text variables have certain values.
 
+    trade: points of the study, over `point`.
     texts: values by the names of variables, such as `scene` and `sweep`.
     """
     mask = np.ones(trade.sizes["point"], dtype=bool)
@@ -117,7 +118,10 @@ def points_where(trade: xr.Dataset, **texts: str) -> xr.Dataset:
 
 
 def distinct_texts(trade: xr.Dataset, variable: str) -> list[str]:
-    """Returns the different values of a text variable in the order of the file."""
+    """Returns the different values of a text variable in the order of the file.
+
+    trade: points of the study, over `point`.
+    """
     return list(dict.fromkeys(trade[variable].values))
 
 

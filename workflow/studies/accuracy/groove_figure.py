@@ -24,6 +24,8 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
     """Returns a figure of ratios of worn to Hertzian lives by loss, and of errors by CPU time.
 
     It has a row for each preload method.
+
+    trade: all points of the study over `point`.
     """
     figure, panels = new_figure(2, 3, 10.4, 6.4, sharex="col")
     first_sweep, _ = _SWEEPS[0]
@@ -59,6 +61,7 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
 def _draw_ratios(axes: Any, points: xr.Dataset, name: str, colours: dict[str, str]) -> list[float]:
     """Draws values with worn over those with Hertzian grooves over the loss; returns the ratios.
 
+    points: of a sweep.
     name: of the variable.
     colours: by scene.
     """
@@ -78,6 +81,7 @@ def _draw_ratios(axes: Any, points: xr.Dataset, name: str, colours: dict[str, st
 def _draw_costs(axes: Any, points: xr.Dataset, colours: dict[str, str]) -> None:
     """Draws errors of lives, relative to the finest cells and steps, over the CPU time.
 
+    points: of a sweep.
     colours: by scene.
     """
     for scene in distinct_texts(points, "scene"):

@@ -104,6 +104,7 @@ def read_accuracy(path: Path) -> dict[str, Any]:
 def check_accuracy(plan: Plan, path: Path = ACCURACY_FILE) -> None:
     """Refuses unknown names of sweeps, references, labels and scenes.
 
+    plan: data of config/accuracy.yaml.
     ValueError: one line with the key, its value and the allowed ones. Scenes with the changes of
     all points are not checked, because that takes seconds.
     """
@@ -118,7 +119,10 @@ def check_accuracy(plan: Plan, path: Path = ACCURACY_FILE) -> None:
 
 
 def _check_references(plan: Plan) -> None:
-    """Refuses unknown references and scenes of sweeps, and impossible points."""
+    """Refuses unknown references and scenes of sweeps, and impossible points.
+
+    plan: data of config/accuracy.yaml.
+    """
     references = plan["references"]
     for name, scene in plan["scenes"].items():
         for reference in scene["references"]:
@@ -133,7 +137,10 @@ def _check_references(plan: Plan) -> None:
 
 
 def _check_rows(plan: Plan) -> None:
-    """Refuses unknown sweeps and labels in rows of tables."""
+    """Refuses unknown sweeps and labels in rows of tables.
+
+    plan: data of config/accuracy.yaml.
+    """
     for table in ("table", "effects"):
         for row in plan[table]:
             check_allowed(row["sweep"], plan["sweeps"], f"{table}.sweep")
@@ -153,12 +160,18 @@ def reference_name(sweep: Mapping[str, Any]) -> str:
 
 
 def scene_settings(plan: Plan, scene: str) -> dict[str, str]:
-    """Returns the changes of a scene at all its points, as YAML texts by key."""
+    """Returns the changes of a scene at all its points, as YAML texts by key.
+
+    plan: data of config/accuracy.yaml.
+    """
     return _texts(plan["scenes"][scene]["set"])
 
 
 def sweep_jobs(plan: Plan) -> list[tuple[str, str]]:
-    """Returns pairs of names: every scene with each of its references, and each sweep run on it."""
+    """Returns pairs of names: every scene with each of its references, and each sweep run on it.
+
+    plan: data of config/accuracy.yaml.
+    """
     return [
         (name, sweep)
         for name, scene in plan["scenes"].items()
@@ -168,7 +181,10 @@ def sweep_jobs(plan: Plan) -> list[tuple[str, str]]:
 
 
 def _takes_part(plan: Plan, scene: str, name: str) -> bool:
-    """Whether a sweep of a name is run on a scene, which must have its reference."""
+    """Whether a sweep of a name is run on a scene, which must have its reference.
+
+    plan: data of config/accuracy.yaml.
+    """
     references = plan["scenes"][scene]["references"]
     sweep = plan["sweeps"][name]
     includes_scene = scene in sweep["only"] if sweep["only"] else bool(references)
@@ -176,17 +192,26 @@ def _takes_part(plan: Plan, scene: str, name: str) -> bool:
 
 
 def groove_sweeps(plan: Plan) -> list[str]:
-    """Returns the sweeps of lives with worn grooves over the loss at their end."""
+    """Returns the sweeps of lives with worn grooves over the loss at their end.
+
+    plan: data of config/accuracy.yaml.
+    """
     return [name for name, sweep in plan["sweeps"].items() if "end" in sweep["grid"]]
 
 
 def cell_sweeps(plan: Plan) -> list[str]:
-    """Returns the sweeps of lives over cells and steps of worn grooves."""
+    """Returns the sweeps of lives over cells and steps of worn grooves.
+
+    plan: data of config/accuracy.yaml.
+    """
     return [name for name, sweep in plan["sweeps"].items() if "cells" in sweep["grid"]]
 
 
 def effect_jobs(plan: Plan) -> list[tuple[str, str]]:
-    """Returns the pairs of `sweep_jobs` for the tables of effects and of worn grooves."""
+    """Returns the pairs of `sweep_jobs` for the tables of effects and of worn grooves.
+
+    plan: data of config/accuracy.yaml.
+    """
     sweeps = {row["sweep"] for row in plan["effects"]} | {*groove_sweeps(plan), *cell_sweeps(plan)}
     return [(scene, sweep) for scene, sweep in sweep_jobs(plan) if sweep in sweeps]
 
@@ -194,6 +219,7 @@ def effect_jobs(plan: Plan) -> list[tuple[str, str]]:
 def sweep_points(plan: Plan, name: str) -> list[SweepPoint]:
     """Returns the points of a sweep, or those of a reference and of its check.
 
+    plan: data of config/accuracy.yaml.
     name: of the sweep or the reference.
     """
     if name in plan["references"]:
@@ -220,6 +246,8 @@ def decisive_settings(plan: Plan, scene: str, name: str) -> dict[str, Any]:
     """Returns the settings that decide a sweep or a reference on a scene, without its file.
 
     They are plain data; a job runs again when they change.
+
+    plan: data of config/accuracy.yaml.
     """
     sweep = plan["sweeps"].get(name, {})
     points = sweep_points(plan, name)
@@ -241,6 +269,7 @@ def _point(
 ) -> SweepPoint:
     """Returns a point from the settings of its sweep, `base`, and its own changes.
 
+    plan: data of config/accuracy.yaml.
     reference: name of the reference whose model it has, unless a setting says otherwise.
     ValueError: a setting that is not allowed.
     """

@@ -145,6 +145,7 @@ def life_quantities(
 
     The values are {} where the model computes no life.
 
+    point: setting of the sweep.
     repeats, seconds: as of `timed_solve`.
     """
     if point.fidelity != "steady" or asymmetries(new_scene) or not new_scene.wear.end_of_life:
@@ -176,6 +177,7 @@ class TimedSolve(NamedTuple):
 def timed_solve(run: Callable[[], dict], repeats: int, seconds: float) -> TimedSolve:
     """Runs a solve several times, and returns the last values and all times.
 
+    run: solves, and returns the values by name.
     repeats: most repeats.
     seconds: time [s] after which no further one is started.
     """

@@ -40,7 +40,10 @@ _LEAST_TRUE_ERROR = 1e-9
 
 
 def points_csv(trade: xr.Dataset) -> str:
-    """Returns the variables of all points as CSV, a row for each point."""
+    """Returns the variables of all points as CSV, a row for each point.
+
+    trade: all points of the study over `point`.
+    """
     order = ("scene", "sweep", "kind", "against", "label", "settings")
     columns = [str(name) for name in trade if name not in (*order, "sweep_title")]
     text = io.StringIO()
@@ -59,6 +62,7 @@ def points_csv(trade: xr.Dataset) -> str:
 def row_cells(trade: xr.Dataset, row: Plan) -> list:
     """Returns the cells of a row: number of scenes, errors [%] and relative speed; NaN for none.
 
+    trade: all points of the study over `point`.
     row: block of the plan's `table`, with `sweep` and `label`.
     """
     points = points_where(trade, sweep=row["sweep"], label=row["label"])
@@ -73,7 +77,11 @@ def row_cells(trade: xr.Dataset, row: Plan) -> list:
 
 
 def row_section(plan: Plan, row: Plan) -> str:
-    """Returns the section of the table, of `SECTIONS`, to which a block of the plan belongs."""
+    """Returns the section of the table, of `SECTIONS`, to which a block of the plan belongs.
+
+    plan: data of config/accuracy.yaml.
+    row: block of the plan's `table`.
+    """
     sweep = plan["sweeps"][row["sweep"]]
     if sweep["kind"] == "model":
         return "model"
@@ -81,7 +89,11 @@ def row_section(plan: Plan, row: Plan) -> str:
 
 
 def section_tables(trade: xr.Dataset, plan: Plan) -> list[CheckedTable]:
-    """Returns a table of errors and speeds of settings for each section that has any."""
+    """Returns a table of errors and speeds of settings for each section that has any.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    """
     tolerance = plan["tolerance"]
     tables = []
     for name, title in SECTIONS.items():
@@ -103,7 +115,11 @@ def section_tables(trade: xr.Dataset, plan: Plan) -> list[CheckedTable]:
 
 
 def accuracy_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
-    """Returns paragraphs, and tables of settings and models, of presets and of error estimates."""
+    """Returns paragraphs, and tables of settings and models, of presets and of error estimates.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    """
     tolerance = plan["tolerance"]
     table_sweeps = [row["sweep"] for row in plan["table"]]
     scenes_in_table = trade["scene"].values[np.isin(trade["sweep"].values, table_sweeps)]
@@ -148,7 +164,10 @@ def accuracy_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
 
 
 def weight_sentence(trade: xr.Dataset) -> str:
-    """Returns a sentence on the wear rate of a cage without weight, relative to one with weight."""
+    """Returns a sentence on the wear rate of a cage without weight, relative to one with weight.
+
+    trade: all points of the study over `point`.
+    """
     points = points_where(trade, sweep="weight")
     # of each scene: a point with weight, then one without, whose error is against the former
     ratios = 1.0 + points["error_cage_wear_rate"].values[1::2]
@@ -157,7 +176,10 @@ def weight_sentence(trade: xr.Dataset) -> str:
 
 
 def neglected_work_words(trade: xr.Dataset) -> str:
-    """Returns words for the largest work of each neglected force over the scenes, over the heat."""
+    """Returns words for the largest work of each neglected force over the scenes, over the heat.
+
+    trade: all points of the study over `point`.
+    """
     points = points_where(trade, sweep="long", label="reference")
     force_words = {
         "coriolis_energy_share": "Coriolis force",
@@ -174,6 +196,8 @@ def presets_table(trade: xr.Dataset) -> CheckedTable:
     """Returns a table of the errors of draft and standard in each scene, and of their speeds.
 
     The speed is relative to that of the next finer preset.
+
+    trade: all points of the study over `point`.
     """
     rows: list[list] = []
     for solve, quantity in (("steady", "life"), ("dynamic", "wear_rate")):
@@ -200,7 +224,10 @@ def presets_table(trade: xr.Dataset) -> CheckedTable:
 
 
 def estimates_table(trade: xr.Dataset) -> CheckedTable:
-    """Returns a table of how often the error estimates of results cover the true error."""
+    """Returns a table of how often the error estimates of results cover the true error.
+
+    trade: all points of the study over `point`.
+    """
     quantities = {
         "total_qv": "QV",
         "residual_preload": "preload",
@@ -225,6 +252,7 @@ def _estimate_cells(trade: xr.Dataset, name: str, reference: str) -> tuple[int, 
 
     An error is covered if it exceeds its estimate by no more than the reference's uncertainty.
 
+    trade: all points of the study over `point`.
     name: of the quantity.
     reference: name of the reference of the points.
     """
@@ -247,6 +275,8 @@ def reference_uncertainty(trade: xr.Dataset, scene: str, reference: str, name: s
     """Returns the relative uncertainty of a reference on a scene, in a quantity of a name.
 
     It is the reference's error estimate plus its difference from its check.
+
+    trade: all points of the study over `point`.
     """
     points = points_where(trade, scene=scene, sweep=reference)
     estimates = points_where(points, label="reference")[f"estimate_{name}"].values

@@ -33,6 +33,7 @@ CERAMIC = {
 def with_values(base: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """Returns a copy of a scene's data with other values of its keys.
 
+    base: plain data of a scene.
     values: by keys such as `operation.preload_N`; keys without a point are left out.
     """
     changes = {key: value for key, value in values.items() if "." in key}
@@ -86,7 +87,10 @@ def drawn_scene(base: Mapping[str, Any], draw: Mapping[str, Any]) -> Scene:
 
 
 def _set_size_and_speed(data: dict[str, Any], draw: Mapping[str, Any]) -> None:
-    """Sets the drawn diameters, number of balls and speeds in a scene's data."""
+    """Sets the drawn diameters, number of balls and speeds in a scene's data.
+
+    draw: drawn values; see `drawn_scene`.
+    """
     bearing, operation = data["bearing"], data["operation"]
     pitch_ratio = bearing["pitch_diameter_mm"] / bearing["ball_diameter_mm"]
     D = draw.get("ball_diameter_mm", bearing["ball_diameter_mm"])
@@ -105,6 +109,8 @@ def _set_preload_and_loss(data: dict[str, Any], draw: Mapping[str, Any], D: floa
     """Sets the drawn preload and loss of ball diameter in a scene's data.
 
     D: ball diameter [mm].
+
+    draw: drawn values; see `drawn_scene`.
     """
     if "stress_GPa" in draw or "loss_ratio" in draw:
         scene = scene_from_dict(data)
@@ -137,6 +143,7 @@ def _end_of_life(data: dict[str, Any], worn_ratio: float, D: float) -> dict[str,
 def _drawn_pair(data: dict[str, Any], draw: Mapping[str, Any], D: float) -> dict[str, Any]:
     """Returns the arrangement of a pair, as plain data; the preload method decides its kind.
 
+    draw: drawn values; see `drawn_scene`.
     data: of the scene of a bearing.
     D: ball diameter [mm].
     """
@@ -165,6 +172,8 @@ def _fit_cage(data: dict[str, Any], draw: Mapping[str, Any], D: float, dm: float
     """Scales the cage in a scene's data to the pitch circle dm [mm], or removes it.
 
     D: ball diameter [mm]. The cage is usual for it: 0.9 D thick and 1.5 D wide.
+
+    draw: drawn values; see `drawn_scene`.
     """
     guide = draw.get("cage", "none")
     if guide == "none":
@@ -184,6 +193,8 @@ def _warm(data: dict[str, Any], draw: Mapping[str, Any], D: float, dm: float) ->
     """Sets the source of temperatures in a scene's data, and rings and fits for the pitch circle.
 
     D, dm: diameters of balls and pitch circle [mm].
+
+    draw: drawn values; see `drawn_scene`.
     """
     if "warmth" not in draw:
         return

@@ -112,7 +112,10 @@ def figure_of_map(solved: xr.Dataset) -> Figure:
 
 
 def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
-    """Draws the boundaries in a map and their closed forms; returns their entries of the legend."""
+    """Draws the boundaries in a map and their closed forms; returns their entries of the legend.
+
+    solved: dataset of `state_map`.
+    """
     handles = []
     for limit, style in _LIMITS.items():
         boundary = solved.get(f"boundary_{limit}")
@@ -127,7 +130,10 @@ def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
 
 
 def map_title(solved: xr.Dataset) -> str:
-    """Returns a title on the number of verified points of a map, and on reasons for the others."""
+    """Returns a title on the number of verified points of a map, and on reasons for the others.
+
+    solved: dataset of `state_map`.
+    """
     status = solved["status"].values
     verified = int((status == OK).sum())
     total = status.size
@@ -184,7 +190,10 @@ def figure_of_branches(solved: xr.Dataset) -> Figure:
 
 
 def hysteresis(solved: xr.Dataset) -> str:
-    """Returns a phrase on whether both directions give the same states, or on where they differ."""
+    """Returns a phrase on whether both directions give the same states, or on where they differ.
+
+    solved: dataset of `branch_states`.
+    """
     ways = solved.attrs["ways"].split()
     up, down = (solved["total_qv"].values[ways.index(way)] for way in ("up", "down"))
     is_missing_once = np.isfinite(up) != np.isfinite(down)

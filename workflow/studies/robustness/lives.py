@@ -42,7 +42,10 @@ def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
 
 
 def _finiteness_violations(values: Mapping[str, Any]) -> list[str]:
-    """Returns a line for each value that should be a number or infinite and is not."""
+    """Returns a line for each value that should be a number or infinite and is not.
+
+    values: of the result of the life, by name.
+    """
     problems = []
     for name, value in values.items():
         if name in _MAY_BE_MISSING or name.endswith("part_temperature"):
@@ -54,7 +57,10 @@ def _finiteness_violations(values: Mapping[str, Any]) -> list[str]:
 
 
 def _balance_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
-    """Returns lines on a preload that is not the spring's, and on a loss beyond the limit."""
+    """Returns lines on a preload that is not the spring's, and on a loss beyond the limit.
+
+    values: of the result of the life, by name.
+    """
     problems = []
     spring_force = scene.operation.preload_N
     if scene.operation.preload_method == "constant_force":
@@ -73,7 +79,10 @@ def _balance_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
 
 
 def _wear_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
-    """Returns a line for each volume that breaks Archard's law, and for depths that shrink."""
+    """Returns a line for each volume that breaks Archard's law, and for depths that shrink.
+
+    values: of the result of the life, by name.
+    """
     problems = []
     time = values["history_time"]
     ball_factor, race_factor = parameters.wear_factors(scene)  # volume over work of friction

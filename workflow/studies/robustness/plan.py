@@ -181,6 +181,7 @@ def check_robustness(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> N
 def _check_scene_classes(scene_classes: Mapping[str, Any], place: str) -> None:
     """Raises a ValueError for draws that are not allowed, or a class like one below it.
 
+    scene_classes: blocks of the plan, by name.
     place: of the classes, for errors.
     """
     classes_above: list[str] = []
@@ -214,12 +215,18 @@ def plan_entry(plan: Mapping[str, Any], path: Path, kind: str, name: str) -> dic
 
 
 def draw_blocks(plan: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """Returns the blocks of the draws of a class by key, with those of the class it is like."""
+    """Returns the blocks of the draws of a class by key, with those of the class it is like.
+
+    plan: data of config/robustness.yaml.
+    """
     scene_class = plan["scene_classes"][name]
     inherited = draw_blocks(plan, scene_class["like"]) if scene_class["like"] else {}
     return inherited | scene_class["draw"]
 
 
 def limit_values(plan: Mapping[str, Any], name: str) -> dict[str, float | None]:
-    """Returns the values of the limits to locate in a map, by name; None for `contact`."""
+    """Returns the values of the limits to locate in a map, by name; None for `contact`.
+
+    plan: data of config/robustness.yaml.
+    """
     return {limit: plan["limits"].get(limit) for limit in plan["maps"][name]["limits"]}

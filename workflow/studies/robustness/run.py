@@ -108,7 +108,10 @@ def solved_values(scene: Scene, fidelity: str) -> dict[str, Any]:
 
 
 def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
-    """Returns lines on what is wrong with a solved case; the list is empty for a valid one."""
+    """Returns lines on what is wrong with a solved case; the list is empty for a valid one.
+
+    values: of the solved case, by name.
+    """
     status = int(values["status"])
     if status in WITHOUT_REASON:
         return [STATUS_NAMES[status]]
@@ -130,6 +133,8 @@ def _pair_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> 
     """Returns a line for each violation in either bearing, or in the balance of the rotor.
 
     The list is empty for a valid pair.
+
+    values: of the solved case, by name.
     """
     problems = []
     for k, side in enumerate(scene.sides):
@@ -151,7 +156,10 @@ def _pair_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> 
 
 
 def _bearing_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
-    """Returns a line for each number of a bearing that is missing or beyond its tolerance."""
+    """Returns a line for each number of a bearing that is missing or beyond its tolerance.
+
+    values: of the solved case, by name.
+    """
     problems = [
         f"{name} is not finite"
         for name, value in values.items()
@@ -178,6 +186,8 @@ def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
     """Returns the largest residuals of a correct answer by their names.
 
     Those of the race control and the steady model depend on estimates of the rounding errors.
+
+    values: of the solved case, by name.
     """
     heat_flow = {"heat_flow_residual": 1e-5} if "heat_flow_residual" in values else {}
     if fidelity == "dynamic":

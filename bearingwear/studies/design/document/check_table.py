@@ -115,6 +115,7 @@ def _explanation(recommendation: xr.Dataset, case_scene: Mapping[str, Any]) -> s
 def _numbers_block(points: Sequence[CheckedPreload], limit: float | None) -> Block:
     """Returns a table with a line for each number by both models; of an unsolved preload, statuses.
 
+    points: at all checked preloads.
     limit: of the gyroscopic slip share; None without one.
     """
     lines: list[tuple[Any, ...]] = []
@@ -202,7 +203,10 @@ def _checked_preload(preload: float, cases: Mapping[str, xr.Dataset]) -> Checked
 
 
 def _compared_numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Compared]:
-    """Returns QV, wear rate and slip share of a case by both models."""
+    """Returns QV, wear rate and slip share of a case by both models.
+
+    steady, dynamic: solved cases of a new bearing at the preload [N].
+    """
 
     def compared(label: str, variable: str, error: str, unit: Display) -> Compared:
         """Returns a variable by both models, with the sum of their relative error estimates."""
@@ -232,7 +236,10 @@ def _compared_numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -
 
 
 def agreement(points: Sequence[CheckedPreload]) -> str:
-    """Returns whether both models agree, by how much they differ, and what was not solved."""
+    """Returns whether both models agree, by how much they differ, and what was not solved.
+
+    points: at all checked preloads.
+    """
     numbers = [number for point in points for number in point.numbers]
     if numbers:
         sentences = _agreement_sentences(numbers)

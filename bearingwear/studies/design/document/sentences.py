@@ -109,6 +109,8 @@ def _running_preload_words(point: xr.Dataset) -> str:
     """Returns the running preload of a fixed position; empty if it is nearly the initial one.
 
     It is empty for a constant force, too.
+
+    point: recommendation of a method.
     """
     if PRELOAD_METHODS[int(point["preload_method"])] != "fixed_position":
         return ""

@@ -275,13 +275,19 @@ def _preload_rows(recommendation: xr.Dataset) -> list[Row]:
 
 
 def _limited_by_words(point: xr.Dataset) -> str:
-    """Returns the words for what keeps the preload of a method from one with a longer life."""
+    """Returns the words for what keeps the preload of a method from one with a longer life.
+
+    point: recommendation of the method.
+    """
     name = ACTIVE[int(point["active_limit"])]
     return active_limit_words(name, lambda extreme: float(point[extreme]))
 
 
 def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None]) -> list[Row]:
-    """Returns rows of the lives, their numerical error, their grooves and their spread."""
+    """Returns rows of the lives, their numerical error, their grooves and their spread.
+
+    spreads: of the lives by method; None where it was not sampled.
+    """
     scene = scene_of(recommendation)
     lives = _floats(recommendation["life"])
     counts = scene["wear"]["counts"].replace("_and_", " + ")

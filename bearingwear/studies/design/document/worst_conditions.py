@@ -112,6 +112,7 @@ def worst_condition(
 def critical_extreme(point: xr.Dataset, name: str) -> str:
     """Returns the name of the extreme that decides a limit at a point.
 
+    point: recommendation of a method.
     name: key of the limit in `LIMITED`.
     """
     _, extreme = LIMITED[name].critical_extreme(lambda extreme: float(point[extreme]))
@@ -121,6 +122,7 @@ def critical_extreme(point: xr.Dataset, name: str) -> str:
 def critical_condition_words(recommendation: xr.Dataset, point: xr.Dataset, name: str) -> str:
     """Returns the condition in which a limited measure is the worst, in words; empty if not known.
 
+    point: recommendation of a method.
     name: key of the limit in `LIMITED`.
     """
     return extreme_condition_words(recommendation, point, critical_extreme(point, name))
@@ -130,6 +132,8 @@ def extreme_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extre
     """Returns the condition in which an extreme is the worst, in words; empty if not known.
 
     An example is "at 3000 r/min, at the end of life".
+
+    point: recommendation of a method.
     """
     where = worst_condition(recommendation, point, extreme)
     if where is None or not np.isfinite(where["value"]):
@@ -148,6 +152,8 @@ def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme
     """Returns the condition in which an extreme is the worst for a table; empty if not known.
 
     An example is "3000 r/min, worn".
+
+    point: recommendation of a method.
     """
     where = worst_condition(recommendation, point, extreme)
     if where is None or not np.isfinite(where["value"]):
@@ -181,6 +187,8 @@ def life_condition_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     """Returns the speed of a method's life in words, and its case if there are several.
 
     It is "over the duty" if there is one, and empty where the condition is not known.
+
+    point: recommendation of a method.
     """
     if scene_of(recommendation).get("duty"):
         return _OVER_DUTY
@@ -206,6 +214,8 @@ def limit_met_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     """Returns what limits a recommended preload: "20 N/µm is just met at 3000 r/min, new".
 
     Empty if the active limit is no requirement.
+
+    point: recommendation of a method.
     """
     name = ACTIVE[int(point["active_limit"])]
     limits = limits_of(recommendation)

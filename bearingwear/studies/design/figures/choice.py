@@ -96,6 +96,7 @@ def design_figure(
 def _draw_lives(over_preload: Any, over_stiffness: Any, lives: xr.Dataset) -> bool:
     """Draws the lives of both methods in two panels; returns whether one was not solved.
 
+    over_preload, over_stiffness: panels.
     lives: map over preload method and preload.
     """
     if bool((lives["groove"] == WORN_GROOVE).any()):
@@ -124,7 +125,10 @@ def _draw_stiffness_limit(panel: Any, design: xr.Dataset) -> bool:
 
 
 def _is_allowed(line: xr.Dataset, limits: DesignLimits) -> xr.DataArray:
-    """Returns a mask of the points of a map that are solved, practical and within all limits."""
+    """Returns a mask of the points of a map that are solved, practical and within all limits.
+
+    line: map over the preload.
+    """
     is_allowed = (line["status"] == OK) & (line["impractical"] == 0)
     for margin in limit_margins(line, limits):
         is_allowed &= margin >= 0.0
@@ -150,7 +154,11 @@ def set_preload_scale(panel: Any, design: xr.Dataset) -> None:
 def _draw_lives_over_preload(
     panel: Any, method: str, line: xr.Dataset, is_allowed: xr.DataArray
 ) -> None:
-    """Draws lives of a method, pale where a requirement is violated."""
+    """Draws lives of a method, pale where a requirement is violated.
+
+    line: map over the preload, of the method.
+    is_allowed: mask of the points that violate no requirement.
+    """
     lives = line["life"].where(lambda life: life > 0.0)
     look = {"color": COLOURS[method]}
     panel.plot(line["preload"], lives, **PALE, **look)
@@ -176,7 +184,10 @@ def end_changes(line: xr.Dataset) -> list[tuple[int, str]]:
 
 
 def _draw_hertzian_lives(panel: Any, method: str, line: xr.Dataset) -> None:
-    """Draws lives with grooves that keep their shape, beside those with worn grooves."""
+    """Draws lives with grooves that keep their shape, beside those with worn grooves.
+
+    line: map over the preload, of the method.
+    """
     lives = line["hertzian_life"].where(lambda life: life > 0.0)
     panel.plot(line["preload"], lives, color=COLOURS[method], linewidth=0.8, linestyle=":")
 
@@ -184,7 +195,12 @@ def _draw_hertzian_lives(panel: Any, method: str, line: xr.Dataset) -> None:
 def _draw_lives_over_stiffness(
     panel: Any, method: str, line: xr.Dataset, is_allowed: xr.DataArray, is_on_front: np.ndarray
 ) -> None:
-    """Draws lives of a method, pale where a requirement is violated, with dots on the front."""
+    """Draws lives of a method, pale where a requirement is violated, with dots on the front.
+
+    line: map over the preload, of the method.
+    is_allowed: mask of the points that violate no requirement.
+    is_on_front: mask of the points on the Pareto front.
+    """
     lives = line["life"].where(lambda life: life > 0.0)
     stiffness = STIFFNESS_UNIT.of(stiffness_of(line).worst(line))
     look = {"color": COLOURS[method]}
@@ -195,7 +211,11 @@ def _draw_lives_over_stiffness(
 
 
 def _draw_stars(over_preload: Any, over_stiffness: Any, method: str, point: xr.Dataset) -> None:
-    """Draws stars at the recommended preload of a method."""
+    """Draws stars at the recommended preload of a method.
+
+    over_preload, over_stiffness: panels.
+    point: recommendation of the method.
+    """
     look = {"linestyle": "none", **STAR, "color": COLOURS[method], "zorder": 6}
     stiffness = STIFFNESS_UNIT.of(float(stiffness_of(point).worst(point)))
     over_preload.plot(float(point["preload"]), float(point["life"]), **look)

@@ -126,7 +126,10 @@ def _draw_quantity(
 
 
 def _mark_failed_points(panel: Any, points: xr.Dataset) -> None:
-    """Draws a cross at each point over preload and friction that was not solved."""
+    """Draws a cross at each point over preload and friction that was not solved.
+
+    points: map of a method at one speed.
+    """
     is_failed = (points["status"] != OK).transpose("friction", "preload").values
     rows, columns = np.nonzero(is_failed)
     if rows.size:
