@@ -421,7 +421,11 @@ class PreloadSearch:
         return not (has_below and has_above)
 
     def settable_points(self, line: PreloadLine) -> list[PreloadPoint]:
-        """Returns the best point and those around it that may be set in its place, rising."""
+        """Returns the best point and those around it that may be set in its place, rising.
+
+        They are allowed, and their lives are at least `SIMILAR` times the longest. Without a best
+        point, there are none.
+        """
         best = line.best(self.limits)
         if best is None:
             return []

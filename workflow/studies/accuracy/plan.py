@@ -270,7 +270,9 @@ def _point(
     """Returns a point from the settings of its sweep, `base`, and its own changes.
 
     plan: data of config/accuracy.yaml.
+    label: that sets the point apart from others of the sweep.
     reference: name of the reference whose model it has, unless a setting says otherwise.
+    base, changes: values by keys of a scene, of `_SPECIAL` and of `_NUMBERS`.
     ValueError: a setting that is not allowed.
     """
     merged = {**base, **changes}

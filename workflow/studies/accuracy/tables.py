@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.table import cell_text
+from bearingwear.kernels.status import OK
 from bearingwear.results.units import display, span
 from workflow.studies.accuracy.checked_table import ROUNDED_DIGITS, Agreement, CheckedTable
 from workflow.studies.accuracy.gather import distinct_texts, finite_statistic, points_where
@@ -66,7 +67,7 @@ def row_cells(trade: xr.Dataset, row: Plan) -> list:
     row: block of the plan's `table`, with `sweep` and `label`.
     """
     points = points_where(trade, sweep=row["sweep"], label=row["label"])
-    solved = points.isel(point=points["status"].values == 0)
+    solved = points.isel(point=points["status"].values == OK)
     errors = []
     for name, quantity in ERRORS.items():
         statistic = np.median if name == _MEDIAN else np.max

@@ -17,9 +17,10 @@ def closed_form(limit: str, value: float | None, scene: Scene) -> float:
         "gyroscopic_slip", where the share s of the friction mu (Q_i + Q_o) R balances the
         gyroscopic moment; "skid", where drag exceeds 2 mu Q_i, the most that the inner race can
         transmit (rolling on the outer race takes half of it).
-    value: of the share s; None for the other limits.
+    value: of the share s; not used for the other limits.
     """
-    g, m = parameters.geometry(scene), parameters.operating_point(scene)
+    g = parameters.geometry(scene)
+    m = parameters.operating_point(scene)
     D = float(parameters.ball_diameters(scene)[0])
     _, rest = at_rest(scene)
     # Both races meet at rest along one line; it shortens as the ball wears.
