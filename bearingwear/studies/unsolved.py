@@ -62,9 +62,8 @@ def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
             if code in good_statuses:
                 continue
             case = _case_at(status[index])
-            subject = (
-                f"{path.parent / folder / case.id}.nc" if is_study else f"{path}: {case.line_id}"
-            )
+            case_file = path.parent / folder / f"{case.id}.nc"
+            subject = str(case_file) if is_study else f"{path}: {case.line_id}"
             name = STATUS_NAMES[code]
             unsolved.append(f"{subject}: {name}: {STATUS_SENTENCES[name]}")
     return checked, unsolved
