@@ -225,7 +225,7 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
     """
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.design.plan import DesignLimits
-    from bearingwear.studies.design.recommend import best_method, recommended
+    from bearingwear.studies.design.recommend import best_method, recommendation_and_map
     from bearingwear.studies.solve import life_scene
 
     keys = {_argument(measure.option): key for key, measure in LIMITED.items()}
@@ -236,7 +236,7 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
     values = {keys[name]: value for name, value in requirements.items() if value is not None}
     limits = record(DesignLimits, values, "recommend")
     checked = life_scene(scene, films=True)
-    recommendation, lives = recommended(checked, limits, checked.name, workers)
+    recommendation, lives = recommendation_and_map(checked, limits, checked.name, workers)
     if limits.given and best_method(recommendation) is None:
         text = f"{checked.name}: no preload satisfies all requirements"
         warnings.warn(text, stacklevel=2)

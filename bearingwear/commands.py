@@ -346,11 +346,13 @@ def recommend(args: argparse.Namespace) -> int:
 
         scene = life_scene(args.scene, args.set, films=True)
         from bearingwear.studies.design.document.sheets import preload_document
-        from bearingwear.studies.design.recommend import best_method, recommended
+        from bearingwear.studies.design.recommend import best_method, recommendation_and_map
         from bearingwear.studies.sampling import usable_cores
 
         limits = _design_limits(args, scene)
-        recommendation, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
+        recommendation, lives = recommendation_and_map(
+            scene, limits, args.scene, usable_cores(), tell
+        )
         sheet = preload_document(recommendation, lives)
     if lives is not None and not (lives["status"] == 0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))

@@ -127,6 +127,7 @@ def scene_values(
     replaced_keys = tuple(replaced)
 
     def hash_of_values(wildcards: Any) -> str:
+        """Returns the hash of the scene that the wildcards of a job name."""
         path = file(wildcards) if callable(file) else file.format(**dict(wildcards.items()))
         return scene_hash(path, replaced_keys, cage, uncertainty)
 
@@ -253,7 +254,10 @@ def check_config(config: Mapping[str, Any]) -> None:
 
 
 def dynamic_model(config: Mapping[str, Any], scene: str) -> dict[str, Any]:
-    """Returns the changes of the block `model` in the dynamic cases of a scene, by dotted key."""
+    """Returns the changes of the block `model` in the dynamic cases of a scene, by dotted key.
+
+    config: data of config.yaml.
+    """
     scene_block = next(block for block in config["dynamic"] if scene in block["scenes"])
     return {f"model.{key}": value for key, value in scene_block["model"].items()}
 
@@ -273,13 +277,19 @@ def _text(value: Any) -> str:
 
 
 def _check_studied(key: str, scene: str, mu: float, studied: Mapping[str, Grid]) -> None:
-    """Refuses a scene that no grid contains, or a friction coefficient outside of its grid."""
+    """Refuses a scene that no grid contains, or a friction coefficient outside of its grid.
+
+    studied: grids by the name of the scene.
+    """
     _check_each(key, [scene], studied)
     _check_each(f"{key}: {scene}", [float(mu)], studied[scene].friction)
 
 
 def _check_cases(scene: str, grid: Grid, model_changes: Mapping[str, Any]) -> None:
-    """Checks a scene with the changes of cases that cover each value of each axis."""
+    """Checks a scene with the changes of cases that cover each value of each axis.
+
+    model_changes: by dotted key, of all cases.
+    """
     data, source = as_data(scene_file(scene))
     for case in grid.cases_of_each_value():
         with place_of_errors(f"config: {scene}, {case.id}"):

@@ -60,7 +60,11 @@ def dataset_of_rows(
 
 
 def _column(variable: Variable, row_values: Sequence[Any], sizes: Mapping[str, int]) -> np.ndarray:
-    """Returns the values of a variable in all rows, NaN where a row has none."""
+    """Returns the values of a variable in all rows, NaN where a row has none.
+
+    row_values: of each row; None where it has no value.
+    sizes: lengths of all dimensions.
+    """
     shapes = {np.shape(value) for value in row_values if value is not None}
     if len(shapes) > 1 or any(len(shape) != len(variable.dims) for shape in shapes):
         raise ValueError(f"{variable.name}: got shapes {shapes}, expected {variable.dims}")

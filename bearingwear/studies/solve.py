@@ -22,11 +22,11 @@ from bearingwear.scene.read import (
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.result import Result
 
-NONE: Mapping[str, Any] = MappingProxyType({})
+NO_CHANGES: Mapping[str, Any] = MappingProxyType({})
 
 
 def solved_case(
-    scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
+    scene: str | Path, changes: Mapping[str, Any] = NO_CHANGES, fidelity: str | None = None
 ) -> Result:
     """Returns the solved case of a scene. A failure is in its status and on standard error.
 
@@ -63,7 +63,7 @@ def solved_variants(
 
 
 def solved_life(
-    scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
+    scene: str | Path, changes: Mapping[str, Any] = NO_CHANGES, fidelity: str | None = None
 ) -> Result:
     """Returns the wear life of a scene. A failure is in its status and on standard error.
 

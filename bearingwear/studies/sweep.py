@@ -215,7 +215,10 @@ class Sweep:
     def _answers(
         self, points: Sequence[ScenePoint], workers: int | None, progress: bool | Tell
     ) -> list[Answer]:
-        """Returns the answers at points, in their order; they are computed in an even order."""
+        """Returns the answers at points, in their order; they are computed in an even order.
+
+        workers, progress: as of the function `sweep`.
+        """
         what = self.question.what
         cores = min(len(points), usable_cores() if workers is None else workers)
         order = _even_order(len(points), points_at_once(len(points), cores))
@@ -290,7 +293,10 @@ def _numbers_of_part(part: tuple[int, int], count: int) -> range:
 
 
 def check_can_be_sent(what: Callable[..., Any]) -> None:
-    """Raises a SceneError for a function that cannot be pickled for other processes."""
+    """Raises a SceneError for a function that cannot be pickled for other processes.
+
+    what: the function.
+    """
     try:
         pickle.dumps(what)
     except (pickle.PicklingError, AttributeError, TypeError):

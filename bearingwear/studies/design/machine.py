@@ -23,7 +23,10 @@ MACHINE = "machine"
 
 
 def machine_answers(scene: Scene) -> dict[str, Any]:
-    """Returns sentences and torque corners of a scene with a drive or a launch; otherwise {}."""
+    """Returns what a drive and a launch require of a scene; {} without either.
+
+    The keys are `said`, sentences, and `corners`, the fields of each `Corner` of the torque.
+    """
     sentences: list[str] = []
     corners: list[Corner] = []
     if scene.drive is not None:
@@ -42,11 +45,12 @@ def machine_answers(scene: Scene) -> dict[str, Any]:
 
 
 def machine_blocks(recommendation: xr.Dataset) -> list[Block]:
-    """Returns blocks with the answers of `machine_answers` at each recommended preload."""
+    """Returns blocks with what the machine requires at each recommended preload; see `MACHINE`."""
     answers = json.loads(recommendation.attrs.get(MACHINE, "[]"))
     has_several = sum(map(bool, answers)) > 1
     scene_data = plain_scene(recommendation)
-    sentences, torque_blocks = [], []
+    sentences = []
+    torque_blocks = []
     for k, answer in enumerate(answers):
         if not answer:
             continue

@@ -217,7 +217,10 @@ def _comparison(pair: Sequence[MethodLife]) -> _Comparison:
 
 
 def _headline(lives: Sequence[MethodLife], comparisons: Sequence[_Comparison]) -> str:
-    """Returns the part of a title that says which method gives the longer life."""
+    """Returns the part of a title that says which method gives the longer life.
+
+    comparisons: of the lives of the answer.
+    """
     if not any(math.isfinite(life.hours) for life in lives):
         return "no end of life was found"
     winners = {comparison.winner for comparison in comparisons}
@@ -266,6 +269,8 @@ def _comparison_sentences(comparisons: Sequence[_Comparison]) -> list[str]:
     """Returns a sentence for each method that wins: where, and by how much.
 
     Where no method wins, a sentence says so.
+
+    comparisons: of the lives of the answer.
     """
     sentences = []
     frictions_by_winner = _frictions_by_text((c.winner, c.friction) for c in comparisons)

@@ -89,7 +89,7 @@ class _CaseReader:
             yield _sweep_along_cases(dataset, len(content.cases)) if is_sweep else dataset
 
     def _check_shared(self, shared: Mapping[str, Any], path: Path) -> None:
-        """Raises a CaseFileError for a file whose shared attributes differ from the first file's."""
+        """Raises CaseFileError for a file whose shared attributes differ from the first file's."""
         for key, value in shared.items():
             if _comparable_attribute(value) != _comparable_attribute(self.first[key]):
                 first_file = next(iter(self.files.values()))

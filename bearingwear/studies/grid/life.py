@@ -67,7 +67,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     lives = coded(computed).drop_attrs(deep=False).assign_coords(coords)
     lives = lives.merge(interpolated.assign_coords(coords))
     lives["life_route_difference"] = _route_difference(lives, not_interpolated)
-    # Cases do not depend on the uncertain values, so the study may be older than those of the scene.
+    # cases do not depend on the uncertain values, which may have changed since the study
     study_scene = plain_scene(study)
     scene_data = load_scene(scene_path).to_dict()
     for key in ("uncertainty", "cage_uncertainty"):

@@ -55,11 +55,13 @@ def duty_figure(life: xr.Dataset) -> Figure:
 
 def duty_message(life: xr.Dataset) -> str:
     """Returns a sentence on the life over a duty, its cycles, and what ends it in which phase."""
-    scene, hours = plain_scene(life), float(life["life"])
-    when = hours_in_words(scene, hours)
-    criterion = life["end_criterion"].attrs["flag_meanings"].split()[int(life["end_criterion"])]
+    scene = plain_scene(life)
+    duration = hours_in_words(scene, float(life["life"]))
+    cycles = plain(float(life["life_cycles"]))
+    flag_names = life["end_criterion"].attrs["flag_meanings"].split()
+    criterion = flag_names[int(life["end_criterion"])]
     end = ENDS[criterion].words if criterion in ENDS else "no criterion"
     return (
-        f"{scene['name']}: life over the duty {when}, {plain(float(life['life_cycles']))} cycles, "
+        f"{scene['name']}: life over the duty {duration}, {cycles} cycles, "
         f"ended by {end} in {life.attrs['ended_in']}"
     )

@@ -87,8 +87,8 @@ def uncertain_lives(
     workers: processes that solve lives.
     tell: takes lines of progress, and a line on distributions that are assumed.
 
-    Returns the variables of `ANALYSED` over friction, preload method, choice of preload, inputs that
-        vary, and probability.
+    Returns the variables of `ANALYSED` over friction, preload method, choice of preload, inputs
+        that vary, and probability.
     """
     plan = sampling_of(samples, seed)
     assumptions: list[str] = []
@@ -293,6 +293,8 @@ def _add_longest_shares(methods: Sequence[MethodLives]) -> None:
     """Adds to the row of each method the share of bearings that it gives the longest life.
 
     Methods without lives are left out; a single one gets no share.
+
+    methods: lives with each method at the same choice of preload.
     """
     sampled = [method for method in methods if len(method.life)]
     if len(sampled) > 1:

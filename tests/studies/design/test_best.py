@@ -22,7 +22,7 @@ from bearingwear.studies.design.best import (
 )
 from bearingwear.studies.design.changes import _limit_change
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
-from bearingwear.studies.design.infeasible import why_none
+from bearingwear.studies.design.infeasible import infeasibility_text
 from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits, round_number
 from bearingwear.studies.design.recommend import recommendation
@@ -170,16 +170,16 @@ def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
 def test_no_preload_within_the_limits_is_explained(scene):
     made_up = MadeUp(scene, falling, lambda p: 1e6 * p**0.3)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
+    why = infeasibility_text(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert why.startswith("axial stiffness of one bearing")
     assert numbers_in(why)[:3] == [20, 15.4, 9060]  # N/um required, and at best at 9060 N
     made_up = MadeUp(scene, lambda p: 0.0)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
+    why = infeasibility_text(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert "criterion" in why and "new" in why
     made_up = MadeUp(scene, lambda p: math.nan)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
+    why = infeasibility_text(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert why == "no life could be computed"
 
 
@@ -191,7 +191,7 @@ def test_requirements_that_cannot_be_met_together_are_named():
         values = dict.fromkeys(stiffness, 1e6 * k) | {"friction_power": 0.1 * k, "status": OK}
         return PreloadPoint(float(k), values | {"life": 10.0 - k, "end_criterion": 0}, EXACT_LIFE)
 
-    why = why_none([point(k) for k in (1, 2, 3, 4)], limits, has_cases=False)
+    why = infeasibility_text([point(k) for k in (1, 2, 3, 4)], limits, has_cases=False)
     assert "individually" in why and "axial stiffness of one bearing" in why
     assert numbers_in(why) == [3.5, 3, 3]  # N/um required, but 3 at 3 N
 
@@ -206,7 +206,7 @@ def test_a_criterion_that_rules_out_what_the_requirements_allow_is_named():
         values |= {"status": OK, "life": 0.0 if k < 5 else 1.0, "end_criterion": slip}
         return PreloadPoint(float(k), values, EXACT_LIFE)
 
-    why = why_none([point(k) for k in (2, 3, 4, 5, 6)], limits, has_cases=False)
+    why = infeasibility_text([point(k) for k in (2, 3, 4, 5, 6)], limits, has_cases=False)
     assert "wear.end_of_life.gyroscopic_slip_share" in why and "met when" in why
     assert numbers_in(why) == [2, 2.001, 5, 2, 4]  # GPa, but more at 5 N; from 2 to 4 N
     assert "never below 2.001" in why
@@ -224,7 +224,7 @@ def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
         return PreloadPoint(float(k), values, solved)
 
     order = [point(3, 0.9, NEW_BEARING), point(4, 0.3, EXACT_LIFE), point(5, 0.2, EXACT_LIFE)]
-    why = why_none(order, limits, has_cases=False)
+    why = infeasibility_text(order, limits, has_cases=False)
     assert "individually" in why and "stiffness" not in why
     assert numbers_in(why)[-2:] == [30, 4]  # % of the preload kept, at 4 N
 

@@ -272,7 +272,7 @@ def test_the_lowest_speed_ends_the_range(spindle):
 
 
 def test_a_condition_that_is_not_solved_is_named(spindle):
-    other_conditions = OtherConditions(spindle, STIFF.effective, exactly=False)
+    other_conditions = OtherConditions(spindle, STIFF.effective, quick=True)
     where = OperatingCondition(spindle).where(wear="new")
     own = state_extremes(spindle, new_states(spindle), where)
     from bearingwear.solvers.state import State

@@ -13,7 +13,6 @@ from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
-    draw_lines,
     failed_keys,
     frame,
     method_keys,
@@ -48,12 +47,14 @@ from bearingwear.studies.design.figures.uncertainty_figure import (
 
 
 def map_plot(design: xr.Dataset) -> Figure:
-    """Draws a map over preload and friction, or over preload alone where it has one friction."""
-    return map_overview(design) if design.sizes["friction"] > 1 else _lines_over_preload(design)
+    """Returns a figure of a map over preload and friction, or over preload at its only friction."""
+    if design.sizes["friction"] > 1:
+        return map_overview(design)
+    return _preload_line_figure(design)
 
 
-def _lines_over_preload(design: xr.Dataset) -> Figure:
-    """Draws the quantities of a map of one friction, a panel each."""
+def _preload_line_figure(design: xr.Dataset) -> Figure:
+    """Returns a figure of the quantities of a map of one friction over preload, a panel each."""
     scene = plain_scene(design)
     speed = scene["operation"]["shaft_speed_rpm"]
     line = design.sel(shaft_speed=speed).isel(friction=0)
@@ -61,9 +62,11 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
     figure, panels = new_figure(1, len(quantities), 2.6 * len(quantities), 3.2)
     has_failed = False
     for panel, (name, quantity) in zip(panels[0], quantities.items(), strict=True):
-        values, label = line[name], quantity.label
-        unit, finite = display(quantity.units, values), values.where(np.isfinite(values))
-        has_failed |= draw_lines(panel, finite, "preload", label, unit, line["status"], marker=".")
+        unit = display(quantity.units, line[name])
+        finite = line[name].where(np.isfinite(line[name]))
+        has_failed |= draw_lines(
+            panel, finite, "preload", quantity.label, unit, line["status"], marker="."
+        )
         start_at_zero(panel)
     frame(
         figure,
@@ -77,7 +80,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
 
 
 def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
-    """Draws the spread of lives at each friction, and its main cause if computed."""
+    """Returns a figure of the spread of lives at each friction, with Sobol indices if computed."""
     if "total_index" in uncertainty:
         return uncertainty_figure(uncertainty)
     frictions = at_each_friction(uncertainty)
@@ -106,9 +109,10 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
 
 
 def recommendation_plot(recommendation: xr.Dataset) -> Figure:
-    """Draws the life at the recommended preload of each method."""
+    """Returns a figure of the life at the recommended preload of each method."""
     figure, ((panel,),) = new_figure(1, 1, 5.4, 3.2)
-    scene, points = plain_scene(recommendation), methods(recommendation)
+    scene = plain_scene(recommendation)
+    points = methods(recommendation)
     for height, (method, point) in enumerate(points):
         life = float(point["life"])
         panel.barh(height, np.nan_to_num(life), color=COLOURS[method], height=0.4)
@@ -125,9 +129,13 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
 
 
 def _recommended_text(recommendation: xr.Dataset, point: xr.Dataset) -> str:
-    """Returns the life at the recommended preload of a method, and what limits it."""
+    """Returns the life at the recommended preload of a method, and the words for its limit.
+
+    point: recommendation of the method.
+    """
     active = ACTIVE[int(point["active_limit"])]
-    limit, life = LIMIT_WORDS[active], float(point["life"])
+    limit = LIMIT_WORDS[active]
+    life = float(point["life"])
     if not np.isfinite(life):
         return limit
     text = f"{Rough(life).text} h at {preload_text(point)} N, limited by\n{limit}"

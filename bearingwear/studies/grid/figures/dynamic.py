@@ -116,6 +116,7 @@ def _draw_both_models(
 ) -> bool:
     """Draws QV and the wear rate of a ball in two panels; returns whether a case is unsolved.
 
+    column: panels, of which the first two are drawn in.
     dynamic, steady: cases over the loss and the preload method.
     power: unit of QV.
     """
@@ -143,6 +144,7 @@ def _draw_both_models(
 def _agreement_sentence(dynamic: xr.Dataset, steady: xr.Dataset, has_cage: bool) -> str:
     """Returns a sentence on the largest differences over all cases solved with both models.
 
+    steady: cases of the same scene, among which is every dynamic one.
     has_cage: whether the dynamic cases have a cage.
     """
     steady = steady.sel({axis: dynamic[axis] for axis in dynamic["status"].dims})
@@ -164,6 +166,7 @@ def _agreement_sentence(dynamic: xr.Dataset, steady: xr.Dataset, has_cage: bool)
 def running_average_figure(case: xr.Dataset, reference: str | Path | None = None) -> Figure:
     """Returns a figure of the wear rates of ball 1 and the cage, averaged from the start (Fig. 6).
 
+    case: dynamic case.
     reference: a table of `REFERENCE_COLUMNS` with values to draw over the averages.
     """
     is_solved = int(case["status"]) == OK
@@ -253,7 +256,10 @@ def _change_phrase(part: str, mean: xr.DataArray, turn: float) -> str:
 
 
 def _turn_duration(case: xr.Dataset) -> float:
-    """Returns the duration [s] of a turn of the shaft, or of the outer race if that is faster."""
+    """Returns the duration [s] of a turn of the shaft, or of the outer race if that is faster.
+
+    case: dynamic case.
+    """
     operation = plain_scene(case)["operation"]
     speeds_rpm = operation["shaft_speed_rpm"], operation.get("outer_speed_rpm", 0.0)
     return 60.0 / max(map(abs, speeds_rpm))

@@ -37,6 +37,7 @@ def wear_overlay_figure(studies: Sequence[xr.Dataset], friction: float) -> Figur
 
     It has a column for each preload method.
 
+    friction: coefficient of the cases or lives drawn.
     studies: cases of each scene.
     """
     figure, panels = new_figure(3, 2, 7.2, 7.2, sharex=True, sharey="row")
@@ -64,10 +65,8 @@ def wear_overlay_figure(studies: Sequence[xr.Dataset], friction: float) -> Figur
         start_at_zero(panel)
     labels = scene_labels([plain_scene(study) for study in studies])
     keys = [key(label, **look) for label, look in zip(labels, looks, strict=True)]
-    title = (
-        f"{', '.join(plain_scene(study)['name'] for study in studies)} at {friction_text(friction)}: "
-        f"{_last_qv_phrase(studies, friction)}"
-    )
+    names = ", ".join(plain_scene(study)["name"] for study in studies)
+    title = f"{names} at {friction_text(friction)}: {_last_qv_phrase(studies, friction)}"
     frame(figure, title, [*keys, *failed_keys(failed)], columns=1)
     return figure
 
@@ -76,6 +75,8 @@ def _last_qv_phrase(studies: Sequence[xr.Dataset], friction: float) -> str:
     """Returns a phrase on QV with the last preload method at the last loss, relative to new.
 
     The range is that over the scenes of the studies.
+
+    friction: coefficient of the cases or lives drawn.
     """
     ratios = []
     for study in studies:
@@ -108,6 +109,7 @@ def life_overlay_figure(lives: Sequence[xr.Dataset], friction: float) -> Figure:
 
     It has a column for each preload method.
 
+    friction: coefficient of the cases or lives drawn.
     lives: wear lives of each scene.
     """
     figure, panels = new_figure(2, 2, 7.2, 5.6, sharex="row", sharey=True)
@@ -154,6 +156,7 @@ def _draw_life(
 
     Without a solved state, it draws nothing and returns NaN.
 
+    column: two panels.
     power: unit of QV.
     look: of the lines.
     """

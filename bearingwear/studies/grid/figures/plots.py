@@ -28,7 +28,10 @@ def case_plot(case: xr.Dataset) -> Figure:
 
 
 def _history_figure(case: xr.Dataset) -> Figure:
-    """Returns a figure of loads and slip of every ball, QV and preload over the simulated time."""
+    """Returns a figure of loads and slip of every ball, QV and preload over the simulated time.
+
+    case: dynamic case.
+    """
     load = case["history_contact_load"]
     slip = case["history_slip"]
     total_qv = case["history_contact_qv"].astype(float).sum(["ball", "race"], skipna=False)

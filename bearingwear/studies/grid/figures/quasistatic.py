@@ -147,7 +147,10 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
 
 
 def _draw_slip(panels: np.ndarray, case: xr.Dataset, **look: str) -> None:
-    """Draws the slip of ball 1: a row of panels for each direction, a column for each race."""
+    """Draws the slip of ball 1: a row of panels for each direction, a column for each race.
+
+    case: single case with slip of each strip.
+    """
     for row, variable in zip(panels, ("rolling_slip", "gyroscopic_slip"), strict=True):
         for k, panel in enumerate(row):
             slip = case[variable].isel(ball=0, race=k)
@@ -309,7 +312,10 @@ def life_figure(
 
 
 def _is_interpolated(lives: xr.Dataset, frictions: Sequence[float]) -> bool:
-    """Whether any of the lives was interpolated between the cases of a study."""
+    """Whether any of the lives was interpolated between the cases of a study.
+
+    frictions: coefficients of the lives drawn.
+    """
     times = lives.get("interpolated_history_time")
     return times is not None and bool(times.sel(friction=frictions).notnull().any())
 
@@ -324,6 +330,7 @@ def _draw_life_column(
 ) -> None:
     """Draws a life in two panels, and the interpolated life as dots of the same colour.
 
+    column: two panels.
     look: of the lines.
     end_marker: of the end of life.
     """
@@ -351,6 +358,8 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     """Returns a phrase on the range of the lives [h] that have an end.
 
     A single one is named by its preload method and friction.
+
+    frictions: coefficients of the lives drawn.
     """
     scene = plain_scene(lives)
     hours_by_condition: dict[str, float] = {}
@@ -375,6 +384,7 @@ def _spread_sentence(
 ) -> str:
     """Returns a sentence on the interval of the lives of bearings, or on why there is none.
 
+    frictions: coefficients of the lives drawn.
     uncertainties: datasets of the study of uncertainty.
     """
     scene = plain_scene(lives)
