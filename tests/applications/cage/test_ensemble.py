@@ -138,7 +138,7 @@ def test_an_ensemble_that_misses_its_interval_has_all_runs_and_says_so(scene):
 
 @pytest.mark.parametrize(("count", "ends"), [(3, (0.0616, 0.3218)), (0, (0.0, 0.1192))])
 def test_share_intervals_are_wilsons(count, ends):
-    """Of 20 runs, at 90 %, computed by hand from his formula to four digits."""
+    """Of 20 runs, at 90 %, to the four digits of the expected numbers."""
     assert share_interval(count, 20) == pytest.approx(ends, abs=1e-4)
 
 
@@ -187,7 +187,7 @@ def test_an_ensemble_is_shown_and_plotted(tmp_path, capsys):
 
 @pytest.mark.long  # the next test solves one run; those above need no solved run
 def test_most_cages_whirl_at_a_friction_of_a_tenth(tmp_path):
-    """They whirl at 0.6 to 0.8 of the speed of the shaft, as dynamic solves of this scene do."""
+    """They whirl at 0.6 to 0.8 of the speed of the shaft; the limits leave a tenth beside that."""
     dataset = bearingwear.load(ensemble_file(tmp_path / "cage.nc", "--within", "0.5"))
     assert (dataset["status"] == "ok").all()
     assert float(dataset["share"].sel(of_motion="whirls")) > 0.6
@@ -198,8 +198,8 @@ def test_most_cages_whirl_at_a_friction_of_a_tenth(tmp_path):
 def test_a_cage_run_moves_as_in_the_dynamic_solver(scene):
     """`solve` gives the same work and torque for the same start.
 
-    Both average the last 20 of 80 turns, but not with the same steps, so that an irregular motion
-    differs by a few percent.
+    Both average the last 20 of 80 turns. The tolerance is half of the interval's half-width that an
+    ensemble aims at.
     """
     changes = {
         "friction.cage": 0.1,
