@@ -79,8 +79,8 @@ def test_a_case_is_shown_in_units_for_people_with_its_limits(gyro_rows, name, un
 def test_residuals_are_shown_only_with_the_option_all(tmp_path, capsys):
     file = tmp_path / "case.nc"
     printed(capsys, "solve", SCENE, "-o", file, "--quiet")
-    assert "residual" not in quantities(capsys, "show", file)
-    assert "residual" in quantities(capsys, "show", file, "--all")
+    assert "equilibrium_residual" not in quantities(capsys, "show", file)
+    assert "equilibrium_residual" in quantities(capsys, "show", file, "--all")
 
 
 def test_friction_power_is_torque_times_speed(capsys):
