@@ -30,7 +30,8 @@ SCENE = Path(__file__).parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 QUICK = ["--set", "model.strips=10", "--set", "model.tolerance=1.0e-3"]
 
 
-def solve(output, *more) -> int:
+def run_solve(output, *more) -> int:
+    """Runs `bearingwear solve` with a coarse model, and returns its exit status."""
     return main(["solve", str(SCENE), "-o", str(output), *QUICK, *more])
 
 
@@ -38,7 +39,7 @@ def solve(output, *more) -> int:
 
 
 def test_solve_prints_the_sheet_that_its_file_has(tmp_path, capsys):
-    assert solve(tmp_path / "new" / "case.nc") == 0
+    assert run_solve(tmp_path / "new" / "case.nc") == 0
     sheet, err = capsys.readouterr()
     assert err.endswith("new: new folder\n")  # before it, that kernels are compiled
     assert main(["show", str(tmp_path / "new" / "case.nc")]) == 0
@@ -52,31 +53,36 @@ def test_solve_prints_the_sheet_that_its_file_has(tmp_path, capsys):
 
 
 def test_solve_twice_gives_the_same_bytes(tmp_path):
-    assert solve(tmp_path / "a.nc") == solve(tmp_path / "b.nc") == 0
+    assert run_solve(tmp_path / "a.nc") == run_solve(tmp_path / "b.nc") == 0
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
-def test_record_timing(tmp_path):
-    assert solve(tmp_path / "a.nc", "--record-timing") == 0
+def test_record_timing_stores_the_wall_time(tmp_path):
+    assert run_solve(tmp_path / "a.nc", "--record-timing") == 0
     assert load(tmp_path / "a.nc").attrs["wall_time_s"] > 0.0
 
 
-def fails(status):
+def failing_solve(status):
+    """Returns a function in place of `solve` whose result has a status and no values."""
+
     def solved(scene, fidelity=None, restart=None, progress=None):
         return Result({"status": status}, {"fidelity": "steady"})
 
     return solved
 
 
-def test_failed_solve(tmp_path, capsys, monkeypatch):
+def test_a_failed_solve_has_exit_status_3_one_line_and_a_file_with_its_status(
+    tmp_path, capsys, monkeypatch
+):
+    """With --record-failures the exit status is 0."""
     status = code.CONTACT_LOST
-    monkeypatch.setattr(solve_model, "solve", fails(status))
-    assert solve(tmp_path / "a.nc") == 3
+    monkeypatch.setattr(solve_model, "solve", failing_solve(status))
+    assert run_solve(tmp_path / "a.nc") == 3
     err = capsys.readouterr().err
     assert err.count("\n") == 1 and err.startswith(f"{SCENE}: {code.STATUS_NAMES[status]}: ")
     case = load(tmp_path / "a.nc")
     assert int(case["status"]) == status and np.isnan(case["total_qv"])
-    assert solve(tmp_path / "b.nc", "--record-failures") == 0
+    assert run_solve(tmp_path / "b.nc", "--record-failures") == 0
 
 
 INTERRUPTED = """
@@ -117,7 +123,7 @@ __main__.run_program()
     ],
 )
 def test_an_interrupted_import_or_write_leaves_no_trace(arguments, number, problem, tmp_path):
-    """While numba is imported, and while a file is half written."""
+    """While numba is imported, or a file is half written; there is no traceback and no file."""
     done = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, *arguments, str(int(number))],
         cwd=tmp_path,
@@ -144,7 +150,7 @@ sys.exit(__main__.run_program())
 """
 
 
-def test_an_interrupt_while_python_ends():
+def test_an_interrupt_while_python_ends_keeps_the_exit_status():
     """The work is done, and its exit status stands."""
     done = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (3, "late\n", "")
@@ -170,7 +176,7 @@ def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
     assert life.sizes["step"] > 2
 
 
-def test_failed_life(tmp_path, monkeypatch):
+def test_a_life_without_an_end_has_exit_status_3(tmp_path, monkeypatch):
     def lived(scene, fidelity, progress):
         return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": NO_CRITERION})
 
@@ -224,7 +230,7 @@ def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
 def rewrite_scene(path, change):
     import netCDF4
 
-    assert solve(path, "--quiet") == 0
+    assert run_solve(path, "--quiet") == 0
     with netCDF4.Dataset(path, "a") as file:
         file.scene = change(file.scene)
 
@@ -234,7 +240,7 @@ BUFFERING = pytest.mark.parametrize("unbuffered", ["", "1"], ids=["buffered", "u
 
 @BUFFERING
 def test_print_into_a_closed_pipe(unbuffered, tmp_path):
-    solve(tmp_path / "a.nc")
+    run_solve(tmp_path / "a.nc")
     reader, writer = os.pipe()
     os.close(reader)
     try:
@@ -265,7 +271,7 @@ def test_print_on_a_full_disk(unbuffered):
         ["study", "--report", "a.html", "a.yaml"],
     ],
 )
-def test_wrong_arguments(argv, capsys):
+def test_wrong_arguments_are_refused_in_one_line_that_names_help(argv, capsys):
     assert main(argv) == 2
     err = only_line(capsys)
     assert err.startswith("bearingwear") and "--help" in err
@@ -288,14 +294,17 @@ def test_the_name_of_a_study_comes_first(option, capsys):
         (["--each", "friction.bal=1", "-o", "x.nc"], "--set friction.bal: got an unknown key"),
     ],
 )
-def test_values_and_files_belong_together(given, problem, tmp_path, monkeypatch, capsys):
+def test_each_is_refused_unless_it_has_a_file_for_each_value(
+    given, problem, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     assert main(["solve", str(SCENE), *given]) == 2
     assert only_line(capsys).startswith(problem)
     assert os.listdir() == []
 
 
-def test_each_value_is_solved_as_alone(tmp_path, capsys):
+def test_each_writes_the_files_that_single_solves_write(tmp_path, capsys):
+    """They can be gathered; an unsolved value gives exit status 3 unless failures are recorded."""
     key, values = "wear.ball_diameter_loss_um", ("0", "0.5")
     case = "constant_force-mu0.050-loss{:.2f}.nc"
     files = [str(tmp_path / case.format(float(value))) for value in values]
@@ -359,21 +368,21 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
         ),
     ],
 )
-def test_a_step_that_is_not_there(run, problem, tmp_path, capsys):
+def test_an_unknown_step_is_refused(run, problem, tmp_path, capsys):
     assert step(run, tmp_path / "a.nc") == 2
     assert only_line(capsys).startswith(problem)
     assert os.listdir(tmp_path) == []
 
 
 def test_an_unsolved_step_reports_its_status_and_ends_with_0(tmp_path, capsys):
-    """A study goes on without what could not be solved; its verdict fails."""
+    """So that a study continues without the case; the status in the file tells it."""
     settings = {"changes": {"friction.ball_race": 0}}
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
     assert only_line(capsys).startswith(f"{SCENE}: undetermined: ")
     assert int(load(tmp_path / "a.nc")["status"]) == code.UNDETERMINED
 
 
-def test_only_our_functions_are_steps(tmp_path, capsys):
+def test_a_function_of_another_package_is_no_step(tmp_path, capsys):
     assert main(["step", "os.system", "command=ls", "-o", str(tmp_path / "a.nc")]) == 2
     assert only_line(capsys).startswith("step: got os.system, expected bearingwear.MODULE.FUNCTION")
 
@@ -381,7 +390,7 @@ def test_only_our_functions_are_steps(tmp_path, capsys):
 @pytest.mark.parametrize(
     "given", [["scene"], ["scene=a", "b"], ["scene=a", "fidelity=steady", "c=1"], ["=a"]]
 )
-def test_wrong_arguments_of_a_step(given, tmp_path, capsys):
+def test_wrong_arguments_of_a_step_are_refused_in_one_line(given, tmp_path, capsys):
     assert (
         main(
             ["step", "bearingwear.studies.solve.solved_case", *given, "-o", str(tmp_path / "a.nc")]
@@ -395,27 +404,27 @@ def test_wrong_arguments_of_a_step(given, tmp_path, capsys):
 # outputs that are refused
 
 
-def test_output_is_no_folder(tmp_path, capsys):
-    assert solve(tmp_path) == 2
+def test_a_folder_as_output_is_refused(tmp_path, capsys):
+    assert run_solve(tmp_path) == 2
     assert "a folder or a device" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["new/", ""])
-def test_output_is_the_name_of_a_file(name, tmp_path, capsys, monkeypatch):
+def test_an_output_without_a_file_name_is_refused(name, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert solve(name) == 2
+    assert run_solve(name) == 2
     assert f"got {name!r}, expected a file name" in only_line(capsys)
     assert os.listdir(tmp_path) == []
 
 
 @pytest.mark.parametrize("name", ["x" * 300, "x" * 250, "\udcff.nc"])
-def test_output_that_cannot_be_named(name, tmp_path, capsys):
-    assert solve(tmp_path / name) == 2
+def test_an_output_with_an_impossible_name_is_refused(name, tmp_path, capsys):
+    assert run_solve(tmp_path / name) == 2
     assert "cannot be written" in only_line(capsys)
     assert os.listdir(tmp_path) == []
 
 
-def test_output_is_not_the_scene(tmp_path, capsys):
+def test_the_scene_itself_as_output_is_refused(tmp_path, capsys):
     mine = tmp_path / "mine.yaml"
     shutil.copy(SCENE, mine)
     assert main(["solve", str(mine), "-o", str(mine)]) == 2
@@ -424,7 +433,7 @@ def test_output_is_not_the_scene(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
-def test_output_replaces_results_alone(command, tmp_path, capsys):
+def test_an_output_that_would_replace_another_file_is_refused(command, tmp_path, capsys):
     other = tmp_path / "other.yaml"
     other.write_text("name: another scene\n")
     assert main([command, str(SCENE), "-o", str(other)]) == 2
@@ -433,10 +442,10 @@ def test_output_replaces_results_alone(command, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
-def test_output_replaces_no_file_marked_read_only(command, tmp_path, capsys):
-    """Not even as root, who may write to it, and before anything is solved."""
+def test_an_output_that_would_replace_a_read_only_file_is_refused(command, tmp_path, capsys):
+    """Before anything is solved, and even for root, who could write to it."""
     kept = tmp_path / "kept.nc"
-    assert solve(kept) == 0
+    assert run_solve(kept) == 0
     before = kept.read_bytes()
     kept.chmod(0o444)
     capsys.readouterr()
@@ -446,13 +455,13 @@ def test_output_replaces_no_file_marked_read_only(command, tmp_path, capsys):
     assert kept.read_bytes() == before
 
 
-def test_output_in_a_folder_that_cannot_be_written(tmp_path, capsys):
+def test_an_output_in_a_folder_without_write_permission_is_refused(tmp_path, capsys):
     if os.geteuid() == 0:
         folder = Path("/proc")  # nobody can write there, root neither
     else:
         folder = tmp_path / "closed"
         folder.mkdir(mode=0o500)
-    assert solve(folder / "a.nc") == 2
+    assert run_solve(folder / "a.nc") == 2
     assert "cannot be written" in capsys.readouterr().err
 
 
@@ -463,12 +472,13 @@ def test_output_in_a_folder_that_cannot_be_written(tmp_path, capsys):
     ("command", "meant"),
     [("slove", "solve"), ("sovle", "solve"), ("plto", "plot"), ("checks", "check")],
 )
-def test_a_mistyped_command(command, meant, capsys):
+def test_a_mistyped_command_is_refused_with_the_nearest_one(command, meant, capsys):
     assert main([command]) == 2
     assert f"{command!r}; did you mean {meant}" in capsys.readouterr().err
 
 
-def test_a_mistyped_option(capsys):
+def test_a_mistyped_option_is_refused_with_the_nearest_one(capsys):
+    """Unless none is similar."""
     assert main(["recommend", "mine.yaml", "--stifness=10"]) == 2
     assert "'--stifness=10', which this command does not accept; did you mean --stiffness" in (
         capsys.readouterr().err
@@ -477,9 +487,10 @@ def test_a_mistyped_option(capsys):
     assert "did you mean" not in capsys.readouterr().err
 
 
-def test_plot_in_any_order_of_arguments(tmp_path, capsys):
+def test_plot_accepts_the_figure_and_the_result_in_either_order(tmp_path, capsys):
+    """Without a figure it draws beside the result; without a result it is refused."""
     file, figure = tmp_path / "a.nc", tmp_path / "a.png"
-    assert solve(file, "--quiet") == 0
+    assert run_solve(file, "--quiet") == 0
     assert main(["plot", "-o", str(file), str(figure)]) == 0
     assert capsys.readouterr() == (f"{figure}: written\n", "")
     assert figure.read_bytes().startswith(b"\x89PNG")
@@ -511,7 +522,8 @@ def test_warnings_are_printed_once(capsys):
     assert output == "" and error.count("warning: ") == 1 and 0.3 in numbers_in(error)
 
 
-def test_one_new_folder_is_made_and_reported(tmp_path, capsys):
+def test_commands_create_one_folder_and_report_it(tmp_path, capsys):
+    """More than one new folder is refused, as its path is probably mistyped."""
     where = tmp_path / "new"
     tree = where / "folder" / "case.nc"
     assert main(["solve", str(SCENE), "-o", str(tree)]) == 2 and not where.exists()
@@ -527,8 +539,8 @@ def test_one_new_folder_is_made_and_reported(tmp_path, capsys):
     assert capsys.readouterr().err == f"{tmp_path / 'other'}: new folder\n"
 
 
-def test_skid_ratio_has_one_sign(capsys):
-    """That of its meaning, a lag behind rolling: in a case and along a life."""
+def test_the_skid_ratio_has_the_same_sign_in_a_case_and_in_a_life(capsys):
+    """It is a lag behind rolling; without drag, the balls lead."""
     shown = []
     for command in ("solve", "life"):
         assert main([command, str(SCENE), "--json", "--set", "lubricant.drag_density_kg_m3=0"]) == 0
@@ -538,7 +550,7 @@ def test_skid_ratio_has_one_sign(capsys):
     assert shown[0] == pytest.approx(shown[1], rel=1e-6) and shown[0] < 0.0
 
 
-def test_uncertainty_where_nothing_could_be_solved(tmp_path, capsys):
+def test_uncertainty_without_a_solved_life_has_exit_status_3(tmp_path, capsys):
     scene, file = tmp_path / "a.yaml", tmp_path / "a.nc"
     text = SCENE.read_text(encoding="utf-8")
     scene.write_text(text.replace("preload_N: 7.0", "preload_N: 1.0e+6"), encoding="utf-8")
@@ -547,8 +559,8 @@ def test_uncertainty_where_nothing_could_be_solved(tmp_path, capsys):
     assert not output and error.endswith(f"{scene}: no life could be computed (see {file})\n")
 
 
-def test_recommend_fails_where_nothing_could_be_solved(capsys):
-    """With status 3, and with 4 where a requirement could have been met."""
+def test_recommend_without_a_solved_life_has_exit_status_3(capsys):
+    """With a requirement, the exit status is 4."""
     without_friction = ["recommend", str(SCENE), "--set", "friction.ball_race=0"]
     assert main(without_friction) == 3
     output, error = capsys.readouterr()

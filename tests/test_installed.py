@@ -23,8 +23,8 @@ SHIPPED = (
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    """Python of an environment with the package installed, not linked; no index is asked."""
+def installed_python(tmp_path_factory):
+    """Returns Python of an environment in which the package is installed, without an index."""
     pytest.importorskip("setuptools")
     folder = tmp_path_factory.mktemp("installed")
     source, environment = folder / "source", folder / "venv"
@@ -57,11 +57,11 @@ def run(command, folder):
     )
 
 
-def test_example_and_catalogue_come_along(installed, tmp_path):
+def test_an_installed_package_has_its_example_catalogue_and_types(installed_python, tmp_path):
     script = "import bearingwear as b; made = b.new(designation='7010C', maker='NSK'); "
     script += "print(b.__file__, b.example().name, made.bearing.ball_count)"
-    done = run([installed, "-c", script], tmp_path)
+    done = run([installed_python, "-c", script], tmp_path)
     file, *result = done.stdout.split()
-    assert Path(file).is_relative_to(installed.parents[1]), done.stderr
+    assert Path(file).is_relative_to(installed_python.parents[1]), done.stderr
     assert result == ["gyro_s1", "19"]
     assert Path(file).with_name("py.typed").exists()  # types: tests/user_types.py

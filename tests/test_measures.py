@@ -50,17 +50,17 @@ of_ends = pytest.mark.parametrize("name", ENDS)
 of_limits = pytest.mark.parametrize("name", LIMITED)
 
 
-def at(measure: Measure, ratio: float) -> float:
-    """A value [SI] of the measure's variables, `ratio` times as near as the limit is."""
+def value_at(measure: Measure, ratio: float) -> float:
+    """Returns a value [SI] of a measure's variables, `ratio` times as critical as the limit."""
     return measure.file_limit(LIMIT, PRELOAD) * (1.0 / ratio if measure.falls else ratio)
 
 
 OF_RACES = {"gyroscopic_slip_share", "film_worn_share"}
 
 
-def states(measure: Measure, ratio: float) -> State:
-    """A state whose measure is at that ratio; of all others next to nothing is known."""
-    limit_values = {name: at(measure, ratio) for name in measure.variables}
+def state_at(measure: Measure, ratio: float) -> State:
+    """Returns a state with one measure at a ratio to its limit, and the others nearly unknown."""
+    limit_values = {name: value_at(measure, ratio) for name in measure.variables}
     limit_values |= {
         name: np.array([0.1, 1.0]) * limit_values[name] for name in OF_RACES & limit_values.keys()
     }
@@ -68,8 +68,8 @@ def states(measure: Measure, ratio: float) -> State:
     return State(OK, {"ball_diameter_loss": 0.0, **of_contact, **limit_values})
 
 
-def ended_by(name: str):
-    """A scene whose life has one end."""
+def scene_with_criterion(name: str):
+    """Returns a scene whose life has one criterion."""
     scene = load_scene(scene_file("mos2_gyro" if name == "film_worn_share" else "gyro_s1"))
     scene = replace(scene, operation=replace(scene.operation, preload_N=PRELOAD))
     if name == "cage_film_worn_share":
@@ -119,7 +119,7 @@ PERCENTAGES = [measure for measure in MEASURES if measure.unit == "%"]
 
 
 @pytest.mark.parametrize("measure", PERCENTAGES, ids=lambda one: one.key)
-def test_a_percentage_of_all_has_no_power_of_ten(measure):
+def test_a_percentage_near_100_has_no_power_of_ten(measure):
     assert measure.text(0.9996) == measure.limit_text(0.9996) == "100 %"
 
 
@@ -137,7 +137,7 @@ def test_margins_are_negative_beyond_the_limit():
 
 
 @of_all
-def test_words(measure):
+def test_every_measure_has_words_and_a_limit_or_criterion(measure):
     assert measure.words and measure.advice and measure.short and measure.variables
     assert len(measure.kinds) == len(measure.variables)
     assert measure.end or measure.limit
@@ -148,7 +148,7 @@ def test_words(measure):
 
 
 @of_ends
-def test_an_end_is_a_key(name):
+def test_every_criterion_is_a_key_of_a_scene(name):
     part = parts(EndOfLife)[name]
     assert part.key.meaning and part.nullable and part.key.ends[0] == 0.0
     assert EndOfLife(**{name: LIMIT}).criteria == {name: LIMIT}
@@ -156,25 +156,26 @@ def test_an_end_is_a_key(name):
 
 
 @of_ends
-def test_an_end_has_a_margin(name):
-    scene = ended_by(name)
+def test_every_criterion_has_a_margin_that_is_negative_beyond_it(name):
+    """Criteria that a scene does not have, and values that are not known, have infinite margins."""
+    scene = scene_with_criterion(name)
     criteria = Criteria(scene)
     for ratio, sign in ((0.9, 1.0), (1.1, -1.0)):
-        computed = criteria.margins([states(ENDS[name], ratio)])
+        computed = criteria.margins([state_at(ENDS[name], ratio)])
         k = CRITERIA.index(name)
         assert np.isinf(np.delete(computed, k)).all() and np.sign(computed[k]) == sign
     assert np.isinf(criteria.margins([State(OK, {})])).all()
 
 
 @of_ends
-def test_an_end_has_its_history(name):
+def test_every_criterion_has_a_history_in_its_unit(name):
     units = "N" if ENDS[name].over_preload else ENDS[name].si_unit
     for variable in ENDS[name].variables:
         assert LIFE[f"history_{variable}"].units == units
 
 
 @of_ends
-def test_an_end_has_a_mark_of_its_own(name):
+def test_every_criterion_has_a_mark_in_figures(name):
     mark, words = END_MARKS[name]
     assert mark and MarkerStyle(mark).get_marker() == mark and ENDS[name].short in words
     assert [value for value, _ in END_MARKS.values()].count(mark) == 1
@@ -185,7 +186,7 @@ def test_an_interpolated_life_knows_it(name):
     measure, losses = ENDS[name], np.linspace(0.0, 0.7, 8)
     criteria = {name: 0.35 if name == LOSS else LIMIT}
     nearer = np.linspace(-0.5, 0.5, len(losses))  # the limit is met half way
-    values = at(measure, 1.0) * (1.0 + (-nearer if measure.falls else nearer))
+    values = value_at(measure, 1.0) * (1.0 + (-nearer if measure.falls else nearer))
     columns = {
         variable: ("ball_diameter_loss", values) for variable in measure.variables if name != LOSS
     }
@@ -216,7 +217,7 @@ def test_an_interpolated_life_knows_it(name):
 def test_an_end_has_a_row_of_a_life(name):
     measure = ENDS[name]
     arrays = {
-        f"history_{variable}": [at(measure, 0.5), at(measure, 1.0)]
+        f"history_{variable}": [value_at(measure, 0.5), value_at(measure, 1.0)]
         for variable in measure.variables
     }
     plain = {"wear": {"end_of_life": {name: LIMIT}}, "operation": {"preload_N": PRELOAD}}
@@ -237,7 +238,7 @@ def test_the_criterion_that_ended_a_life_is_stated(name):
     values = {"history_ball_diameter_loss": np.zeros(1), "end_criterion": CRITERIA.index(name)}
     values |= {f"history_{variable}": np.array([end]) for variable in measure.variables}
     limit = measure.limit_text(LIMIT)
-    ended = end_attribute(ended_by(name), values)
+    ended = end_attribute(scene_with_criterion(name), values)
     kinds = measure.kinds
     assert ended["ended_by"] in [
         f"{kind} {measure.words} {limit}, criterion {limit}".strip() for kind in kinds
@@ -245,18 +246,18 @@ def test_the_criterion_that_ended_a_life_is_stated(name):
 
 
 @of_ends
-def test_a_case_beyond_an_end_is_marked(name):
+def test_a_case_that_violates_a_criterion_is_marked(name):
     measure = ENDS[name]
-    plain = json.dumps(ended_by(name).to_dict())
+    plain = json.dumps(scene_with_criterion(name).to_dict())
     for variable in measure.variables:
         if variable not in CASE:
             continue
         for ratio, note in ((0.9, ""), (1.1, "violated")):
-            file = File({variable: [at(measure, ratio)]}, "none", plain)
-            row = row_of(variable, [at(measure, ratio)], variable_limits(file)[variable])
+            file = File({variable: [value_at(measure, ratio)]}, "none", plain)
+            row = row_of(variable, [value_at(measure, ratio)], variable_limits(file)[variable])
             assert [violation.note for violation in rows_with_violations([row], file)] == [note]
     end = measure.file_limit(LIMIT, PRELOAD)
-    held = criteria_of_case(ended_by(name), dict.fromkeys(measure.variables, end))
+    held = criteria_of_case(scene_with_criterion(name), dict.fromkeys(measure.variables, end))
     assert measure.margin(held[name][0], LIMIT) == pytest.approx(0.0)
 
 
@@ -264,7 +265,7 @@ def test_a_case_beyond_an_end_is_marked(name):
 
 
 @of_limits
-def test_a_limit_is_a_key_and_an_option(name):
+def test_every_limit_of_a_design_is_a_key_and_an_option(name):
     measure = LIMITED[name]
     assert parts(DesignLimits)[name].key.meaning.startswith(measure.limit[0])
     assert DesignLimits(**{name: LIMIT}).given == {name: LIMIT}
@@ -274,7 +275,7 @@ def test_a_limit_is_a_key_and_an_option(name):
 
 
 @of_limits
-def test_a_limit_is_in_words_and_letters(name):
+def test_every_limit_of_a_design_has_words_and_a_letter_in_figures(name):
     measure = LIMITED[name]
     assert name in ACTIVE and LIMIT_WORDS[name] == measure.words
     assert measure.words in limit_text(name, LIMIT)
@@ -284,17 +285,17 @@ def test_a_limit_is_in_words_and_letters(name):
 
 
 @of_limits
-def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
+def test_a_limit_of_a_design_applies_to_the_worst_value_along_a_life(name, monkeypatch):
     unknown_frequency = "bearingwear.studies.design.condition_extremes.lowest_frequency"
     monkeypatch.setattr(unknown_frequency, lambda *_: np.nan)
-    measure, result = LIMITED[name], ended_by("skid_ratio")
+    measure, result = LIMITED[name], scene_with_criterion("skid_ratio")
     if measure.of_life:
         assert set(measure.extremes) <= POINT.keys()
         return
-    along = [states(measure, ratio) for ratio in (0.9, 1.1, 0.5)]
+    along = [state_at(measure, ratio) for ratio in (0.9, 1.1, 0.5)]
     computed = values_of_states(result, along)
     assert set(measure.extremes) <= POINT.keys() and set(computed) <= POINT.keys()
-    worst = at(measure, 1.1) / (PRELOAD if measure.over_preload else 1.0)
+    worst = value_at(measure, 1.1) / (PRELOAD if measure.over_preload else 1.0)
     for variable in measure.extremes:
         assert computed[variable] == pytest.approx(worst)
     (left,) = limit_margins(computed, DesignLimits(**{name: LIMIT}, at_speed_only=True))
@@ -302,17 +303,17 @@ def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
 
 
 @of_all
-def test_the_worse_bearing_of_a_pair_counts(measure, monkeypatch):
+def test_a_measure_of_a_pair_is_that_of_its_worse_bearing(measure, monkeypatch):
     lowest = lambda _, both: min(item["lowest_frequency"] for item in both)  # noqa: E731
     monkeypatch.setattr(many, "lowest_frequency", lowest)
     rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))
-    near, far = states(measure, 1.2), states(measure, 0.3)
+    near, far = state_at(measure, 1.2), state_at(measure, 0.3)
     for both in ((near, far), (far, near)):
         (worse,) = many.worse_states(Life([Node(0.0, None, both, np.zeros(2))], None), rotor)
         assert measure.critical(worse.__getitem__, 1.0) == measure.critical(near.__getitem__, 1.0)
 
 
-def test_of_several_variables_the_worst_counts_and_is_named():
+def test_a_measure_of_several_variables_is_the_worst_of_them_and_names_it():
     both = replace(
         LIMITED["axial_stiffness_N_um"],
         variables=("axial_stiffness", "skid_ratio"),

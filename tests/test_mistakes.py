@@ -203,8 +203,8 @@ REFUSED_COMMANDS = {
 
 
 @pytest.fixture
-def scene(tmp_path, monkeypatch):
-    """The text of a.yaml, in a folder of its own."""
+def scene_text_in_folder(tmp_path, monkeypatch):
+    """Writes a.yaml and files that are no scenes to the present folder; returns its text."""
     monkeypatch.chdir(tmp_path)
     text, _ = scene_text("", None, None, {}, designation="7008C", lubrication="starved")
     (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
@@ -223,13 +223,13 @@ MEANT = {
 """Keys of a scene by what is typed for them."""
 
 
-def typed(text):
-    """The words of a line, of which a quoted one may have spaces."""
+def typed_words(text):
+    """Returns the words of a line, of which a quoted one may have spaces."""
     return [a or b for a, b in re.findall(r"'([^']*)'|(\S+)", text)]
 
 
-def with_line(text, line):
-    """A scene with a line, or a part of one, in place of its own of the same or the nearest key."""
+def text_with_line(text, line):
+    """Returns the text of a scene with a line in place of that of the same or the nearest key."""
     key = line.strip().partition(":")[0]
     key = MEANT.get(key, key.partition(" ")[0])
     inline = re.compile(rf"(?<=[{{ ]){key}: (?:\[[^]]*\]|[^,\]}}\n#]*)")
@@ -246,15 +246,15 @@ def with_line(text, line):
     return text[: result.start()] + line + " " + text[result.end() :]
 
 
-def refused(argv, capsys):
-    """The one line of a command that ends with status 2; empty where it does not."""
+def refusal(argv, capsys):
+    """Returns the only line of a command that ends with status 2; empty if it does not."""
     if main(argv) == 2:
         return only_line(capsys)
     capsys.readouterr()
     return ""
 
 
-def test_sixty_mistakes(scene, tmp_path, capsys):
+def test_sixty_mistakes(scene_text_in_folder, tmp_path, capsys):
     wrong = []
 
     def expect(what, problem, line):
@@ -262,24 +262,26 @@ def test_sixty_mistakes(scene, tmp_path, capsys):
             wrong.append(f"{what}: {problem!r} is not in {line!r}")
 
     for text, problem in REFUSED_OF_NEW.items():
-        expect(text, problem, refused(["new", "x.yaml", *typed(text)], capsys))
+        expect(text, problem, refusal(["new", "x.yaml", *typed_words(text)], capsys))
     for text, (angle, balls) in DESIGNATIONS.items():
         bearing = checked_scene(scene_text("x", None, None, {}, designation=text)[0]).bearing
         if (bearing.contact_angle_deg, bearing.ball_material) != (angle, balls):
             wrong.append(f"{text}: {bearing.contact_angle_deg} {bearing.ball_material}")
     file = tmp_path / "x.yaml"
     for line, problem in REFUSED_IN_A_SCENE.items():
-        file.write_text(with_line(scene, line), encoding="utf-8")
-        expect(line, problem, refused(["check", "x.yaml"], capsys))
+        file.write_text(text_with_line(scene_text_in_folder, line), encoding="utf-8")
+        expect(line, problem, refusal(["check", "x.yaml"], capsys))
     for block, example in BLOCKS.items():
-        file.write_text(re.sub(rf"^{block}:.*\n(?:[ #].*\n)*", "", scene, flags=re.M))
+        file.write_text(
+            re.sub(rf"^{block}:.*\n(?:[ #].*\n)*", "", scene_text_in_folder, flags=re.M)
+        )
         problem = f"{block}: got nothing, expected a block, such as {example}"
-        expect(block, problem, refused(["check", "x.yaml"], capsys))
+        expect(block, problem, refusal(["check", "x.yaml"], capsys))
     for line, problem in DOUBTED.items():
-        file.write_text(with_line(scene, line), encoding="utf-8")
+        file.write_text(text_with_line(scene_text_in_folder, line), encoding="utf-8")
         assert main(["check", "x.yaml"]) == 0, line
         expect(line, problem, " ".join(capsys.readouterr().out.split()))
     for text, problem in REFUSED_COMMANDS.items():
-        expect(text, problem, refused(typed(text), capsys))
+        expect(text, problem, refusal(typed_words(text), capsys))
     assert not wrong, "\n".join(wrong)
     assert len(REFUSED_OF_NEW) + len(REFUSED_IN_A_SCENE) + len(DOUBTED) > 60

@@ -20,12 +20,13 @@ GRAVITY = 9.80665
 
 @pytest.fixture(scope="module")
 def scene():
+    """Returns the scene gyro_s1 with a draft accuracy."""
     return bearingwear.load(S1).with_(DRAFT)
 
 
 @pytest.fixture(scope="module")
-def rotor(tmp_path_factory):
-    """A scene file of a rotor on a pair, with a drive, a launch and a cold case."""
+def rotor_file(tmp_path_factory):
+    """Returns a scene file of a rotor on a pair, with a drive, a launch and a cold case."""
     spindle = bearingwear.new("7008C", preload=140, preload_method="fixed_position").with_(
         {
             "arrangement": {
@@ -45,15 +46,15 @@ def rotor(tmp_path_factory):
     return path
 
 
-def plainly_read(dataset, folder):
-    """A dataset written and read by xarray alone is the same."""
+def assert_read_by_xarray(dataset, folder):
+    """Asserts that xarray alone writes and reads a dataset without change."""
     dataset.to_netcdf(folder / "plain.nc")
     with xr.open_dataset(folder / "plain.nc", decode_timedelta=False) as read:
         xr.testing.assert_identical(read.load().drop_encoding(), dataset)
 
 
-def printed(capsys, *argv, status=0):
-    """The JSON that a command prints."""
+def printed_json(capsys, *argv, status=0):
+    """Returns the JSON that a command prints."""
     capsys.readouterr()
     assert main([*map(str, argv), "--json"]) == status
     return json.loads(capsys.readouterr().out)
@@ -64,11 +65,11 @@ def assert_same_as_command(made, folder, *argv):
     path = folder / "command.nc"
     assert main([*map(str, argv), "-o", str(path), "--quiet"]) == 0
     xr.testing.assert_identical(bearingwear.load(path), made)
-    plainly_read(made, folder)
+    assert_read_by_xarray(made, folder)
 
 
-def named(values):
-    """Values along one dimension by its names."""
+def values_by_name(values):
+    """Returns the values along one dimension by the names of its coordinate."""
     return dict(zip(values[values.dims[0]].values.tolist(), values.values.tolist(), strict=True))
 
 
@@ -79,10 +80,11 @@ def test_tab_lists_only_the_public_names():
         assert getattr(bearingwear, name).__doc__, name
 
 
-def test_case_of_a_scene(rotor, tmp_path):
-    scene = bearingwear.load(rotor).case("cold")
+def test_a_case_of_a_scene_is_solved_like_the_option_case(rotor_file, tmp_path):
+    """Its warnings are issued, and an unknown case is refused."""
+    scene = bearingwear.load(rotor_file).case("cold")
     assert scene.friction.ball_race == 0.1 and scene.cases is None
-    solve = ["solve", str(rotor), "--case", "cold", "--quiet", "-o", str(tmp_path / "cold.nc")]
+    solve = ["solve", str(rotor_file), "--case", "cold", "--quiet", "-o", str(tmp_path / "cold.nc")]
     assert main(solve) == 0
     with pytest.warns(UserWarning) as caught:
         by_function = bearingwear.solve(scene)
@@ -90,21 +92,21 @@ def test_case_of_a_scene(rotor, tmp_path):
     assert by_command.equals(by_function)
     assert len(caught) == len(json.loads(by_command.attrs["warnings"])) > 0
     with pytest.raises(bearingwear.SceneError, match="^case: got hot, expected nominal, cold$"):
-        bearingwear.load(rotor).case("hot")
+        bearingwear.load(rotor_file).case("hot")
 
 
-def test_recommend_is_that_of_the_command(scene, capsys, tmp_path):
-    sheet = printed(capsys, "recommend", S1, "--set", "model.accuracy=draft", "--stiffness", 3)
+def test_recommend_gives_what_its_command_prints(scene, capsys, tmp_path):
+    sheet = printed_json(capsys, "recommend", S1, "--set", "model.accuracy=draft", "--stiffness", 3)
     dataset = bearingwear.recommend(scene, stiffness=3)
-    plainly_read(dataset, tmp_path)
+    assert_read_by_xarray(dataset, tmp_path)
     assert json.loads(as_json(bearingwear.show(dataset))) == sheet
     assert dataset.preload.sel(preload_method="constant_force") > 0.0
 
 
 def test_recommend_without_a_requirement_is_a_design_map(scene, capsys, tmp_path):
-    assert printed(capsys, "recommend", S1, "--set", "model.accuracy=draft")
+    assert printed_json(capsys, "recommend", S1, "--set", "model.accuracy=draft")
     dataset = bearingwear.recommend(scene)
-    plainly_read(dataset, tmp_path)
+    assert_read_by_xarray(dataset, tmp_path)
     assert dataset.attrs["kind"] == "design map" and dataset.sizes["preload"] > 5
 
 
@@ -125,7 +127,7 @@ def test_a_negative_requirement_is_refused(scene):
     assert "got -3, expected a number" in str(error.value)
 
 
-def test_uncertainty_is_that_of_the_command(scene, tmp_path):
+def test_uncertainty_gives_what_its_command_writes(scene, tmp_path):
     dataset = bearingwear.uncertainty(scene, samples=8, seed=2)
     options = "--set", "model.accuracy=draft", "--samples", "8", "--seed", "2"
     path = tmp_path / "draft.yaml"
@@ -133,10 +135,11 @@ def test_uncertainty_is_that_of_the_command(scene, tmp_path):
     assert_same_as_command(dataset, tmp_path, "uncertainty", path, *options[2:])
 
 
-def test_launch_is_that_of_the_command(rotor, capsys, tmp_path):
-    sheet = printed(capsys, "launch", rotor)
-    dataset = bearingwear.launch(rotor)
-    plainly_read(dataset, tmp_path)
+def test_launch_gives_what_its_command_prints(rotor_file, capsys, tmp_path):
+    """With numbers in SI units; an unknown mass of the rotor is refused."""
+    sheet = printed_json(capsys, "launch", rotor_file)
+    dataset = bearingwear.launch(rotor_file)
+    assert_read_by_xarray(dataset, tmp_path)
     assert json.loads(as_json(bearingwear.show(dataset))) == sheet
     factors = {"um": 1e6, "mrad": 1e3, "GPa": 1e-9, "N": 1.0, "": 1.0}
     compared = 0
@@ -144,27 +147,28 @@ def test_launch_is_that_of_the_command(rotor, capsys, tmp_path):
         place, _, state = row["block"].partition(", ")
         if row["name"].endswith("_g"):
             values = dataset[f"{row['name'][:-2]}_acceleration"] / GRAVITY
-            by_name = named(values)
+            by_name = values_by_name(values)
         elif row["block"].startswith(("rotor", "bearing")):
             values = dataset[row["name"]].sel(state=state) * factors[row["unit"]]
             if place.startswith("bearing"):
                 values = values.sel(bearing=int(place.split()[1]))
-            by_name = named(values)
+            by_name = values_by_name(values)
         else:
             continue
         assert row["values"] == pytest.approx(by_name, rel=1e-9, abs=1e-9)
         compared += len(by_name)
     assert compared > 60
-    harder = bearingwear.launch(rotor, axial=90.0)
+    harder = bearingwear.launch(rotor_file, axial=90.0)
     assert harder.axial_force.values[0, 0] == pytest.approx(1.5 * dataset.axial_force.values[0, 0])
     with pytest.raises(bearingwear.SceneError, match="arrangement.rotor_mass_kg: got nothing"):
         bearingwear.launch(S1)
 
 
-def test_margin_is_that_of_the_command(rotor, capsys, tmp_path):
-    sheet = printed(capsys, "margin", rotor, "--drive", "0.5")
-    dataset = bearingwear.margin(rotor, drive=0.5)
-    plainly_read(dataset, tmp_path)
+def test_margin_gives_what_its_command_prints(rotor_file, capsys, tmp_path):
+    """With numbers in SI units; a scene without a drive is refused."""
+    sheet = printed_json(capsys, "margin", rotor_file, "--drive", "0.5")
+    dataset = bearingwear.margin(rotor_file, drive=0.5)
+    assert_read_by_xarray(dataset, tmp_path)
     assert json.loads(as_json(bearingwear.show(dataset))) == sheet
     assert len(sheet["quantities"]) == dataset.sizes["corner"] > 6
     for row, k in zip(sheet["quantities"], range(dataset.sizes["corner"]), strict=True):
@@ -179,7 +183,7 @@ def test_margin_is_that_of_the_command(rotor, capsys, tmp_path):
         bearingwear.margin(S1)
 
 
-def test_calibrate_gives_what_its_command_gives(tmp_path, capsys):
+def test_calibrate_gives_what_its_command_writes(tmp_path, capsys):
     spread = {"wear_coefficient": 3.0, "wear_scatter": 1.3}
     inputs = {
         f"uncertainty.{name}": {"distribution": "lognormal", "factor": factor}
@@ -192,11 +196,11 @@ def test_calibrate_gives_what_its_command_gives(tmp_path, capsys):
     assert main(["calibrate", str(base), str(tests), "-o", str(tmp_path / "new.yaml")]) == 0
     xr.testing.assert_identical(bearingwear.load(tmp_path / "new.nc"), dataset.data)
     assert bearingwear.load(tmp_path / "new.yaml") == dataset.scene
-    plainly_read(dataset.data, tmp_path)
+    assert_read_by_xarray(dataset.data, tmp_path)
 
 
-def test_cage_is_that_of_the_command(tmp_path, monkeypatch):
-    """Of the same runs, whose results are made up from what each draws."""
+def test_cage_gives_what_its_command_writes(tmp_path, monkeypatch):
+    """For runs that are not solved: their results follow from their draws."""
 
     def made_up(scene, start, least_turns, most_turns):
         work = {"work": scene.friction.cage * (1.0 + start.offset), "turns": float(most_turns)}
@@ -209,7 +213,7 @@ def test_cage_is_that_of_the_command(tmp_path, monkeypatch):
     assert dataset.turns.values.tolist() == [50.0] * dataset.sizes["run"]
 
 
-def test_warmup_is_that_of_the_command(tmp_path):
+def test_warmup_gives_what_its_command_writes(tmp_path):
     path = tmp_path / "spindle.yaml"
     bearingwear.save(warm_spindle(), path)
     dataset = bearingwear.warmup(path, seconds=20.0)
