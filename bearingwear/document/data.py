@@ -17,8 +17,9 @@ from bearingwear.results.units import Interval
 def as_json(document: Document) -> str:
     """Returns a JSON object: the facts, `sentences` by their titles, and `quantities`.
 
-    A quantity has numbers without rounding and their unit. The text is in ASCII, with other
-    characters escaped, so that terminals of any locale show it unchanged.
+    A quantity has numbers without rounding and their unit; a number that does not exist is null.
+    The text is in ASCII, with other characters escaped, so that terminals of any locale show it
+    unchanged.
     """
     quantities = [
         {
@@ -40,7 +41,7 @@ def as_json(document: Document) -> str:
     if sentences:
         data["sentences"] = sentences
     data["quantities"] = quantities
-    return json.dumps(data, indent=1)
+    return json.dumps(_plain(data), indent=1, allow_nan=False)
 
 
 def _value_entry(block: Block, row: Row) -> dict[str, Any]:
@@ -59,9 +60,15 @@ def _limit_entry(block: Block, row: Row) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Returns a value for JSON: a list of two numbers for an interval, None for NaN."""
-    if isinstance(value, Interval):
-        return [_plain(end) for end in value]
+    """Returns a value for JSON, which has neither intervals nor NaN nor infinity.
+
+    An interval becomes two numbers, and a number that is not finite None, also within dicts and
+    lists.
+    """
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, Interval | list | tuple):
+        return [_plain(item) for item in value]
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     return value
