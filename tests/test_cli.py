@@ -65,10 +65,10 @@ def test_record_timing_stores_the_wall_time(tmp_path):
 def failing_solve(status):
     """Returns a function in place of `solve` whose result has a status and no values."""
 
-    def solved(scene, fidelity=None, restart=None, progress=None):
+    def solve_in_vain(scene, fidelity=None, restart=None, progress=None):
         return Result({"status": status}, {"fidelity": "steady"})
 
-    return solved
+    return solve_in_vain
 
 
 def test_a_failed_solve_has_exit_status_3_one_line_and_a_file_with_its_status(
@@ -160,16 +160,21 @@ def test_an_interrupt_while_python_ends_keeps_the_exit_status():
 
 
 def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
-    argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
-    assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
+    words = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
+    assert main([*words, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
-    err = without_waits(err)
-    warned = err.splitlines()
-    assert out == "" and all(line.startswith("warning: ") for line in warned)
+    lines = without_waits(err).splitlines()
+    assert out == "" and all(line.startswith("warning: ") for line in lines)
+    sentences = [warning["sentence"] for warning in warnings_in(load(tmp_path / "life.nc").attrs)]
+    assert sentences
+    for sentence, line in zip(sentences, lines, strict=True):
+        assert sentence in line
+
+
+def test_a_life_writes_a_file_with_its_history(tmp_path):
+    words = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
+    assert main([*words, "--quiet"]) == 0
     life = load(tmp_path / "life.nc")
-    sentences = [warning["sentence"] for warning in warnings_in(life.attrs)]
-    assert len(warned) == len(sentences) == 2
-    assert all(text in line for text, line in zip(sentences, warned, strict=True))
     assert int(life["status"]) == code.OK
     assert life["life"].dims == () and float(life["life"]) > 0.0
     assert life.attrs["wear_counts"] == "ball_and_races"
@@ -177,13 +182,13 @@ def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
 
 
 def test_a_life_without_an_end_has_exit_status_3(tmp_path, monkeypatch):
-    def lived(scene, fidelity, progress):
+    def life_without_end(scene, fidelity, progress):
         return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": NO_CRITERION})
 
-    monkeypatch.setattr(life_model, "life", lived)
-    argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc")]
-    assert main(argv) == 3
-    assert main([*argv, "--record-failures"]) == 0
+    monkeypatch.setattr(life_model, "life", life_without_end)
+    words = ["life", str(SCENE), "-o", str(tmp_path / "life.nc")]
+    assert main(words) == 3
+    assert main([*words, "--record-failures"]) == 0
     assert np.isnan(load(tmp_path / "life.nc")["life"]).all()
 
 
@@ -195,15 +200,18 @@ def test_check_names_the_model_and_why_without_a_solve(capsys):
     out, err = capsys.readouterr()
     title, *_ = out.splitlines()
     assert "gyro_s1" in title and "steady model" in title and not err
+
+
+def test_check_states_why_a_radial_load_requires_the_dynamic_model(capsys):
     assert main(["check", str(SCENE), "--set", "operation.radial_load_N=[0, 1]"]) == 0
     out = capsys.readouterr().out
     assert "dynamic model" in out and "radial load" in out
 
 
-def process(stdout, *argv, unbuffered=""):
-    """A command in a process of its own; an empty PYTHONUNBUFFERED is the same as none."""
+def command_process(stdout, *words, unbuffered=""):
+    """Runs a command in a process of its own; an empty PYTHONUNBUFFERED is the same as none."""
     return subprocess.run(
-        [sys.executable, "-m", "bearingwear", *argv],
+        [sys.executable, "-m", "bearingwear", *words],
         stdout=stdout,
         stderr=subprocess.PIPE,
         text=True,
@@ -211,16 +219,16 @@ def process(stdout, *argv, unbuffered=""):
     )
 
 
-# buffered text is written when Python shuts down, where nobody could catch what goes wrong
 @pytest.mark.parametrize("scene", ["{", "{}x", '{"name": 1}', "[" * 10_000])
-def test_show_refuses_a_scene_it_cannot_read(scene, tmp_path, capsys):
-    """Result files, too, may come from strangers."""
+def test_show_refuses_a_file_whose_scene_cannot_be_read(scene, tmp_path, capsys):
+    """Result files may come from other people."""
     rewrite_scene(tmp_path / "a.nc", lambda text: scene)
     assert main(["show", str(tmp_path / "a.nc")]) == 2
     assert "damaged file" in only_line(capsys)
 
 
-def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
+def test_show_replaces_control_characters_of_a_file(tmp_path, capsys):
+    """Which a terminal would obey."""
     rewrite_scene(tmp_path / "a.nc", lambda text: text.replace("gyro_s1", "a\\u001b[2Jb", 1))
     assert main(["show", str(tmp_path / "a.nc")]) == 0
     out = capsys.readouterr().out
@@ -228,6 +236,7 @@ def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
 
 
 def rewrite_scene(path, change):
+    """Writes a case whose attribute `scene` is changed by a function of its text."""
     import netCDF4
 
     assert run_solve(path, "--quiet") == 0
@@ -235,28 +244,29 @@ def rewrite_scene(path, change):
         file.scene = change(file.scene)
 
 
+# Python writes buffered text when it ends, where no command can catch an error.
 BUFFERING = pytest.mark.parametrize("unbuffered", ["", "1"], ids=["buffered", "unbuffered"])
 
 
 @BUFFERING
-def test_print_into_a_closed_pipe(unbuffered, tmp_path):
+def test_a_closed_pipe_ends_a_command_without_a_message(unbuffered, tmp_path):
     run_solve(tmp_path / "a.nc")
     reader, writer = os.pipe()
     os.close(reader)
     try:
-        done = process(writer, "show", str(tmp_path / "a.nc"), unbuffered=unbuffered)
+        completed = command_process(writer, "show", str(tmp_path / "a.nc"), unbuffered=unbuffered)
     finally:
         os.close(writer)
-    assert done.returncode == 0 and done.stderr == ""
+    assert completed.returncode == 0 and completed.stderr == ""
 
 
 @BUFFERING
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
-def test_print_on_a_full_disk(unbuffered):
+def test_a_full_disk_ends_a_command_with_a_message(unbuffered):
     with open("/dev/full", "w") as full:
-        done = process(full, "check", str(SCENE), unbuffered=unbuffered)
-    assert done.returncode == 2
-    assert done.stderr == "bearingwear: No space left on device\n"
+        completed = command_process(full, "check", str(SCENE), unbuffered=unbuffered)
+    assert completed.returncode == 2
+    assert completed.stderr == "bearingwear: No space left on device\n"
 
 
 @pytest.mark.parametrize(
@@ -303,8 +313,8 @@ def test_each_is_refused_unless_it_has_a_file_for_each_value(
     assert os.listdir() == []
 
 
-def test_each_writes_the_files_that_single_solves_write(tmp_path, capsys):
-    """They can be gathered; an unsolved value gives exit status 3 unless failures are recorded."""
+def test_each_writes_the_files_that_single_solves_write(tmp_path):
+    """They can be gathered."""
     key, values = "wear.ball_diameter_loss_um", ("0", "0.5")
     case = "constant_force-mu0.050-loss{:.2f}.nc"
     files = [str(tmp_path / case.format(float(value))) for value in values]
@@ -312,16 +322,23 @@ def test_each_writes_the_files_that_single_solves_write(tmp_path, capsys):
     each_option = ["--each", f"{key}={','.join(values)}", "-o", *files]
     assert main(["solve", str(SCENE), *options, *each_option]) == 0
     for value, file in zip(values, files, strict=True):
-        alone = tmp_path / "alone.nc"
-        one_value = ["--set", f"{key}={value}", "-o", str(alone)]
-        assert main(["solve", str(SCENE), *options, *one_value]) == 0
-        assert alone.read_bytes() == Path(file).read_bytes()
+        single = tmp_path / "single.nc"
+        single_option = ["--set", f"{key}={value}", "-o", str(single)]
+        assert main(["solve", str(SCENE), *options, *single_option]) == 0
+        assert single.read_bytes() == Path(file).read_bytes()
     assert main(["gather", *files, "-o", str(tmp_path / "study.nc")]) == 0
     assert load(tmp_path / "study.nc").sizes["ball_diameter_loss"] == 2
-    # a failure is recorded, or told by the exit status
-    unsolved = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet", *each_option]
-    assert main(unsolved) == 3 and main([*unsolved, "--record-failures"]) == 0
-    assert capsys.readouterr().err.count("undetermined") == 4
+
+
+def test_each_reports_every_unsolved_value(tmp_path, capsys):
+    """By exit status 3, unless failures are to be recorded; without friction, none is solved."""
+    words = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet"]
+    words += ["--each", "wear.ball_diameter_loss_um=0,0.5"]
+    words += ["-o", str(tmp_path / "a.nc"), str(tmp_path / "b.nc")]
+    assert main(words) == 3
+    assert capsys.readouterr().err.count("undetermined") == 2
+    assert main([*words, "--record-failures"]) == 0
+    assert capsys.readouterr().err.count("undetermined") == 2
 
 
 # steps
@@ -523,20 +540,30 @@ def test_warnings_are_printed_once(capsys):
 
 
 def test_commands_create_one_folder_and_report_it(tmp_path, capsys):
-    """More than one new folder is refused, as its path is probably mistyped."""
-    where = tmp_path / "new"
-    tree = where / "folder" / "case.nc"
-    assert main(["solve", str(SCENE), "-o", str(tree)]) == 2 and not where.exists()
-    assert capsys.readouterr().err.startswith(f"{tree}: got more than one new folder, expected")
-    for command in (["new", "7008C"], ["study", str(SCENE), "-o"]):
-        command.insert(1 if command[0] == "new" else 3, str(where / "folder" / "a.yaml"))
-        assert main(command) == 2 and not where.exists()
-        assert "got more than one new folder, expected" in capsys.readouterr().err
-    assert main(["solve", str(SCENE), "-o", str(where / "case.nc"), "--quiet"]) == 0
-    assert capsys.readouterr().err == f"{where}: new folder\n"
-    assert main(["solve", str(SCENE), "-o", str(where / "case.nc"), "--quiet"]) == 0
-    assert main(["plot", str(where / "case.nc"), "-o", str(tmp_path / "other" / "a.svg")]) == 0
-    assert capsys.readouterr().err == f"{tmp_path / 'other'}: new folder\n"
+    folder, figure_folder = tmp_path / "cases", tmp_path / "figures"
+    solve = ["solve", str(SCENE), "-o", str(folder / "case.nc"), "--quiet"]
+    assert main(solve) == 0
+    assert capsys.readouterr().err == f"{folder}: new folder\n"
+    assert main(solve) == 0
+    assert capsys.readouterr().err == ""  # the folder is not new
+    assert main(["plot", str(folder / "case.nc"), "-o", str(figure_folder / "a.svg")]) == 0
+    assert capsys.readouterr().err == f"{figure_folder}: new folder\n"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["solve", str(SCENE), "-o", "new/folder/case.nc"],
+        ["new", "new/folder/a.yaml", "7008C"],
+        ["study", str(SCENE), "-o", "new/folder/a.yaml"],
+    ],
+)
+def test_more_than_one_new_folder_is_refused(words, tmp_path, monkeypatch, capsys):
+    """As the path is probably mistyped."""
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    assert "got more than one new folder, expected" in capsys.readouterr().err
+    assert os.listdir() == []
 
 
 def test_the_skid_ratio_has_the_same_sign_in_a_case_and_in_a_life(capsys):
@@ -560,13 +587,15 @@ def test_uncertainty_without_a_solved_life_has_exit_status_3(tmp_path, capsys):
 
 
 def test_recommend_without_a_solved_life_has_exit_status_3(capsys):
-    """With a requirement, the exit status is 4."""
-    without_friction = ["recommend", str(SCENE), "--set", "friction.ball_race=0"]
-    assert main(without_friction) == 3
+    assert main(["recommend", str(SCENE), "--set", "friction.ball_race=0"]) == 3
     output, error = capsys.readouterr()
     (line,) = without_waits(error).splitlines()
     assert output == "" and line.startswith(f"{SCENE}: no life")
-    assert main([*without_friction, "--pressure", "2"]) == 4
+
+
+def test_a_requirement_that_no_solved_life_meets_has_exit_status_4(capsys):
+    words = ["recommend", str(SCENE), "--set", "friction.ball_race=0", "--pressure", "2"]
+    assert main(words) == console.INFEASIBLE
     output, error = capsys.readouterr()
     *_, line = error.splitlines()
     assert line.startswith(f"{SCENE}: no preload") and "no life" in output

@@ -30,7 +30,7 @@ LIBRARIES = (
     "shutil", "typing", "yaml", "psutil", "netCDF4", "xarray", "snakemake", "bearingwear",
     "sitecustomize",
 )  # fmt: skip
-"""What files of a user may be called, who knows nothing of Python."""
+"""Names that a user who does not know Python may give to files."""
 
 ONE_CASE = {
     "studies": [
