@@ -405,15 +405,11 @@ def test_a_function_of_another_package_is_no_step(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    "given", [["scene"], ["scene=a", "b"], ["scene=a", "fidelity=steady", "c=1"], ["=a"]]
+    "words", [["scene"], ["scene=a", "b"], ["scene=a", "fidelity=steady", "c=1"], ["=a"]]
 )
-def test_wrong_arguments_of_a_step_are_refused_in_one_line(given, tmp_path, capsys):
-    assert (
-        main(
-            ["step", "bearingwear.studies.solve.solved_case", *given, "-o", str(tmp_path / "a.nc")]
-        )
-        == 2
-    )
+def test_wrong_arguments_of_a_step_are_refused_in_one_line(words, tmp_path, capsys):
+    step_words = ["step", "bearingwear.studies.solve.solved_case", *words]
+    assert main([*step_words, "-o", str(tmp_path / "a.nc")]) == 2
     only_line(capsys)
     assert os.listdir(tmp_path) == []
 

@@ -106,7 +106,7 @@ def test_no_line_is_over_100_columns():
 
 
 def test_links_lead_to_files_and_headings_that_exist():
-    astray = []
+    broken_links = []
     for page in READ:
         for target, anchor in LINK.findall(without_code(page.read_text(encoding="utf-8"))):
             if "://" in target:
@@ -114,8 +114,8 @@ def test_links_lead_to_files_and_headings_that_exist():
             file = (page.parent / target).resolve() if target else page
             is_page = file.exists() and file.suffix == ".md"
             if not file.exists() or (anchor and is_page and anchor not in anchors(file)):
-                astray.append((page, target, anchor))
-    assert not astray
+                broken_links.append((page, target, anchor))
+    assert not broken_links
 
 
 def test_cited_equations_and_sections_exist():

@@ -51,6 +51,7 @@ def installed_python(tmp_path_factory):
 
 
 def run(command, folder):
+    """Runs a command in a folder, without the paths of modules of this process."""
     environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "MYPYPATH")}
     return subprocess.run(
         [str(part) for part in command], cwd=folder, env=environment, capture_output=True, text=True
@@ -58,10 +59,10 @@ def run(command, folder):
 
 
 def test_an_installed_package_has_its_example_catalogue_and_types(installed_python, tmp_path):
-    script = "import bearingwear as b; made = b.new(designation='7010C', maker='NSK'); "
-    script += "print(b.__file__, b.example().name, made.bearing.ball_count)"
-    done = run([installed_python, "-c", script], tmp_path)
-    file, *result = done.stdout.split()
-    assert Path(file).is_relative_to(installed_python.parents[1]), done.stderr
-    assert result == ["gyro_s1", "19"]
+    script = "import bearingwear as b; scene = b.new(designation='7010C', maker='NSK'); "
+    script += "print(b.__file__, b.example().name, scene.bearing.ball_count)"
+    completed = run([installed_python, "-c", script], tmp_path)
+    file, example_name, ball_count = completed.stdout.split()
+    assert Path(file).is_relative_to(installed_python.parents[1]), completed.stderr
+    assert (example_name, ball_count) == ("gyro_s1", "19")
     assert Path(file).with_name("py.typed").exists()  # types: tests/user_types.py

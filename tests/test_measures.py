@@ -45,7 +45,7 @@ from bearingwear.studies.grid.interpolated import (
 
 PRELOAD, LIMIT = 7.0, 0.5
 LOSS = "ball_diameter_loss_um"
-of_all = pytest.mark.parametrize("measure", MEASURES, ids=lambda one: one.key)
+of_all = pytest.mark.parametrize("measure", MEASURES, ids=lambda measure: measure.key)
 of_ends = pytest.mark.parametrize("name", ENDS)
 of_limits = pytest.mark.parametrize("name", LIMITED)
 
@@ -122,7 +122,7 @@ def test_plain_numbers_have_no_powers_of_ten(value, digits, text):
 PERCENTAGES = [measure for measure in MEASURES if measure.unit == "%"]
 
 
-@pytest.mark.parametrize("measure", PERCENTAGES, ids=lambda one: one.key)
+@pytest.mark.parametrize("measure", PERCENTAGES, ids=lambda measure: measure.key)
 def test_a_percentage_near_100_has_no_power_of_ten(measure):
     assert measure.text(0.9996) == measure.limit_text(0.9996) == "100 %"
 
@@ -270,16 +270,15 @@ def test_the_bearing_of_a_pair_that_is_within_its_limit_is_not_marked(name):
 
 @of_ends
 def test_the_criterion_that_ended_a_life_is_stated(name):
+    """With its value and limit; of several variables, with the kind of the one that met it."""
     measure = ENDS[name]
-    end = measure.file_limit(LIMIT, PRELOAD)
+    end_value = measure.file_limit(LIMIT, PRELOAD)
     values = {"history_ball_diameter_loss": np.zeros(1), "end_criterion": CRITERIA.index(name)}
-    values |= {f"history_{variable}": np.array([end]) for variable in measure.variables}
+    values |= {f"history_{variable}": np.array([end_value]) for variable in measure.variables}
+    attributes = end_attribute(scene_with_criterion(name), values)
     limit = measure.limit_text(LIMIT)
-    ended = end_attribute(scene_with_criterion(name), values)
-    kinds = measure.kinds
-    assert ended["ended_by"] in [
-        f"{kind} {measure.words} {limit}, criterion {limit}".strip() for kind in kinds
-    ]
+    phrases = [f"{kind} {measure.words} {limit}, criterion {limit}" for kind in measure.kinds]
+    assert attributes["ended_by"] in [phrase.strip() for phrase in phrases]
 
 
 @of_ends

@@ -80,7 +80,7 @@ def test_tab_lists_only_the_public_names():
 
 
 def test_a_case_of_a_scene_is_solved_like_the_option_case(rotor_file, tmp_path):
-    """Its warnings are issued, and an unknown case is refused."""
+    """With the same warnings."""
     scene = bearingwear.load(rotor_file).case("cold")
     assert scene.friction.ball_race == 0.1 and scene.cases is None
     solve = ["solve", str(rotor_file), "--case", "cold", "--quiet", "-o", str(tmp_path / "cold.nc")]

@@ -106,9 +106,8 @@ def test_paths_of_a_cage_are_classified_by_motion(positions, power, motion, whir
     """The class depends on the shape of a path alone, not on the angle at which it starts."""
     path = cage_path(1e-6 * positions * np.exp(1j * angle), TURNS[1], power, BALL_RATIO)
     assert path.motion == motion
-    assert path.whirl == pytest.approx(
-        whirl, abs=0.02
-    )  # a path with its centre elsewhere is uneven
+    # the angles of a path about another centre are uneven
+    assert path.whirl == pytest.approx(whirl, abs=0.02)
     assert path.offset == pytest.approx(1e-6 * np.abs(positions).mean())
 
 
