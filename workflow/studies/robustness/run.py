@@ -14,6 +14,7 @@ from bearingwear.lives.life import life
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
+from bearingwear.sides import values_of_bearing
 from bearingwear.solvers.result import MAY_BE_INFINITE
 from bearingwear.solvers.solve import case_values
 from bearingwear.studies.answers import REFUSED, answers_at

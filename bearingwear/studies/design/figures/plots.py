@@ -13,6 +13,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
+    draw_lines,
     failed_keys,
     frame,
     method_keys,
