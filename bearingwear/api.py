@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.kernels.status import STATUS_SENTENCES
 from bearingwear.measures import LIMITED
-from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
+from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, imported_function, kind_of
 from bearingwear.results.labels import coded, labelled
-from bearingwear.results.netcdf import CaseFileError, dataset
+from bearingwear.results.netcdf import CaseFileError, dataset_of_result
 from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
@@ -25,7 +25,7 @@ from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS, PAIR_KINDS
-from bearingwear.scene.read import Source, as_scene, for_life, load_scene, written_data
+from bearingwear.scene.read import Source, as_scene, load_scene, scene_for_life, written_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
 from bearingwear.studies import STUDY_PLOTS, STUDY_SHEETS
 from bearingwear.studies.sweep import sweep
@@ -146,7 +146,7 @@ def life(
         No life was found (`status` and `message` give the reason), or the result has warnings
         (attribute `warnings`).
     """
-    checked = for_life(as_scene(scene))
+    checked = scene_for_life(as_scene(scene))
     from bearingwear.lives.life import life as life_result
 
     return _dataset_with_warnings(life_result(checked, fidelity, progress), checked.name)
@@ -225,7 +225,7 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
     """
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.design.plan import DesignLimits
-    from bearingwear.studies.design.recommend import best_method, recommended
+    from bearingwear.studies.design.recommend import best_method, recommendation_and_map
     from bearingwear.studies.solve import life_scene
 
     keys = {_argument(measure.option): key for key, measure in LIMITED.items()}
@@ -236,7 +236,7 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
     values = {keys[name]: value for name, value in requirements.items() if value is not None}
     limits = record(DesignLimits, values, "recommend")
     checked = life_scene(scene, films=True)
-    recommendation, lives = recommended(checked, limits, checked.name, workers)
+    recommendation, lives = recommendation_and_map(checked, limits, checked.name, workers)
     if limits.given and best_method(recommendation) is None:
         text = f"{checked.name}: no preload satisfies all requirements"
         warnings.warn(text, stacklevel=2)
@@ -286,17 +286,18 @@ def warmup(
 
     ramp_s = checked.start_s if seconds is None else seconds
     shaft_course = ramp(ramp_s) if course is None else course_of(checked, course)
-    warmed = labelled(warm_up_dataset(checked, shaft_course, duration))
-    if (status := str(warmed["status"].item())) != "ok":
-        end = float(warmed["end_time"])
-        text = f"{checked.name}: {warmed['ending'].item()} after {end:.4g} s ({status})"
+    warm_up = labelled(warm_up_dataset(checked, shaft_course, duration))
+    status = str(warm_up["status"].item())
+    if status != "ok":
+        end = float(warm_up["end_time"])
+        text = f"{checked.name}: {warm_up['ending'].item()} after {end:.4g} s ({status})"
         warnings.warn(text, stacklevel=2)
-    return warmed
+    return warm_up
 
 
 def _dataset_with_warnings(result: Result, scene_name: str) -> xr.Dataset:
     """Return the dataset of a result, and issue its warnings where `solve` or `life` was called."""
-    result_dataset = dataset(result, by_name=True)
+    result_dataset = dataset_of_result(result, by_name=True)
     result_dataset.attrs["message"] = STATUS_SENTENCES[result.status]
     if result.status != "ok":
         text = f"{scene_name}: {result.status}: {STATUS_SENTENCES[result.status]}"
@@ -523,7 +524,7 @@ class Plot:
         if name not in kinds:
             raise AttributeError(f"plot: got {name!r}, expected {', '.join(kinds)}")
         kind = kinds[name]
-        drawing = function(STUDY_PLOTS[kind])
+        drawing = imported_function(STUDY_PLOTS[kind])
 
         def figure(data: str | os.PathLike[str] | xr.Dataset, bearing: str | None = None) -> Figure:
             return self._figure(data, {kind: STUDY_PLOTS[kind]}, bearing)

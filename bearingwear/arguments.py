@@ -124,39 +124,13 @@ def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     def command(name: str, text: str, handler: str = "") -> argparse.ArgumentParser:
+        """Adds a command, whose handler has its name by default, and returns its parser."""
         sub = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
         sub.set_defaults(run=handler or f"bearingwear.commands:{name}")
         return sub
 
     _add_new(command("new", "write a commented scene file from a few catalogue values"))
-    check = command("check", "check a scene; report its model and a table of effects")
-    solve = command("solve", "solve a scene and print a summary sheet; -o writes a case file")
-    life = command("life", "compute the wear life and print a summary sheet; -o writes a life file")
-    for sub in (check, solve, life):
-        _add_fidelity(sub)
-    add_formats(check)
-    solve.add_argument(
-        "--restart",
-        metavar="CASE.nc",
-        help="continue a dynamic case from its final state; the two scenes may differ only in "
-        "wear, model and friction.slip_regularisation_m_s",
-    )
-    for sub in (check, solve, life):
-        add_case(sub)
-    _add_result(solve, several=True)
-    _add_result(life)
-    for sub in (solve, life):
-        add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
-    spread = command(
-        "uncertainty", "compute the spread in life due to the uncertain values in the scene"
-    )
-    _add_uncertainty(spread)
-    add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
-    recommend = command("recommend", "recommend a preload for given requirements")
-    add_scene(recommend)
-    _add_limits(recommend)
-    add_formats(recommend)
-    _add_warmup(command("warmup", "compute temperatures and preload from rest to the steady state"))
+    _add_one_scene(command)
     _add_show(
         command(
             "show", "print the main values of a result file, of two side by side, or of a scene"
@@ -174,6 +148,41 @@ def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
 
 
 # fmt: off
+def _add_one_scene(add_command: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    """Adds the commands that check or solve a scene, or choose its preload."""
+    check = add_command("check", "check a scene; report its model and a table of effects")
+    _add_fidelity(check)
+    add_formats(check)
+    add_case(check)
+    solve = add_command("solve", "solve a scene and print a summary sheet; -o writes a case file")
+    _add_fidelity(solve)
+    solve.add_argument("--restart", metavar="CASE.nc",
+        help="continue a dynamic case from its final state; the two scenes may differ only in "
+        "wear, model and friction.slip_regularisation_m_s")
+    add_case(solve)
+    _add_result(solve, several=True)
+    _add_quiet_formats(solve)
+    life = add_command("life",
+        "compute the wear life and print a summary sheet; -o writes a life file")
+    _add_fidelity(life)
+    add_case(life)
+    _add_result(life)
+    _add_quiet_formats(life)
+    _add_uncertainty(add_command("uncertainty",
+        "compute the spread in life due to the uncertain values in the scene"))
+    recommend = add_command("recommend", "recommend a preload for given requirements")
+    add_scene(recommend)
+    _add_limits(recommend)
+    add_formats(recommend)
+    _add_warmup(add_command("warmup",
+        "compute temperatures and preload from rest to the steady state"))
+
+
+def _add_quiet_formats(sub: argparse.ArgumentParser) -> None:
+    """Adds the formats of the output, and `--quiet` as an alternative to them."""
+    add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
+
+
 def _add_sweep(sweep: argparse.ArgumentParser) -> None:
     """Adds the arguments of `sweep`."""
     sweep.add_argument("scenes", nargs="+", metavar="SCENE.yaml",
@@ -350,6 +359,7 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
         help="exit with status 0 even if no life could be computed")
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=result_name,
         help="the file to write (default: SCENE-uncertainty.nc)")
+    _add_quiet_formats(sub)
 
 
 def _add_study(study: argparse.ArgumentParser) -> None:
@@ -387,7 +397,7 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
         help="time at which to end (default: once the temperatures are steady)")
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=result_name,
         help="the file to write (default: SCENE-warmup.nc)")
-    add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
+    _add_quiet_formats(sub)
 
 
 def _limit_of_ramp(text: str) -> tuple[str, float]:

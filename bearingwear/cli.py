@@ -53,7 +53,10 @@ _GARBAGE_THRESHOLD = 100_000
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command; return its exit status."""
+    """Runs a command and returns its exit status.
+
+    argv: arguments after the name of the program; by default those of this process.
+    """
     _collect_garbage_rarely()
     if sys.stdout.errors == "strict" and isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a locale without `°` or `–`
@@ -100,7 +103,7 @@ def _exit_status(argv: Sequence[str]) -> int:
 
 
 def _drop(stream: TextIO) -> None:
-    """Discard what is still buffered, because Python would try to print it once more."""
+    """Discards the buffered text of a stream, which Python would try to print again as it ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
@@ -140,26 +143,24 @@ def _command_hint(typed: str, commands: Iterable[str]) -> str:
     return f"expected {', '.join(names)}"
 
 
-def _argument_hint(arguments: Sequence[str], options: Collection[str], argv: Sequence[str]) -> str:
-    """Returns advice on the first argument that a command does not accept, after a semicolon.
+def _argument_hint(unknown: Sequence[str], options: Collection[str], argv: Sequence[str]) -> str:
+    """Returns advice on arguments that a command does not accept, after a semicolon, or "".
 
-    It is "" where nothing likely is known.
-
-    arguments: that argument, then the others that are not accepted.
+    unknown: these arguments; the advice is on the first one.
     options: of the command.
     argv: the whole command line.
     """
-    option, _, value = arguments[0].partition("=")
+    option, _, value = unknown[0].partition("=")
+    if option in _KEY_OF_OPTION and "--set" in options:
+        value = value or "".join(unknown[1:2])
+        return f"; write --set {_KEY_OF_OPTION[option]}={value}"
     if option in RENAMED_OPTIONS:
         return f"; it is now {RENAMED_OPTIONS[option]}"
-    if option in _KEY_OF_OPTION and "--set" in options:
-        value = value or "".join(arguments[1:2])
-        return f"; write --set {_KEY_OF_OPTION[option]}={value}"
     if other_name := synonym(option, options):
         return f"; did you mean {other_name}"
     if similar := difflib.get_close_matches(option, options, n=2):
         return f"; did you mean {' or '.join(similar)}"
-    return _word_hint(arguments[0], argv)
+    return _word_hint(unknown[0], argv)
 
 
 def _word_hint(word: str, argv: Sequence[str]) -> str:
@@ -198,9 +199,8 @@ def _check_study(
     if scene_options and not args.name.endswith(SCENE_SUFFIXES):
         scene_file = Path(f"{args.name}.yaml")
         advice = f"; did you mean {scene_file}" if scene_file.is_file() else ""
-        parser.error(
-            f"got {scene_options[0]} without a scene; only allowed with SCENE.yaml{advice}"
-        )
+        problem = f"got {scene_options[0]} without a scene"
+        parser.error(f"{problem}; only allowed with SCENE.yaml{advice}")
 
 
 def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
@@ -221,12 +221,12 @@ def _run(args: argparse.Namespace) -> int:
     """Calls the handler of a command and returns its exit status; prints errors as lines."""
     # imported here, because `--help` does not need them
     from bearingwear.atomic import OutputError
-    from bearingwear.results.kinds import function
+    from bearingwear.results.kinds import imported_function
     from bearingwear.results.netcdf import CaseFileError
     from bearingwear.scene.checking.errors import NotAvailable
     from bearingwear.scene.scene import SceneError
 
-    handler = function(args.run)
+    handler = imported_function(args.run)
     try:
         status: int = handler(args)
         return status

@@ -163,12 +163,12 @@ def check(args: argparse.Namespace) -> int:
     from bearingwear.solvers.effects.choice import choice
 
     scene = given_scene(args)
-    chosen = choice(scene, args.fidelity)
+    model = choice(scene, args.fidelity)
     if scene.duty is not None:
         from bearingwear.lives.duty.result import choices_of_phases
 
-        choices_of_phases(scene, args.fidelity)
-    print_sheet(check_document(args.scene, scene, chosen), args)
+        choices_of_phases(scene, args.fidelity)  # refuses phases without a common steady model
+    print_sheet(check_document(args.scene, scene, model), args)
     return SUCCESS
 
 
@@ -213,9 +213,9 @@ def _solve_each(args: argparse.Namespace) -> int:
     from bearingwear.studies.solve import solved_variants
 
     variants = [changes_of([*args.set, f"{key}={value}"]) for value in values]
-    solved = solved_variants(args.scene, variants, args.fidelity, args.case)
+    results = solved_variants(args.scene, variants, args.fidelity, args.case)
     status = SUCCESS
-    for result, path in zip(solved, outputs, strict=True):
+    for result, path in zip(results, outputs, strict=True):
         if args.record_timing:
             result.attrs["wall_time_s"] = float(result.wall_time_s)
         write_result(result, path)
@@ -301,9 +301,9 @@ def compile(args: argparse.Namespace) -> int:
 def life(args: argparse.Namespace) -> int:
     """Computes the life of a scene."""
     with ProgressLines(args.scene) as tell:
-        from bearingwear.scene.read import for_life
+        from bearingwear.scene.read import scene_for_life
 
-        scene = for_life(given_scene(args), args.scene)
+        scene = scene_for_life(given_scene(args), args.scene)
         from bearingwear.lives.life import life as life_result
 
         result = life_result(scene, args.fidelity, tell)
@@ -346,11 +346,13 @@ def recommend(args: argparse.Namespace) -> int:
 
         scene = life_scene(args.scene, args.set, films=True)
         from bearingwear.studies.design.document.sheets import preload_document
-        from bearingwear.studies.design.recommend import best_method, recommended
+        from bearingwear.studies.design.recommend import best_method, recommendation_and_map
         from bearingwear.studies.sampling import usable_cores
 
         limits = _design_limits(args, scene)
-        recommendation, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
+        recommendation, lives = recommendation_and_map(
+            scene, limits, args.scene, usable_cores(), tell
+        )
         sheet = preload_document(recommendation, lives)
     if lives is not None and not (lives["status"] == 0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))
@@ -371,7 +373,7 @@ def warmup(args: argparse.Namespace) -> int:
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.warmup.result import warm_up_dataset
 
-    check_heat_capacities(scene.one_of_alike.sides, args.scene)
+    check_heat_capacities(scene.symmetric_half.sides, args.scene)
     check_output(args.output, args.scene)
     with ProgressLines(args.scene):
         seconds = scene.start_s if args.seconds is None else args.seconds

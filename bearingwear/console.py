@@ -56,9 +56,11 @@ class ProgressLines:
 
     def __init__(self, source: str = "") -> None:
         self._source = f"{source}: " if source else ""
-        self._last = self._since = time.monotonic()
-        self._running = ""
-        self._lock, self._ended = threading.RLock(), threading.Event()
+        self._last = time.monotonic()  # of the last line
+        self._running = ""  # what runs, in words
+        self._since = self._last  # the time since which that runs
+        self._lock = threading.RLock()
+        self._ended = threading.Event()
         self._shown = ""  # in the line that is renewed
         self._thread = threading.Thread(target=self._break_silence, daemon=True)
 
@@ -72,9 +74,9 @@ class ProgressLines:
         self._write("")
 
     def __call__(self, text: str) -> None:
-        """Print a line of progress, with the time left if that is known."""
-        self.running = text.partition(", about ")[0]
-        # a run goes on where nobody reads about its progress any more
+        """Prints a line of progress, with the time left if that is known."""
+        self.running, _, _ = text.partition(", about ")
+        # a closed terminal must not end the run
         with contextlib.suppress(OSError, ValueError):
             self.print_line(one_line(f"{self._source}{text}{self._time_left()}"))
 
@@ -85,11 +87,12 @@ class ProgressLines:
 
     @running.setter
     def running(self, text: str) -> None:
+        """Sets what runs; its time starts anew if that changes."""
         if text != self._running:
             self._running, self._since = text, time.monotonic()
 
     def print_line(self, text: str, stream: TextIO | None = None) -> None:
-        """Print a text with its line break, in place of the line of progress."""
+        """Prints a text that ends with a line break, in place of the line of progress."""
         with self._lock:
             self._write("")
             stream = stream or sys.stderr

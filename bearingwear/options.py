@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # fmt: off
 def add_scene(sub: argparse.ArgumentParser) -> None:
-    """Add the scene file and the changes to it."""
+    """Adds the scene file and the changes to it."""
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     setting = sub.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
         help="replace a value in the scene, for example operation.preload_N=9; may be repeated")
@@ -27,18 +27,18 @@ def add_scene(sub: argparse.ArgumentParser) -> None:
 
 
 def add_case(sub: argparse.ArgumentParser) -> None:
-    """Add the option that selects a case of the scene."""
+    """Adds the option that selects a case of the scene."""
     sub.add_argument("--case", metavar="NAME", help="select one of the cases in the scene")
 
 
 def add_jobs(sub: argparse.ArgumentParser) -> None:
-    """Add the number of processes."""
+    """Adds the number of processes."""
     sub.add_argument("-j", "--jobs", type=positive_count, metavar="N",
         help="number of processes (default: one per core)")
 
 
 def add_formats(sub: argparse.ArgumentParser) -> Any:
-    """Add the formats of the output, one at a time; returns their group."""
+    """Adds the formats of the output, of which one may be chosen; returns their group."""
     formats = sub.add_mutually_exclusive_group()
     formats.add_argument("--json", action="store_true", help="print the sheet as JSON")
     formats.add_argument("--csv", action="store_true", help="print the sheet as CSV")
@@ -58,9 +58,9 @@ def given_scene(args: argparse.Namespace) -> Scene:
 
     scene = load_scene(args.scene, args.set)
     if (case := getattr(args, "case", None)) is not None:
-        from bearingwear.scene.cases import in_case
+        from bearingwear.scene.cases import scene_in_case
 
-        scene = in_case(scene, case, "--case")
+        scene = scene_in_case(scene, case, "--case")
     if getattr(args, "output", None) is not None:
         check_output(args.output, args.scene)
     return scene

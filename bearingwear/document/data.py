@@ -17,8 +17,9 @@ from bearingwear.results.units import Interval
 def as_json(document: Document) -> str:
     """Returns a JSON object: the facts, `sentences` by their titles, and `quantities`.
 
-    A quantity has plain numbers and their unit; a number that does not exist is null. All is in
-    ASCII, other characters escaped, so that any locale passes it on unchanged.
+    A quantity has numbers without rounding and their unit; a number that does not exist is null.
+    The text is in ASCII, with other characters escaped, so that terminals of any locale show it
+    unchanged.
     """
     quantities = [
         {
@@ -59,7 +60,7 @@ def _limit_entry(block: Block, row: Row) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Converts a value for JSON, which has neither intervals nor NaN nor infinity.
+    """Returns a value for JSON, which has neither intervals nor NaN nor infinity.
 
     An interval becomes two numbers, and a number that is not finite None, also within dicts and
     lists.

@@ -30,7 +30,7 @@ from bearingwear.document.rows import (
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.contents_view import ContentsView
 from bearingwear.results.entries import contents_of
-from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
+from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, imported_function, kind_of
 from bearingwear.results.life_variables import BEARING_PARTS
 from bearingwear.results.netcdf import open_result
 from bearingwear.results.pair_variables import SYSTEM
@@ -153,7 +153,7 @@ def _main_sheet(file: Any, more: Registry) -> Document:
     """
     kind = kind_of(file)
     if kind in more:
-        document: Document = function(more[kind])(file)
+        document: Document = imported_function(more[kind])(file)
         return document
     if kind not in SHEETS:
         from bearingwear.document.study import study_document

@@ -87,6 +87,7 @@ def _error_bound(life: Life) -> float:
     """
     wearing: Motion = life.wearing
     time = np.array([node.x for node in life.nodes])
+    # two nodes have the same time where a film is gone: rates have a jump there
     starts = [0, *(np.flatnonzero(np.diff(time) == 0.0) + 1).tolist()]
     ends = [*starts[1:], time.size]
     error = life.error

@@ -23,7 +23,7 @@ class Criteria:
     """End-of-life criteria of a scene, of one bearing or of two unequal ones."""
 
     def __init__(self, scene: Scene):
-        self.preloads_N = [side.operation.preload_N for side in scene.one_of_alike.sides]
+        self.preloads_N = [side.operation.preload_N for side in scene.symmetric_half.sides]
         end = scene.wear.end_of_life or EndOfLife()
         self._limits = [
             (k, measure, getattr(end, name))

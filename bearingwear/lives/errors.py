@@ -157,11 +157,11 @@ class _ComparedGrooves(Grooves):
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
     """Returns result variables of the errors of a groove life: of its steps, and of all settings.
 
-    Steps half as long again show the error of the steps, of which the bound is twice the change.
+    Steps 1.5 times as long show the error of the steps, of which the bound is twice the change.
     A life with fewer cells shows the error of the cells. Along that life, half of v_r and twice
     the points change its rates and its end.
 
-    length, criterion: of the life [s], and what ended it.
+    length, criterion: of the life [s], and the index of the criterion that ended it.
     """
     if not length > 0.0:
         return {}

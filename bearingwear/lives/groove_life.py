@@ -38,7 +38,9 @@ def wear_over_gap(scene: Scene) -> float:
     the smaller of two: the limit of the loss, and the loss at which a fixed position has lost the
     preload of `preload_fraction`. The ratio is infinite where the scene limits neither.
     """
-    g, end, operation = parameters.geometry(scene), scene.wear.end_of_life, scene.operation
+    g = parameters.geometry(scene)
+    end = scene.wear.end_of_life
+    operation = scene.operation
     sine = math.sin(g.alpha0)
     if end is None or not (sine > 0.0 and operation.preload_N > 0.0):
         return math.inf
@@ -74,7 +76,7 @@ def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
 
     Raises NotAvailable where the scene requests worn grooves that its model cannot follow.
     """
-    scene = scene.one_of_alike
+    scene = scene.symmetric_half
     obstacle = None
     if fidelity != "steady":
         obstacle = f"model.fidelity {fidelity}"

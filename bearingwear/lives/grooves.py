@@ -57,7 +57,8 @@ class Grooves:
     States have no stiffness unless the life ends by it.
     """
 
-    origin, range = 0.0, math.inf
+    origin = 0.0
+    range = math.inf
 
     def __init__(self, scene: Scene, mode: GrooveMode = EXACT_GROOVES):
         self.scene, self.mode = scene, mode
@@ -87,7 +88,7 @@ class Grooves:
 
     def unsolved_states(self) -> States:
         """Returns states with the status why the new bearings are not solved."""
-        losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.one_of_alike.sides)
+        losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.symmetric_half.sides)
         return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
 
     def middle_state(self, worn: Wears) -> States:
@@ -118,7 +119,8 @@ class Grooves:
         Nothing can be followed further afterwards.
         """
         elsewhere = copy.copy(self)
-        elsewhere.scene, elsewhere.bearings = scene, worn_elsewhere(self.bearings, scene)
+        elsewhere.scene = scene
+        elsewhere.bearings = worn_elsewhere(self.bearings, scene)
         elsewhere.sides = tuple(map(innermost, elsewhere.bearings.sides))
         states = elsewhere.state(worn)
         if self.by_stiffness or not all(state.is_solved for state in states):
@@ -241,7 +243,8 @@ def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
 def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[float]:
     """Returns the rate at which the even loss of a bearing grows, at each state [m/s]."""
     if len(states) < 2:
-        first, point = states[0], point_of(states[0])
+        first = states[0]
+        point = point_of(states[0])
         values = wear_values(
             first.answer.scene,
             np.array([point.D]),

@@ -44,6 +44,7 @@ class HertzianLives:
     """
 
     def __init__(self, scene: Scene, quick: bool = False):
+        """Makes the solvers of a scene, and of each condition of its duty if it has one."""
         self.quick = quick or not is_one_integral(scene)
         self.solver = solver_of(scene, tolerance=WELL_BALANCED)
         self._duty_solvers: list[Remembered] = []
@@ -72,12 +73,18 @@ def worn_life(scene: Scene, quick: bool = True) -> Life | None:
 
 
 def worn_life_with_stiffness(scene: Scene, quick: bool = True) -> Life | None:
-    """Returns `worn_life` with states that know their stiffnesses."""
+    """Returns the life with grooves as they wear, whose states know their stiffnesses.
+
+    None where `life` does not follow grooves; a quick one is that of `worn_life`.
+    """
     return _worn_life(scene, StiffGrooves, quick)
 
 
 def _worn_life(scene: Scene, kind: type[Grooves], quick: bool) -> Life | None:
-    """Returns `worn_life` by one kind of grooves, with stiffnesses or without."""
+    """Returns the life with grooves as they wear; None where `life` does not follow them.
+
+    kind: of grooves, whose states know stiffnesses or not.
+    """
     if scene.duty is not None:
         over_duty = duty_life(scene, "steady", quick, kind)
         return over_duty.life if over_duty.is_worn else None
@@ -177,6 +184,7 @@ def lives_by_end(
 
     @cache
     def time_to_limit(name: str, limit: float) -> float:
+        """Returns the time at which the life meets one criterion [s]; NaN if it does not."""
         return life.time_to(criteria_of(with_end(worn, EndOfLife(**{name: limit}))))
 
     def worn_length(end: EndOfLife) -> float:

@@ -19,7 +19,7 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import usual_spread
 from bearingwear.scene.duty import cases_of_use
 from bearingwear.scene.requirements import Launch
-from bearingwear.scene.scene import Distribution, Scene, once
+from bearingwear.scene.scene import Distribution, Scene, cached_in_scene
 from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
 from bearingwear.solvers.bearing.launch import LaunchResult, launch_result, wear_at_launch
@@ -124,9 +124,9 @@ def life_in_case(scene: Scene, name: str) -> Life | None:
     return _duty_lives(scene)[name]
 
 
-@once
+@cached_in_scene
 def _duty_lives(scene: Scene) -> dict[str, Life]:
-    """Returns `lives_by_case` of a scene, computed once."""
+    """Returns the lives along which the requirements of a scene hold, by case, computed once."""
     return lives_by_case(scene)
 
 

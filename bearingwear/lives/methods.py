@@ -43,7 +43,9 @@ class Simpson(Method):
     _last_step: LifeStep | None = None  # of a quick life, unless it was rough
 
     def __init__(self, tolerance: float, first: float, farthest: float, quick: bool):
-        self.tolerance, self.length, self.shortest = tolerance, first, SHORTEST_STEP * first
+        self.tolerance = tolerance
+        self.length = first
+        self.shortest = SHORTEST_STEP * first
         self.farthest, self.quick = farthest, quick
         if quick:
             self.root_tolerance = tolerance
@@ -117,12 +119,15 @@ class RungeKutta(Method):
     solver: Any = None
 
     def __init__(self, tolerance: float, first: float, between: Sequence[float] = QUARTERS):
-        self.tolerance, self.initial, self.shortest = tolerance, first, SHORTEST_STEP * first
+        self.tolerance = tolerance
+        self.initial = first
+        self.shortest = SHORTEST_STEP * first
         self.length, self.between = first, between
 
     def node_after_event(self, node: Node) -> Node:
         """Returns the last node solved again; the solver starts anew from it."""
-        self.solver, self.length = None, self.initial
+        self.solver = None
+        self.length = self.initial
         return super().node_after_event(node)
 
     def at(self, x: float) -> Node:
@@ -131,14 +136,21 @@ class RungeKutta(Method):
         return self.node(x, y[:-1], float(y[-1]))
 
     def _derivative(self, s: float, y: np.ndarray) -> np.ndarray:
-        """Returns the derivative of wear and time by the sum of the losses; raises Unsolved."""
+        """Returns the derivative of wear and time by the sum of the losses; raises Unsolved.
+
+        s: sum of the losses [m].
+        y: wear of all bearings [m], then the time [s].
+        """
         node = self.node(s, y[:-1], float(y[-1]))
         if node.status != code.OK:
             raise Unsolved(node)
         return np.append(self.wearing.rates(node), 1.0) / self.wearing.loss_rate(node)
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        """Returns a step of the solver, with a node in its middle and one at its end."""
+        """Returns a step of the solver, with a node in its middle and one at its end.
+
+        bound: sum of the losses that the step does not pass [m].
+        """
         from scipy.integrate import RK45  # loads slowly; most lives take other steps
 
         start = life.last
@@ -173,7 +185,8 @@ class RungeKutta(Method):
     def shorten(self) -> bool:
         """Makes the next step, by a new solver, shorter; returns False where it is too short."""
         if self.solver is not None:
-            self.tried_length, self.solver = self.solver.h_abs, None
+            self.tried_length = self.solver.h_abs
+            self.solver = None
         return super().shorten()
 
 
@@ -202,14 +215,19 @@ class InTime(Method):
         return self.nodes_by_time[x]
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        """Returns a step as long as the way to wear allows; endless where nothing ends the life."""
+        """Returns a step as long as the way to wear allows; endless where nothing ends the life.
+
+        bound: time that the step does not pass [s].
+        """
         now = life.last
         if now is not self.now:
-            self.rates_before, self.rates = self.rates, self.wearing.rates(now)
+            self.rates_before = self.rates
+            self.rates = self.wearing.rates(now)
             before = life.nodes[-2] if len(life.nodes) > 1 else None
             is_smooth = before is not None and self.is_smooth_between(before, now)
             self.previous = before if is_smooth else None
-            self.now, self.nodes_by_time = now, {}
+            self.now = now
+            self.nodes_by_time = {}
             self.longest = self.wearing.longest_step(now, self.rates)
         if math.isinf(self.longest):
             return LifeStep(end=math.inf)
@@ -256,7 +274,8 @@ class Adams(InTime):
         wearing, now, rates = self.wearing, self.now, self.rates
         h = x - now.x
         # length of the step over that before; 0 is Heun's method, without rates before
-        ratio, rates_before = 0.0, rates
+        ratio = 0.0
+        rates_before = rates
         if self.previous is not None:
             stretch = h / (now.x - self.previous.x)
             wearing.start_ahead(self.previous, now, stretch)
@@ -320,7 +339,8 @@ class Trapezoid(InTime):
             self._errors.setdefault(b.x, b.x - x)
             if self.at(x).status != code.OK:
                 break
-            best, x_margin = x, margin(x)
+            best = x
+            x_margin = margin(x)
             self._errors[x] = abs(x_margin) / slope
             if self._errors[x] <= _END_OF_RUNS * (b.x - a.x):
                 break

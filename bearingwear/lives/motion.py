@@ -53,7 +53,8 @@ class Motion:
     progress: receives a line of text at each step.
     """
 
-    origin, range = 0.0, math.inf
+    origin = 0.0
+    range = math.inf
 
     def __init__(
         self,
@@ -69,18 +70,23 @@ class Motion:
         self.surfaces = FilmWear(scene)
         self._mounted = parameters.static_place(scene)
         self.films_gone: list[int] = []  # in the order in which they wore through
-        self._event_time, self._event_worn = 0.0, self.start  # when the way last changed
+        self._event_time = 0.0  # when a film was last gone [s]
+        self._event_worn = self.start  # wear at that time
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
         """Returns the state (1,) of a run at some wear.
 
+        worn: of all parts, as in `WornLayout`.
         near: state of a run nearby, from whose end this one starts; else it starts as the scene.
         """
         run = self._run(worn, near[0].answer if near else None)
         return self.with_worn((State(run.status, {}, run),), worn)
 
     def _run(self, worn: np.ndarray, before: Run | None) -> Run:
-        """Returns a run at some wear; a first run where one from the end of `before` fails."""
+        """Returns a run at some wear, from the end of another if there is one.
+
+        If that fails, it is a first run, which continues no other.
+        """
         try:
             scene = self.parts.worn_scene(worn)
         except SceneError:
@@ -107,7 +113,10 @@ class Motion:
         )
 
     def surface_wear(self, worn: np.ndarray) -> np.ndarray:
-        """Returns the wear in the form of `FilmWear`, with that of the mean ball."""
+        """Returns the wear in the form of `FilmWear`, with that of the mean ball (3,) [m].
+
+        worn: of all parts, as in `WornLayout`.
+        """
         return np.array([worn[self.parts.layout.diameter].mean(), *worn[self.parts.layout.groove]])
 
     def _quasistatic_stiffness(self, scene: Scene) -> float:

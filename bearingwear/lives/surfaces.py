@@ -59,7 +59,10 @@ class Coating:
         return np.where(self.is_left, 1.0 - depths / thickness, np.inf)
 
     def remove(self, part: int, depths: np.ndarray) -> None:
-        """Removes the film of a part, if it is one of these, and any other that is worn through."""
+        """Removes the film of a part, if it is one of these, and any other that is worn through.
+
+        depths: worn off each part [m].
+        """
         self.is_left &= (self.share_left(depths) > 0.0) & (np.arange(self.is_left.size) != part)
 
 
@@ -130,16 +133,25 @@ class FilmWear(EvenWear):
         return self.films.bare(self.coating.is_left)
 
     def condition(self, worn: np.ndarray) -> Condition:
-        """Returns the condition of the bearing with some wear, and without films that are gone."""
+        """Returns the condition of the bearing with some wear, and without films that are gone.
+
+        worn: loss of ball diameter, and depths of inner and outer groove [m].
+        """
         counted = worn[0] + (worn[1] + worn[2] if self.scene.wear.counts_races else 0.0)
         return Condition(self.present_loss + float(counted), self.bare)
 
     def depths(self, worn: np.ndarray) -> np.ndarray:
-        """Returns the depths of inner groove, outer groove and ball surface (3,) [m]."""
+        """Returns the depths of inner groove, outer groove and ball surface (3,) [m].
+
+        worn: loss of ball diameter, and depths of inner and outer groove [m].
+        """
         return np.array([worn[1], worn[2], 0.5 * worn[0]])
 
     def running_in_time(self, worn: np.ndarray, rates: np.ndarray) -> float:
-        """Returns the time in which coefficients of surfaces that run in change by a part [s]."""
+        """Returns the time in which coefficients of surfaces that run in change by a part [s].
+
+        worn, rates: loss of ball diameter and depths of both grooves [m], and their rates [m/s].
+        """
         times = [np.inf]
         for surface, has_film, depth, rate in zip(
             (self.films.race, self.films.race, self.films.ball),
@@ -194,7 +206,10 @@ class FilmWear(EvenWear):
         return state.with_values(values)
 
     def loss_rate(self, ball_rate: float, race_rates: np.ndarray) -> float:
-        """Returns `State.rate` by the rates of ball diameter and groove depths [m/s]."""
+        """Returns the rate of the loss that counts: of the balls, and of races if they do [m/s].
+
+        ball_rate, race_rates: of the ball diameter, and of the depths of both grooves [m/s].
+        """
         return ball_rate + float(race_rates.sum()) if self.scene.wear.counts_races else ball_rate
 
     def rates(self, state: State) -> np.ndarray:
@@ -213,7 +228,8 @@ class Surfaces:
             FilmWear(side) if follows_depths(side) else EvenWear(side) for side in scene.sides
         ]
         self.start = np.concatenate([bearing.start for bearing in self.bearings])
-        self.origin, self.range = 0.0, sum(bearing.loss_range for bearing in self.bearings)
+        self.origin = 0.0
+        self.range = sum(bearing.loss_range for bearing in self.bearings)
         ends = [0, *accumulate(bearing.start.size for bearing in self.bearings)]
         self._parts = [
             (bearing, slice(*part))
@@ -281,7 +297,7 @@ def _loss_limit(scene: Scene) -> float:
 
 def is_one_integral(scene: Scene) -> bool:
     """Returns whether a life whose contacts stay Hertzian is an integral over the loss alone."""
-    sides = scene.one_of_alike.sides
+    sides = scene.symmetric_half.sides
     return len(sides) == 1 and not follows_depths(sides[0])
 
 
@@ -292,7 +308,7 @@ def surface_life(scene: Scene, solver: Remembered, quick: bool = False) -> Life:
     quick: whether steps are longer where the life is one integral, and have fewer states between
         them where it is not.
     """
-    scene = scene.one_of_alike
+    scene = scene.symmetric_half
     life = follow_surfaces(Surfaces(scene, solver), Criteria(scene), scene, quick)
     life.solves = solver.solves
     return life
@@ -308,7 +324,8 @@ def follow_surfaces(wearing: Any, ends: Criteria, scene: Scene, quick: bool = Fa
     if is_one_integral(scene):
         wearing.origin = float(wearing.start[0])
         if quick:
-            tolerance, first = max(tolerance, _QUICK), _LONGER_FIRST * first
+            tolerance = max(tolerance, _QUICK)
+            first = _LONGER_FIRST * first
         method: Method = Simpson(tolerance, first, _loss_limit(scene), quick)
     else:
         method = RungeKutta(tolerance, first, (0.5,) if quick else QUARTERS)

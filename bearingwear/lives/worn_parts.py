@@ -179,12 +179,16 @@ class WornParts:
         rates[p.ball] = values["ball_wear_rate"] + (ball - new_ball).sum(axis=1)
         rates[p.diameter] = 2.0 * rates[p.ball] / (math.pi * D**2)
         rates[p.race] = n * race.mean(axis=0)
-        semi_axis, track = np.where(a > 0.0, a, np.inf), values["contact_track_radius"]
+        semi_axis = np.where(a > 0.0, a, np.inf)
+        track = values["contact_track_radius"]
         rates[p.groove] = groove_depth_rates(n, race, semi_axis, track).mean(axis=0)
         peak = depth_peak(values, values["gyroscopic_slip"], values["rolling_slip"])
         rates[p.deepest] = peak * rates[p.groove]
         return rates
 
     def mean_loss_rate(self, rates: np.ndarray) -> float:
-        """Returns `State.rate` by the rates of all wearing parts [m/s]."""
+        """Returns the mean rate of the loss that counts: of balls, and of races if they do [m/s].
+
+        rates: of all wearing parts.
+        """
         return float(rates[self.layout.diameter].mean()) + self._counted_depth(rates)

@@ -155,7 +155,7 @@ def _shorten_references(node: ET.Element, short_ids: Mapping[str, str]) -> None:
     short_ids: by each `id` to which some node refers.
     """
     identifier = node.attrib.pop("id", None)
-    if identifier in short_ids:
+    if identifier is not None and identifier in short_ids:
         node.set("id", short_ids[identifier])
     for name in ("clip-path", HREF):
         if name in node.attrib:

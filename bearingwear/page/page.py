@@ -29,7 +29,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.units import Rough, key_in_words, printed_unit, without_unit_breaks
 from bearingwear.results.warnings import merged_warnings, warnings_in
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.arrangement import METHODS
 from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.changes import KIND_KEY, METHOD_KEY
@@ -160,7 +160,7 @@ def page(
     datasets = [*section_datasets.values(), *answer_datasets]
     section_of = _sections(section_datasets)
     inputs = [section.scene for section in section_of.values()]
-    inputs = inputs or [scene_of(dataset) for dataset in datasets]
+    inputs = inputs or [plain_scene(dataset) for dataset in datasets]
     assumed = _assumed_keys_with_descriptions(inputs, scenes)
     figures = list(drawings([*section_files, *answer_files]))
     page_answers = _page_answers(answer_files, figures)
@@ -372,7 +372,7 @@ def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
                 f"{file}: got a single result, which `bearingwear show` prints, expected a file of "
                 "a study; `bearingwear study SCENE.yaml` makes a page of a scene"
             )
-        section = sections.setdefault(file.parent, Section(scene_of(dataset)))
+        section = sections.setdefault(file.parent, Section(plain_scene(dataset)))
         status = dataset["status"].values
         solved_codes = (OK, CRITERION_NOT_REACHED) if _is_life(dataset) else (OK,)
         solved = int(np.isin(status, solved_codes).sum())

@@ -220,7 +220,7 @@ def _single_bearings(scene: Scene, arrangement: Arrangement) -> list[Scene]:
     return [scenes[count] for count in arrangement.tandem]
 
 
-def one_bearing(scene: Scene, source: object) -> Scene:
+def single_bearing_scene(scene: Scene, source: object) -> Scene:
     """Returns the scene unchanged; refuses one with a pair of bearings.
 
     source: file of the scene, for the SceneError.
@@ -243,7 +243,9 @@ def bearings_holding(method: str) -> float:
     return 2.0 if method == "fixed_position" else 1.0
 
 
-def held_by(scene: Scene, method: str, preload_N: float | None = None, **operation: float) -> Scene:
+def with_method(
+    scene: Scene, method: str, preload_N: float | None = None, **operation: float
+) -> Scene:
     """Returns the scene with another preload method; a pair gets the kind of that method.
 
     preload_N: by default that of the scene.

@@ -34,7 +34,12 @@ def assumed_keys(path: str | os.PathLike[str]) -> set[str]:
 def _assumed_keys_of_block(
     node: yaml.MappingNode, lines: Sequence[str], block: str = "", block_is_assumed: bool = False
 ) -> Iterator[str]:
-    """Yields the assumed keys of a block."""
+    """Yields the keys of a block that comments mark as assumed, with those of inner blocks.
+
+    lines: of the file.
+    block: path of the block, with a dot at its end.
+    block_is_assumed: whether a comment at the block, or around it, marks all its keys.
+    """
     for name, value in node.value:
         line = name.start_mark.line
         above = lines[line - 1].strip() if line else ""

@@ -75,7 +75,7 @@ def cases_that_wear(scene: Scene) -> dict[str, Scene]:
     return turning or dict(scene.in_cases)
 
 
-def in_case(scene: Scene, name: str, source: str) -> Scene:
+def scene_in_case(scene: Scene, name: str, source: str) -> Scene:
     """Returns a scene in the case of a name, `nominal` or one of `cases`.
 
     source: what named the case, such as `--case`; the SceneError of an unknown name begins with it.

@@ -17,7 +17,10 @@ KEY = r"[^\s.=\[\]]+(\.[^\s.=\[\]]+)*"
 
 
 def changes_of(texts: Iterable[str]) -> dict[str, Any]:
-    """Reads changes from texts `operation.preload_N=9`, as `--set` takes them, with YAML values."""
+    """Returns the values of some texts such as `operation.preload_N=9` by key, as YAML reads them.
+
+    SceneError: a text without `=`, a value that is no YAML, or a key that is set twice.
+    """
     changes: list[tuple[str, Any]] = []
     for text in texts:
         key, equals, value = text.partition("=")
@@ -55,7 +58,9 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
                 allowed = place.allowed if place else "another value"
                 problem = f"got a key under {path}, which is not a block, expected {allowed}"
                 raise SceneError("", problem, source=f"--set {key}")
-            block[name] = block = dict(inner or {})
+            copy = dict(inner or {})
+            block[name] = copy
+            block = copy
         parent = key_of_scene(".".join(blocks))
         if value is None and last in block and parent is not None and parent.kind == "mapping":
             del block[last]

@@ -309,7 +309,10 @@ def _spread_summary(factors: Mapping[str, str], pair: RubbingPair | None, is_coa
 
 
 def with_usual_spread(scene: Scene) -> tuple[Scene, str]:
-    """Returns a scene with distributions, and a line on them that is empty if it has its own."""
+    """Returns a scene with the distributions of `usual_spread`, and a line that states them.
+
+    A scene that has distributions is returned as it is, with an empty line.
+    """
     if scene.uncertainty:
         return scene, ""
     spread, summary = usual_spread(scene.to_dict())

@@ -47,7 +47,7 @@ def quantile(
     return median * np.exp(width * ndtri(p_low + (p_high - p_low) * np.asarray(probability)))
 
 
-def value_at(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
+def value_quantiles(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
     """Returns quantiles of an uncertain value of a scene, one for each probability.
 
     name: a key of `uncertainty`, whose distribution is truncated to the values that a scene takes.
@@ -56,7 +56,7 @@ def value_at(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
     return quantile((scene.uncertainty or {})[name], scene.nominal(name), ends, probability)
 
 
-def values_at(scene: Scene, names: Sequence[str], probability: np.ndarray) -> np.ndarray:
+def sampled_values(scene: Scene, names: Sequence[str], probability: np.ndarray) -> np.ndarray:
     """Returns a sample of uncertain values of a scene, shape (samples, names).
 
     names: keys of `uncertainty`.
@@ -70,5 +70,5 @@ def values_at(scene: Scene, names: Sequence[str], probability: np.ndarray) -> np
         wear_deviate = deviates @ (correlation, math.sqrt(1.0 - correlation * correlation))
         probability = probability.copy()
         probability[:, wear_column] = ndtr(wear_deviate)
-    columns = [value_at(scene, name, probability[:, k]) for k, name in enumerate(names)]
+    columns = [value_quantiles(scene, name, probability[:, k]) for k, name in enumerate(names)]
     return np.stack(columns, axis=-1) if columns else probability

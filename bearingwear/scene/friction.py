@@ -242,7 +242,7 @@ def has_thickness(scene: Scene) -> bool:
     return has_race_thickness or bool(_coated_materials(scene))
 
 
-def changes_as_it_wears(scene: Scene) -> bool:
+def friction_changes_with_wear(scene: Scene) -> bool:
     """Whether friction or wear change with the worn depth, because of films or running-in."""
     names = (scene.bearing.ball_material, scene.bearing.race_material)
     runs_in = any(scene.materials[name].running_in is not None for name in names)

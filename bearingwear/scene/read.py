@@ -68,27 +68,30 @@ def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
 
 
 def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: str) -> Scene:
-    """Returns the scene of plain data with some values replaced.
+    """Returns the checked scene of plain data with some values replaced.
 
-    SceneError: names the change that is to blame as `--set KEY`.
+    source: name of the scene in error messages.
+    SceneError: begins with `--set KEY` where a change causes it.
     """
-    new = with_changes(data, changes)
+    changed_data = with_changes(data, changes)
     try:
-        return scene_from_dict(new, source)
+        return scene_from_dict(changed_data, source)
     except SceneError as error:
         raise error_of_change(error, data, list(changes)) from None
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
-    """Checks plain nested data and builds the scene from it."""
+    """Checks plain nested data and builds the scene from it.
+
+    source: name of the scene in error messages.
+    """
     try:
         plain = checked_data(Scene, data)
         _check_spread(plain)
         plain["description"] = " ".join(plain.get("description", "").split())
         regularisation_given = "slip_regularisation_m_s" in plain["friction"]
-        return _with_checked_cases(
-            with_regularisation(build_record(Scene, _with_accuracy(plain)), regularisation_given)
-        )
+        scene = build_record(Scene, _with_accuracy(plain))
+        return _with_checked_cases(with_regularisation(scene, regularisation_given))
     except SceneError as error:
         raise error.in_source(source) from None
 
@@ -110,7 +113,7 @@ def _is_checked(scene: Scene) -> bool:
     return IS_CHECKED in scene.__dict__
 
 
-def for_life(scene: Scene, source: str = "scene") -> Scene:
+def scene_for_life(scene: Scene, source: str = "scene") -> Scene:
     """Returns the scene unchanged; refuses one without a criterion for the end of life.
 
     source: name of the scene in the SceneError.
@@ -149,6 +152,7 @@ class BasedOn:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Refuses changes whose keys are no paths of a scene."""
         for key in self.changes:
             if not re.fullmatch(KEY, key):
                 raise SceneError(

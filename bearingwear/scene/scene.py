@@ -78,7 +78,7 @@ __all__ = [
     "Wear",
     "key_of_scene",
     "most_balls",
-    "once",
+    "cached_in_scene",
 ]
 
 LARGEST_LOSS = 0.1
@@ -155,6 +155,7 @@ class Scene:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Makes mappings read-only, and refuses values that contradict each other."""
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
         for name in ("uncertainty", "cage_uncertainty"):
             if (distributions := getattr(self, name)) is not None:
@@ -219,7 +220,10 @@ class Scene:
         return (*reduced_record(self), state)
 
     def nominal(self, name: str) -> float:
-        """Returns the scene's value of a key of `UNCERTAIN`; for materials, that of the races."""
+        """Returns the value of a key of `UNCERTAIN`, in the unit of the key.
+
+        A property of a material is that of the races. The value of `wear_scatter` is 1.
+        """
         return nominal_value(self, name)
 
     @property
@@ -243,15 +247,19 @@ class Scene:
         return sides_of(self)
 
     @property
-    def one_of_alike(self) -> Scene:
-        """Returns the first bearing of a symmetric pair; any other scene as it is."""
+    def symmetric_half(self) -> Scene:
+        """Returns the scene of one bearing for a symmetric pair, whose bearings are alike.
+
+        Any other scene is returned as it is.
+        """
         return self.sides[0] if self.pair is not None and self.pair.is_symmetric else self
 
     @functools.cached_property
     def without_cage(self) -> Scene:
         """Returns the scene without its cage, the cage's results and the limits of its wear."""
-        end = self.wear.end_of_life
-        wear = replace(self.wear, end_of_life=end and end.without_cage)
+        wear = self.wear
+        if wear.end_of_life is not None:
+            wear = replace(wear, end_of_life=wear.end_of_life.without_cage)
         model = replace(self.model, cage_results=False)
         return replace(self, cage=None, cage_uncertainty=None, wear=wear, model=model)
 
@@ -279,7 +287,7 @@ class Scene:
             )
         try:
             return variant(self, changes)
-        except SceneError as error:  # its text is for the command line
+        except SceneError as error:  # the command line names a changed key as `--set KEY`
             raise error.in_source(error.source.removeprefix("--set ")) from None
 
     def case(self, name: str) -> Scene:
@@ -290,9 +298,9 @@ class Scene:
         SceneError
             A ValueError with a one-line message that lists the cases.
         """
-        from bearingwear.scene.cases import in_case
+        from bearingwear.scene.cases import scene_in_case
 
-        return in_case(self, name, "case")
+        return scene_in_case(self, name, "case")
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the scene as plain nested data in the order of a scene file, with all defaults.
@@ -343,11 +351,13 @@ def plain_data(value: Any) -> Any:
             elif part is not None:
                 plain[name] = plain_data(part)
         if value.__class__ is Wear and len(value.ball_diameter_loss_um) == 1:
-            (plain["ball_diameter_loss_um"],) = value.ball_diameter_loss_um
+            plain["ball_diameter_loss_um"] = value.ball_diameter_loss_um[0]  # as files have it
         return plain
     if isinstance(value, Mapping):
         return {key: plain_data(part) for key, part in value.items()}
-    return [plain_data(part) for part in value] if isinstance(value, tuple) else value
+    if isinstance(value, tuple):
+        return [plain_data(part) for part in value]
+    return value
 
 
 class _Serialised(NamedTuple):
@@ -395,7 +405,7 @@ def _serialised_mapping(mapping: Mapping[str, Any]) -> _Serialised:
     return _Serialised(plain, f"{{{', '.join(texts)}}}")
 
 
-def once(of_scene: Callable[[Scene], Value]) -> Callable[[Scene], Value]:
+def cached_in_scene(of_scene: Callable[[Scene], Value]) -> Callable[[Scene], Value]:
     """Wraps a function of a scene so that its value is computed once and cached in the scene.
 
     The cache is the scene's `__dict__`, under the function's dotted name.
@@ -421,8 +431,10 @@ def key_of_scene(path: str) -> Part | None:
 def _check_materials(scene: Scene) -> None:
     """Refuses the name of a material that the scene does not define."""
     blocks = {"bearing": scene.bearing, "cage": scene.cage, "fits": scene.fits}
-    for block, values in blocks.items():
-        for key, name in vars(values).items() if values else ():
+    for block, record in blocks.items():
+        if record is None:
+            continue
+        for key, name in vars(record).items():
             if key.endswith("material") and name is not None and name not in scene.materials:
                 problem = (
                     f"got {name!r}, which is not under materials, "
@@ -442,31 +454,37 @@ def _material_advice(name: str, scene: Scene) -> str:
     return ""
 
 
+_BALL_CIRCLE = ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
+
+
 def most_balls(diameter: float, pitch_diameter: float) -> int:
-    """Returns how many balls (or pockets) of a diameter fit side by side on the pitch circle."""
+    """Returns how many balls (or pockets) fit side by side on the pitch circle.
+
+    diameter, pitch_diameter: in the same unit.
+    """
     if diameter >= pitch_diameter:
         return 0
-    # the tolerance is for balls that touch exactly
+    # without the tolerance, rounding would refuse the last of balls that touch exactly
     return math.floor(math.pi / math.asin(diameter / pitch_diameter) + 1e-9)
 
 
 def _check_balls(scene: Scene) -> None:
     """Refuses balls that do not fit on the pitch circle."""
-    b = scene.bearing
-    keys = ("bearing.ball_count", "bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
-    if b.ball_diameter_mm >= b.pitch_diameter_mm:
+    count, D = scene.bearing.ball_count, scene.bearing.ball_diameter_mm
+    dm = scene.bearing.pitch_diameter_mm
+    keys = ("bearing.ball_count", *_BALL_CIRCLE)
+    if D >= dm:
         raise SceneError(
             "bearing.pitch_diameter_mm",
-            f"got {b.pitch_diameter_mm:g} with balls of {b.ball_diameter_mm:g} mm, "
-            f"expected a number > {b.ball_diameter_mm:g}",
+            f"got {dm:g} with balls of {D:g} mm, expected a number > {D:g}",
             keys,
         )
-    limit = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
-    if b.ball_count > limit:
+    limit = most_balls(D, dm)
+    if count > limit:
         raise SceneError(
             "bearing.ball_count",
-            f"got {b.ball_count} balls of {b.ball_diameter_mm:g} mm that do not fit on a pitch "
-            f"circle of {b.pitch_diameter_mm:g} mm, expected at most {limit}",
+            f"got {count} balls of {D:g} mm that do not fit on a pitch circle of {dm:g} mm, "
+            f"expected at most {limit}",
             keys,
         )
 
@@ -549,9 +567,6 @@ def _check_cage_limits(scene: Scene) -> None:
             raise SceneError(
                 f"wear.end_of_life.{name}", f"got {value:g}; only allowed {condition}", ("cage",)
             )
-
-
-_BALL_CIRCLE = ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
 
 
 def _check_cage_ring(scene: Scene, cage: Cage) -> None:

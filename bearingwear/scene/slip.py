@@ -66,7 +66,7 @@ def regularisation_is_given(scene: Scene) -> bool:
     return friction.slip_regularisation_m_s != default_regularisation(scene)
 
 
-def at_share(scene: Scene, share: float) -> Scene:
+def at_speed_share(scene: Scene, share: float) -> Scene:
     """Returns a scene whose shaft and outer race turn at a share of their speeds.
 
     A default regularisation follows the slip at the new speeds.

@@ -107,7 +107,7 @@ def solver_of(
     """
     sides = tuple(
         _with_wrappers(Steady(side, accuracy) if fidelity == "steady" else RaceControl(side))
-        for side in scene.one_of_alike.sides
+        for side in scene.symmetric_half.sides
     )
     if len(sides) == 1:
         return Remembered(Alone(scene, sides))
@@ -149,7 +149,7 @@ def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
     """
     sides = [
         _with_wrappers(innermost(side).elsewhere(side_scene))
-        for side, side_scene in zip(bearings.sides, scene.one_of_alike.sides, strict=True)
+        for side, side_scene in zip(bearings.sides, scene.symmetric_half.sides, strict=True)
     ]
     arranged = _in_arrangement(scene, bearings, sides)
     if isinstance(bearings, OnRotor) and isinstance(arranged, OnRotor):

@@ -141,23 +141,29 @@ class Wrapper:
 
     @property
     def heat_error(self) -> float:
+        """Returns the relative error of the heat, as the solver within has it."""
         return self.solver.heat_error
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        """Returns the bearing without friction at a loss [m], as the solver within has it."""
         return self.solver.mechanics(loss, Omega)
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
+        """Returns the heat of friction and drag, as the solver within has it."""
         return self.solver.heat(solution)
 
     def state(self, solution: SolvedBearing) -> State:
+        """Returns the state of a life, as the solver within has it."""
         return self.solver.state(solution)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
+        """Returns values and attributes of the case, as the solver within has them."""
         return self.solver.case(solution)
 
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
+        """Returns the solution with another motion that the case took; None if it kept this one."""
         return self.solver.with_motion_of_case(solution, values)
 
 

@@ -58,8 +58,10 @@ def relative_change(reference: np.ndarray, other: np.ndarray) -> np.ndarray:
 def regularisation_error(reference: np.ndarray, with_half: np.ndarray) -> np.ndarray:
     """Returns the error by the regularisation, from the answer (5,) with half of it.
 
-    It is infinite where slip is far below the regularisation: the torque is then in proportion to
-    its inverse, and half of it does not show the limit.
+    reference, with_half: `estimated_quantities` with the whole and with half of it.
+
+    The error is infinite where slip is far below the regularisation: the torque is then in
+    proportion to its inverse, and half of it does not show the limit.
     """
     change = relative_change(reference, with_half)
     friction = change[3:]  # of torque and power; a view
@@ -100,6 +102,12 @@ def coulomb_regularisation(v_r: float, qv: float, load: float) -> float | None:
 
 
 def torque_loss(torque: float, coulomb_torque: float) -> dict[str, Any]:
-    """Returns the result variable of the share of the torque lost to the regularisation."""
+    """Returns the result variable of the share of the torque lost to the regularisation.
+
+    It is left out without any torque.
+
+    torque: with the regularisation of the scene.
+    coulomb_torque: with one that represents Coulomb's law.
+    """
     lost = 1.0 - torque / coulomb_torque if coulomb_torque else math.nan
     return {"torque_lost_to_regularisation": lost} if math.isfinite(lost) else {}

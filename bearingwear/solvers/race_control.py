@@ -58,14 +58,20 @@ class RaceControl:
     heat_error = 0.0
 
     def __init__(self, scene: Scene):
-        self.scene, self.problem = scene, RaceControlProblem.of(scene)
+        self.scene = scene
+        self.problem = RaceControlProblem.of(scene)
         self.mounted = self.problem.delta_a
         self.start = Condition(scene.wear.ball_diameter_loss_um[0] * parameters.UM)
 
     def at(self, scene: Scene) -> "RaceControl":
+        """Returns the solver at other temperatures, those of a scene."""
         return RaceControl(scene)
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        """Returns the bearing without friction at a loss [m], with the mean ball.
+
+        Omega: orbit rate [rad/s], if not that of outer race control at the free contact angle.
+        """
         g, op = self.problem.g, self.problem.op
         if Omega is None:
             kinematics = race_control(
@@ -75,6 +81,7 @@ class RaceControl:
         return Mechanics(g, float(self.problem.D.mean()) - (loss - self.start.loss), Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        """Returns the bearing solved; its answer are values and attributes. `near` is not used."""
         problem = self.problem_in(condition)
         values, attrs = solve_race_control(self.scene, problem)
         solution = SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
@@ -100,33 +107,44 @@ class RaceControl:
         return replace(problem, D=problem.D - (condition.loss - self.start.loss))
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
-        return heat_of_values(self.scene, solution.answer[0])
+        """Returns the estimated heat of friction; race control has no drag."""
+        values, _ = solution.answer
+        return heat_of_values(self.scene, values)
 
     def state(self, solution: SolvedBearing) -> State:
-        values, loss = solution.answer[0], solution.condition.loss
+        """Returns the state of a life, without the measures that need a balance of slip."""
+        values, _ = solution.answer
+        loss = solution.condition.loss
         without_slip = {name: value for name, value in values.items() if name not in NEEDS_SLIP}
         state = case_state(loss, without_slip)
         if not state.is_solved:
             return state
         problem, op = solution.problem, solution.problem.op
-        wear_inputs = (values[name] for name in ("qv", "semi_major_axis", "contact_track_radius"))
         values_of_life = {
             "friction_power": float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
-            "loss_per_wear": loss_per_wear(problem.g.n_balls, problem.D, *wear_inputs),
+            "loss_per_wear": loss_per_wear(
+                problem.g.n_balls,
+                problem.D,
+                values["qv"],
+                values["semi_major_axis"],
+                values["contact_track_radius"],
+            ),
         }
         if limits_depth(self.scene):
-            slips = values["gyroscopic_slip"], values["rolling_slip"]
-            values_of_life["depth_peak"] = depth_peak(values, *slips)
+            v1, v2 = values["gyroscopic_slip"], values["rolling_slip"]
+            values_of_life["depth_peak"] = depth_peak(values, v1, v2)
         return state.with_values(values_of_life)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
+        """Returns copies of the values and attributes of a solution."""
         values, attrs = solution.answer
         return dict(values), dict(attrs)
 
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
-        return None  # there is one solution
+        """Returns None: there is one solution, which the case keeps."""
+        return None
 
 
 def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
@@ -227,7 +245,8 @@ def controlled_error_estimates(
             "shaft_torque": torque_of_heat(changed_problem, rows),
         }
         answers.append(estimated_quantities(changed_values, n_balls))
-    as_solved, (with_twice_points, with_half_slip) = estimated_quantities(values, n_balls), answers
+    as_solved = estimated_quantities(values, n_balls)
+    with_twice_points, with_half_slip = answers
     return error_values(
         [
             DOUBLED * relative_change(as_solved, with_twice_points),

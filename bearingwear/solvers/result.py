@@ -85,7 +85,8 @@ def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]
 
 def _all_finite(values: Mapping[str, Any]) -> bool:
     """Returns whether every number is finite."""
-    total, arrays = 0.0, [np.empty(0)]
+    total = 0.0
+    arrays = [np.empty(0)]
     for value in values.values():
         if isinstance(value, float):
             total += 0.0 * value  # NaN if the value is not finite
@@ -111,5 +112,8 @@ def _values_to_check(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarra
 
 
 def _is_of_one_bearing(value: np.ndarray) -> bool:
-    """Returns whether only one of two bearings has finite numbers, which may end in NaN."""
+    """Returns whether a value of a pair is finite for one of its bearings at least.
+
+    value: (2, ...), of both bearings.
+    """
     return value.ndim > 0 and len(value) == 2 and any(np.isfinite(side).all() for side in value)

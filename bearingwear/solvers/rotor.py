@@ -55,6 +55,7 @@ _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, 
 NEAR_START = 1e-4  # of the range: accuracy of the start
 _NEWTON_STEPS = 6
 _WIDEST = 60  # doublings of the range in which the rotor is searched for
+_LEAST_REACH = 1e-6  # of that range, over the distance of the groove centres
 _MOST_BALANCES = 3
 NO_BALANCE_ALONE = (code.WARM_SEIZURE, code.NO_HEAT_BALANCE, code.NOT_CONVERGED)
 """Statuses of a rotor of which one bearing may have had no temperatures at a place by itself."""
@@ -84,7 +85,7 @@ class RotorState(NamedTuple):
 
 
 def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> RotorState:
-    """Returns a bearing as half of a symmetric pair.
+    """Returns the state of a rotor on a symmetric pair, by a solution of one of its bearings.
 
     At a fixed position both bearings hold the rotor, which stays where it is. A spring has no
     stiffness here, and the rotor follows the bearing; the sliding ring moves twice as far.
@@ -148,8 +149,8 @@ class Alone:
         (side,) = self.sides
         (solution,) = self.solve(self.start).sides
         values, attrs = bearing_case(side, solution)
-        is_warm_steady = isinstance(side, Warm) and isinstance(innermost(side), Steady)
-        if is_warm_steady and is_held(side.scene) and solution.status == code.OK:
+        is_held_steady = isinstance(innermost(side), Steady) and is_held(side.scene)
+        if isinstance(side, Warm) and is_held_steady and solution.status == code.OK:
             attrs["preload_spread"] = preload_spread(side)
         if self.scene.pair is None:
             return values, attrs
@@ -252,10 +253,14 @@ class OnRotor:
     def _balance(
         self, sides: tuple[Solver, ...], conditions: Conditions, tolerance: float
     ) -> RotorState:
-        """Returns the balance of the sides in their conditions."""
+        """Returns the balance of the rotor with solvers of both bearings in their conditions.
+
+        tolerance: unbalanced force over the larger one.
+        """
         losses = conditions[0].loss, conditions[1].loss
 
         def solve_side(k: int, hold: Place | Force) -> SolvedBearing:
+            """Returns bearing k at a place, or under its share of a force on all in tandem."""
             n = self.arrangement.tandem[k]
             if isinstance(hold, Force):
                 hold = Force(hold.F_x / n)
@@ -318,7 +323,8 @@ class OnRotor:
         losses: of ball diameter [m].
         tolerance: unbalanced force over the larger one.
         """
-        a, F_s = self.arrangement, float(self.scene.operation.preload_N)
+        a = self.arrangement
+        F_s = float(self.scene.operation.preload_N)
         k_s = a.spring_stiffness_N_um * N_UM
 
         def trial_at(e: float) -> RotorTrial | int:
@@ -440,7 +446,7 @@ class OnRotor:
         def unbalanced(x: float) -> float:
             return first.force(mounted[0] + x) - second.force(mounted[1] - x) - F_ext
 
-        reach = max(abs(mounted[0]), abs(mounted[1]), 1e-6 * first.g.BD)
+        reach = max(abs(mounted[0]), abs(mounted[1]), _LEAST_REACH * first.g.BD)
         for _ in range(_WIDEST):
             if unbalanced(-reach) <= 0.0 <= unbalanced(reach):
                 return brent_root(unbalanced, -reach, reach, xtol=NEAR_START * reach)
@@ -517,7 +523,11 @@ def pair_case(
 def _pair_status(
     state: RotorState, side_values: Sequence[Mapping[str, Any]], residual: float
 ) -> int:
-    """Returns the status of a pair: the first failure, or whether its balance is verified."""
+    """Returns the status of a pair: that of the first failure, else OK or UNVERIFIED.
+
+    side_values: result variables of each bearing.
+    residual: of the rotor's balance, see `rotor_balance`.
+    """
     for status in (state.status, *(int(values["status"]) for values in side_values)):
         if status != code.OK:
             return status

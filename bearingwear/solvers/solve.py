@@ -55,7 +55,7 @@ def case_values(
         bearings = solver_of(scene, fidelity, Accuracy.CHECKED).bearings
         values, attrs = bearings.case()
         if values["status"] == code.OK and bearings.sides[0].scene.thermal is not None:
-            # from the case's own state, which the solve begins with
+            # the solve starts from the state of the case, so it finds this one again
             state = bearings.solve(bearings.start)
             values |= margin_values(bearings, bearings.start, state)
         return values, attrs

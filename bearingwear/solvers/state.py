@@ -52,7 +52,7 @@ class State:
 
     @classmethod
     def unsolved(cls, status: int, loss: float) -> "State":
-        """Returns the reason why there is no state at a loss of ball diameter [m]."""
+        """Returns a state that was not solved at a loss of ball diameter [m], with its status."""
         return cls(status, {"ball_diameter_loss": loss})
 
     @property

@@ -59,7 +59,8 @@ class Steady:
     heat_error: float = 0.0
 
     def __init__(self, scene: Scene, accuracy: Accuracy = Accuracy.BRIEF):
-        self.scene, self.problem = scene, ThrustProblem.of(scene)
+        self.scene = scene
+        self.problem = ThrustProblem.of(scene)
         self.mounted = self.problem.preload.delta_a
         self.films = Films.of(scene)
         self.limits_depth, self.follows_depths = limits_depth(scene), follows_depths(scene)
@@ -71,16 +72,24 @@ class Steady:
             self.problem = halved if accuracy is Accuracy.HALF_SLIP else twice
 
     def at(self, scene: Scene) -> "Steady":
+        """Returns the solver at other temperatures, those of a scene."""
         warm = copy.copy(self)
-        warm.scene, warm.problem = scene, replace(self.problem, g=parameters.geometry(scene))
+        warm.scene = scene
+        warm.problem = replace(self.problem, g=parameters.geometry(scene))
         return warm
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        """Returns the bearing without friction at a loss [m].
+
+        Omega: orbit rate [rad/s], if not that of outer race control at the free contact angle.
+        """
         if Omega is None:
-            Omega = float(self.problem.kinematic_start(OUTER_CONTROL)[3])
+            *_, rolling_rate = self.problem.kinematic_start(OUTER_CONTROL)
+            Omega = float(rolling_rate)
         return Mechanics(self.problem.g, self.problem.g.D0 - loss, Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        """Returns the bearing solved, from the motion of a solution nearby if there is one."""
         problem = self.problem_in(condition)
         status = problem.undetermined()
         if status != code.OK:
@@ -112,12 +121,15 @@ class Steady:
         return parameters.where_bare(problem, self.scene, condition.bare)
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
+        """Returns the heat of friction and drag of all balls in a solution."""
         problem, case, loss = solution.problem, solution.answer, solution.condition.loss
         inner, outer = case.contacts[:, summary.HEAT].tolist()
-        n, drag = problem.g.n_balls, float(drag_power(problem, problem.g.D0 - loss, case))
+        n = problem.g.n_balls
+        drag = float(drag_power(problem, problem.g.D0 - loss, case))
         return HeatFlow(n * inner, n * outer, drag=drag)
 
     def state(self, solution: SolvedBearing) -> State:
+        """Returns the state of a life, with the wear rates of new surfaces."""
         loss, problem, case = solution.condition.loss, solution.problem, solution.answer
         if solution.status != code.OK:
             return State.unsolved(solution.status, loss)
@@ -150,12 +162,24 @@ class Steady:
             "friction_coefficient": contacts[:, summary.FRICTION],
         }
         if self.limits_depth:
-            motion = case.u[None], np.array([case.r]), contacts[None]
-            v1, v2 = slips_across(self.scene, g, problem.op, np.array([D]), *motion)
+            v1, v2 = slips_across(
+                self.scene,
+                g,
+                problem.op,
+                np.array([D]),
+                case.u[None],
+                np.array([case.r]),
+                contacts[None],
+            )
             values["depth_peak"] = depth_peak(values, v1, v2)
         if self.follows_depths:
-            wear_inputs = (contacts[None, :, k] for k in (summary.QV, summary.MAJOR, summary.TRACK))
-            values["loss_per_wear"] = loss_per_wear(g.n_balls, np.array([D]), *wear_inputs)
+            values["loss_per_wear"] = loss_per_wear(
+                g.n_balls,
+                np.array([D]),
+                contacts[None, :, summary.QV],
+                contacts[None, :, summary.MAJOR],
+                contacts[None, :, summary.TRACK],
+            )
         return State(solution.status, values, solution)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
@@ -196,6 +220,10 @@ class Steady:
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
+        """Returns the solution with another motion that the case took; None if it kept this one.
+
+        values: result variables of the case.
+        """
         if "orbit_speed" not in values:
             return None
         u = np.array([*values["ball_angular_velocity"][0], values["orbit_speed"][0]])
@@ -285,7 +313,9 @@ def steady_quantities(
 
     D: ball diameter [m].
     """
-    balls, films, rows = problem.g.n_balls, Films.of(scene), []
+    balls = problem.g.n_balls
+    films = Films.of(scene)
+    rows = []
     for case in cases:
         columns = case.contacts.T.tolist()
         qv, heat = (balls * sum(columns[k]) for k in (summary.QV, summary.HEAT))
@@ -312,7 +342,8 @@ def rates_when_new(scene: Scene, films: Films, D: float, c: np.ndarray) -> Unwor
     D: ball diameter [m].
     c: summary of the contacts (2, COLUMNS).
     """
-    major, track = c[:, summary.MAJOR], c[:, summary.TRACK].tolist()
+    major = c[:, summary.MAJOR]
+    track = c[:, summary.TRACK].tolist()
     factors = unworn_factors(scene, films, major)
     ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
     loss_rate = diameter_loss_rate(scene, D, ball_rate, race_rate, major.tolist(), track)

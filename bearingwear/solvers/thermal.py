@@ -59,7 +59,7 @@ class Warmed:
 
     @classmethod
     def as_given(cls, scene: Scene) -> "Warmed":
-        """Returns a scene whose temperatures are given."""
+        """Returns a scene with given temperatures as a balance, which took no solves."""
         return cls(status=code.OK, scene=scene, heat=NO_HEAT, solves=0, slope=np.zeros((3, 3)))
 
     @property
@@ -166,17 +166,20 @@ def _search(
     Steps are by Broyden's rule, halved where the bearing has no state at their end. The slope is
     changed in place.
     """
-    last_h, last_excess = h, None
+    last_h = h
+    last_excess = None
     step = np.zeros(3)
     last_scene = scene
     runs_away = False  # more heat makes still more
     halved, unsolved = 0, 0  # halvings of this step; heats at which the bearing had no state
     tolerance = max(HEAT_BALANCED, heat_error)
-    least, stalled = math.inf, 0  # least imbalance [W]; solves since then
+    least = math.inf  # imbalance [W]
+    stalled = 0  # solves since then
     for solves in range(1, MOST_SOLVES + 1):
         warm = at_temperatures(scene, HeatFlow(*h))
         if warm is None:
-            status, heat = code.NO_HEAT_BALANCE, HeatFlow(*h)
+            status = code.NO_HEAT_BALANCE
+            heat = HeatFlow(*h)
         else:
             last_scene = warm
             status, heat = heats(warm)
@@ -205,7 +208,9 @@ def _search(
             if np.abs(step).max() > ABOVE_ERROR * tolerance * heat.total:
                 slope += np.outer(excess - last_excess - slope @ step, step) / (step @ step)
                 runs_away = 1.0 + (excess - last_excess) @ step / (step @ step) > RUNAWAY
-        last_h, last_excess, halved = h, excess, 0
+        last_h = h
+        last_excess = excess
+        halved = 0
         h = np.maximum(h + (excess if runs_away else -np.linalg.solve(slope, excess)), 0.0)
         step = h - last_h
     failure = code.WARM_SEIZURE if runs_away else code.NO_HEAT_BALANCE
@@ -274,9 +279,10 @@ def find_joint_heat_balance(
         heat_flows = heat_made(h)
         step = JOINT_STEP * heat_flows.sum()
         gains = [(heat_made(h + move) - heat_flows) / step for move in step * np.eye(h.size)]
-        is_stable = float(np.linalg.eigvals(gains).real.max()) < 1.0
     except _Unsolved:
         return None
+    # one more watt of heat must make less than a watt
+    is_stable = float(np.linalg.eigvals(gains).real.max()) < 1.0
     allowed = max(HEAT_BALANCED, heat_error) * heat_flows.reshape(-1, size).sum(
         axis=1, keepdims=True
     )
@@ -323,7 +329,9 @@ def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None
 
 
 def _central_slopes(heats: PartHeats, temperatures: np.ndarray, step: float) -> np.ndarray | None:
-    """Returns `heat_slopes` by central differences; None without a state on either side.
+    """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K].
+
+    It is that by central differences; None where a state on either side is missing.
 
     step: of a temperature [K].
     """

@@ -40,11 +40,13 @@ class Warm(Wrapper):
             self.solver = solver.at(balance.scene)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        """Returns the bearing solved at the temperatures of its heat, or of the given balance."""
         if self._balance is not None:
             return self.solver(condition, near)._replace(warmed=self._balance)
         last = near
 
         def heats(scene: Scene) -> tuple[int, HeatFlow]:
+            """Returns status and heat at the temperatures of a scene, from the last solution."""
             nonlocal last
             solution = self.solver.at(scene)(condition, last)
             if solution.status != code.OK:
@@ -59,15 +61,18 @@ class Warm(Wrapper):
         return last._replace(warmed=warmed)
 
     def at(self, scene: Scene) -> Solver:
+        """Returns the solver within at other temperatures, those of a scene."""
         return self.solver.at(scene)
 
     def state(self, solution: SolvedBearing) -> State:
+        """Returns the state of a life, with temperatures and the residual of their heat flows."""
         state = self.solver.state(solution)
         if not state.is_solved or solution.warmed is None:
             return state
         return state.with_values(warmth_values(self.scene, solution.warmed))
 
     def case(self, solution: SolvedBearing) -> CaseValues:
+        """Returns values and attributes of the case, with those of the thermal network."""
         warmed = solution.warmed
         assert warmed is not None
         if solution.problem is None:
@@ -105,7 +110,8 @@ def warmed_for_motion(scene: Scene, bare: Bare = COVERED) -> Warmed:
 
 def preload_spread(solver: Warm) -> str:
     """Returns the running preload with less and more heat conducted between rings, in words."""
-    scene, sentences = solver.scene, []
+    scene = solver.scene
+    sentences = []
     assert scene.thermal is not None
     G = scene.thermal.conductance_W_K
     for factor in CONDUCTED:

@@ -17,13 +17,13 @@ from bearingwear.console import UsageError
 from bearingwear.document.document import load_document
 from bearingwear.provenance import PACKAGE, other_copy, text_hash
 from bearingwear.results.pair_variables import BEARINGS
-from bearingwear.scene.arrangement import Arrangement, one_bearing
+from bearingwear.scene.arrangement import Arrangement, single_bearing_scene
 from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.decisive import decisive_data
-from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, variant
+from bearingwear.scene.read import as_data, changed_scene, load_scene, scene_for_life, variant
 from bearingwear.studies.axis import RisingAxis, in_name, place_of_errors
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
 from bearingwear.studies.grid.grid import GRID_AXES, Grid
@@ -127,6 +127,7 @@ def scene_values(
     replaced_keys = tuple(replaced)
 
     def hash_of_values(wildcards: Any) -> str:
+        """Returns the hash of the scene that the wildcards of a job name."""
         path = file(wildcards) if callable(file) else file.format(**dict(wildcards.items()))
         return scene_hash(path, replaced_keys, cage, uncertainty)
 
@@ -240,10 +241,10 @@ def check_config(config: Mapping[str, Any]) -> None:
             problem = f"got {scene}, whose file has no uncertainty block, expected scenes with one"
             raise ValueError(f"config: uncertain_lives.scenes: {problem}")
     for scene, grid in studied.items():
-        for_life(load_scene(scene_file(scene)), scene_file(scene))
+        scene_for_life(load_scene(scene_file(scene)), scene_file(scene))
         _check_cases(scene, grid, {})
     for scene, grid in dynamic.items():
-        one_bearing(load_scene(scene_file(scene)), scene_file(scene))
+        single_bearing_scene(load_scene(scene_file(scene)), scene_file(scene))
         _check_cases(scene, grid, dynamic_model(config, scene))
         # a dynamic case without its steady twin could not be set beside it
         for case in grid.cases() if scene in studied else ():
@@ -253,7 +254,10 @@ def check_config(config: Mapping[str, Any]) -> None:
 
 
 def dynamic_model(config: Mapping[str, Any], scene: str) -> dict[str, Any]:
-    """Returns the changes of the block `model` in the dynamic cases of a scene, by dotted key."""
+    """Returns the changes of the block `model` in the dynamic cases of a scene, by dotted key.
+
+    config: data of config.yaml.
+    """
     scene_block = next(block for block in config["dynamic"] if scene in block["scenes"])
     return {f"model.{key}": value for key, value in scene_block["model"].items()}
 
@@ -273,13 +277,19 @@ def _text(value: Any) -> str:
 
 
 def _check_studied(key: str, scene: str, mu: float, studied: Mapping[str, Grid]) -> None:
-    """Refuses a scene that no grid contains, or a friction coefficient outside of its grid."""
+    """Refuses a scene that no grid contains, or a friction coefficient outside of its grid.
+
+    studied: grids by the name of the scene.
+    """
     _check_each(key, [scene], studied)
     _check_each(f"{key}: {scene}", [float(mu)], studied[scene].friction)
 
 
 def _check_cases(scene: str, grid: Grid, model_changes: Mapping[str, Any]) -> None:
-    """Checks a scene with the changes of cases that cover each value of each axis."""
+    """Checks a scene with the changes of cases that cover each value of each axis.
+
+    model_changes: by dotted key, of all cases.
+    """
     data, source = as_data(scene_file(scene))
     for case in grid.cases_of_each_value():
         with place_of_errors(f"config: {scene}, {case.id}"):
@@ -291,7 +301,7 @@ def check_lives(lives: Mapping[str, Any]) -> None:
     for name, life in lives["lives"].items():
         path = scene_file(life["scene"])
         with place_of_errors(f"config/lives.yaml: lives.{name}"):
-            for_life(variant(path, life["set"]), path)
+            scene_for_life(variant(path, life["set"]), path)
 
 
 def check_design(design: Mapping[str, Any]) -> None:

@@ -13,7 +13,7 @@ from bearingwear.atomic import whole_file
 from bearingwear.results.entries import check_in_table, common_attributes, stored_data
 from bearingwear.results.netcdf import NETCDF_LOCK, CaseFileError, load
 from bearingwear.results.variable import Variable
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.scene import Scene
 from kerneljit.interrupt import Interrupt
 
@@ -60,7 +60,11 @@ def dataset_of_rows(
 
 
 def _column(variable: Variable, row_values: Sequence[Any], sizes: Mapping[str, int]) -> np.ndarray:
-    """Returns the values of a variable in all rows, NaN where a row has none."""
+    """Returns the values of a variable in all rows, NaN where a row has none.
+
+    row_values: of each row; None where it has no value.
+    sizes: lengths of all dimensions.
+    """
     shapes = {np.shape(value) for value in row_values if value is not None}
     if len(shapes) > 1 or any(len(shape) != len(variable.dims) for shape in shapes):
         raise ValueError(f"{variable.name}: got shapes {shapes}, expected {variable.dims}")
@@ -233,7 +237,7 @@ def load_with_dynamic(steady_path: Path, dynamic_path: Path) -> tuple[xr.Dataset
     axes = ("preload_method", "friction", "ball_diameter_loss")
     grid = {axis: dynamic_cases[axis].values.tolist() for axis in axes}
     steady = load_with_axes(steady_path, **grid)
-    names = (scene_of(cases)["name"] for cases in (steady, dynamic_cases))
+    names = (plain_scene(cases)["name"] for cases in (steady, dynamic_cases))
     if len({*names}) > 1:
         raise CaseFileError(
             f"{dynamic_path}: got cases from another scene, expected the scene of {steady_path}"

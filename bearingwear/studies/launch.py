@@ -90,6 +90,8 @@ def run_own_study(
 ) -> tuple[int, Path | None]:
     """Runs the study of one scene in its folder, or continues a run that was killed.
 
+    jobs, extra_arguments: as of `run_study`.
+
     Returns `status`: the exit status of Snakemake.
     Returns `page`: the report page beside the folders of the study, or None without one.
     """
@@ -119,6 +121,7 @@ _ADVICE = dict.fromkeys(
 def check_arguments(arguments: Sequence[str], is_own_study: bool) -> None:
     """Refuses arguments that Snakemake does not know, and targets in the study of one scene.
 
+    is_own_study: whether the study is of one scene.
     UsageError: the first of them, in one line.
     """
     if not set(arguments) - DRY_RUN:
@@ -191,7 +194,8 @@ def _only_run(folder: Path) -> Iterator[int]:
 
 def copy_own_page(folder: Path) -> Path | None:
     """Copies the page of a study beside its folders and returns its path; None without a page."""
-    report, page = folder / PAGE, folder / PAGE.name
+    report = folder / PAGE
+    page = folder / PAGE.name
     if not report.is_file():
         return None
     root_prefix = "../" * (len(PAGE.parts) - 1)  # with which its links to files begin

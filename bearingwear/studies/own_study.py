@@ -22,7 +22,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.scene.duty import phase_cases
-from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.friction import friction_changes_with_wear
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits, axes_around
 from bearingwear.studies.sampling import SAMPLES
@@ -61,7 +61,7 @@ def study_files(scene: Scene, name: str, limits: DesignLimits, source: str) -> d
     SceneError: a friction or a preload of 0, around which no grid is possible.
     """
     limits.check(scene, source)
-    changes_with_depth = scene.friction.film is not None or changes_as_it_wears(scene)
+    changes_with_depth = scene.friction.film is not None or friction_changes_with_wear(scene)
     frictions = [NO_FRICTION] if scene.friction.film else _grid_frictions(scene, source)
     axes = axes_around(scene, frictions, source)  # refuses a preload of 0, which has no shares
     config: dict[str, Any] = {"studies": [], "unsolved": "warning"}
@@ -79,7 +79,10 @@ def study_files(scene: Scene, name: str, limits: DesignLimits, source: str) -> d
 
 
 def _grid_configuration(scene: Scene, name: str, frictions: Sequence[float]) -> dict[str, Any]:
-    """Returns the data of config.yaml for cases over friction and wear."""
+    """Returns the data of config.yaml for cases over friction and wear.
+
+    frictions: coefficients of the grid.
+    """
     losses = _grid_losses(scene)
     return {
         "studies": [
@@ -157,14 +160,14 @@ def _grid_losses(scene: Scene) -> list[float]:
 
     If a preload method has no solution there, they go to the sooner end of the two lives.
     """
-    from bearingwear.scene.arrangement import held_by
+    from bearingwear.scene.arrangement import with_method
     from bearingwear.solvers.compose import solver_of
     from bearingwear.studies.design.map import life_point
 
     end_losses = {}  # um; 0 where a life was not solved
     solvers = []
     for method in PRELOAD_METHODS:
-        method_scene = held_by(scene, method)
+        method_scene = with_method(scene, method)
         end_losses[method] = 1e6 * life_point(method_scene, None).get("loss_at_end", 0.0)
         solvers.append(solver_of(method_scene))
     end_loss = end_losses[scene.operation.preload_method] or max(end_losses.values())
@@ -176,12 +179,13 @@ def _grid_losses(scene: Scene) -> list[float]:
 
 
 def _status_at_loss(solver: Remembered, loss: float) -> int:
-    """Returns the status at a loss of ball diameter [m]: OK, or that of the first bearing without.
+    """Returns OK, or the first other status of the bearings, at a loss of ball diameter [m].
 
     solver: of a bearing or a pair.
     """
-    worn_bearings = (bearing._replace(loss=loss) for bearing in solver.bearings.start)
-    return next((state.status for state in solver((*worn_bearings,)) if state.status != OK), OK)
+    worn_bearings = tuple(bearing._replace(loss=loss) for bearing in solver.bearings.start)
+    statuses = [state.status for state in solver(worn_bearings)]
+    return next((status for status in statuses if status != OK), OK)
 
 
 def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
@@ -227,21 +231,21 @@ def _hash(text: str) -> str:
 
 
 def _check_folder(folder: Path, heading: str) -> None:
-    """Refuses a folder with other files than those of a study of this scene.
+    """Raises a UsageError for a folder with other files than those of a study of this scene.
 
     heading: begins the first line of the files of that study.
     """
     try:
-        if folder.exists() and any(path.name != ".snakemake" for path in folder.iterdir()):
-            config = folder / "config" / "config.yaml"
-            if not (_text(config) or "").startswith(heading):
-                command = heading.removeprefix("# Written by ")
-                raise UsageError(
-                    f"{folder}: got a folder with other files, expected a new folder, or one "
-                    f"written by {command}"
-                )
+        has_files = folder.exists() and any(path.name != ".snakemake" for path in folder.iterdir())
+        config_text = _text(folder / "config" / "config.yaml") or ""
     except OSError as error:
         raise UsageError(f"{folder}: cannot be used ({reason(error)})") from None
+    if has_files and not config_text.startswith(heading):
+        command = heading.removeprefix("# Written by ")
+        raise UsageError(
+            f"{folder}: got a folder with other files, expected a new folder, or one "
+            f"written by {command}"
+        )
 
 
 def _check_unedited(path: Path, heading: str, folder: Path) -> None:

@@ -188,7 +188,7 @@ def _check_key(scenes: Sequence[Scene], key: str, value: Any) -> None:
 
 
 def _check_axis(key: str, values: Sequence[Any]) -> None:
-    """Raises a SceneError for a value on an axis that is repeated, or that its key does not take."""
+    """Raises SceneError for a value on an axis that is repeated, or that its key does not take."""
     field = _field_of_key(key)
     assert field is not None
     for value in values:

@@ -157,7 +157,11 @@ def with_wear(scene: Scene, factors: Mapping[str, float]) -> Scene:
 
 
 def _with_scaled_fields(part: Any, factors: Mapping[str, float]) -> Any:
-    """Returns a material or a film with scaled values, also in its film and running-in."""
+    """Returns a material or a film with scaled values, also in its film and running-in.
+
+    part: material, film or running-in.
+    factors: by the names of fields, of which the part may lack some.
+    """
     changed = {
         name: getattr(part, name) * factor
         for name, factor in factors.items()

@@ -8,25 +8,25 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from bearingwear.scene.cases import in_case
+from bearingwear.scene.cases import scene_in_case
 from bearingwear.scene.changes import changes_of
-from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.friction import friction_changes_with_wear
 from bearingwear.scene.read import (
     Source,
     as_data,
     changed_scene,
-    for_life,
+    scene_for_life,
     source_name,
     variant,
 )
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.result import Result
 
-NONE: Mapping[str, Any] = MappingProxyType({})
+NO_CHANGES: Mapping[str, Any] = MappingProxyType({})
 
 
 def solved_case(
-    scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
+    scene: str | Path, changes: Mapping[str, Any] = NO_CHANGES, fidelity: str | None = None
 ) -> Result:
     """Returns the solved case of a scene. A failure is in its status and on standard error.
 
@@ -58,12 +58,12 @@ def solved_variants(
     data, source = as_data(scene)
     for changes in variants:
         changed = changed_scene(data, changes, source)
-        variant_scene = changed if case is None else in_case(changed, case, "--case")
+        variant_scene = changed if case is None else scene_in_case(changed, case, "--case")
         yield reported(solve(variant_scene, fidelity), scene)
 
 
 def solved_life(
-    scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
+    scene: str | Path, changes: Mapping[str, Any] = NO_CHANGES, fidelity: str | None = None
 ) -> Result:
     """Returns the wear life of a scene. A failure is in its status and on standard error.
 
@@ -71,7 +71,9 @@ def solved_life(
     """
     from bearingwear.lives.life import life
 
-    return reported(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
+    return reported(
+        life(scene_for_life(variant(scene, changes), str(scene)), fidelity, _report), scene
+    )
 
 
 def reported(result: Result, scene: str | Path) -> Result:
@@ -97,8 +99,8 @@ def life_scene(scene: Source, settings: Sequence[str] = (), films: bool = False)
     from bearingwear.solvers.effects.choice import choice_for_life
 
     source = source_name(scene)
-    scene = for_life(variant(scene, changes_of(settings)), source)
-    if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):
+    scene = scene_for_life(variant(scene, changes_of(settings)), source)
+    if not films and (scene.friction.film is not None or friction_changes_with_wear(scene)):
         raise SceneError(
             "friction.film",
             "got a film, or a material with film or running_in, expected a single "

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.checking.errors import NotAvailable, SceneError
-from bearingwear.scene.read import Source, as_scene, for_life
+from bearingwear.scene.read import Source, as_scene, scene_for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Tell, Workers, points_at_once
 from bearingwear.studies.points import Axes, Rows, ScenePoint, SweepPoints
@@ -130,7 +130,7 @@ class SceneQuestion:
     def scene(self, point: ScenePoint) -> Scene:
         """Returns the scene with the values of a point. Raises SceneError if they are invalid."""
         scene = self.scenes[point.scene].with_(dict(zip(self.keys, point.values, strict=True)))
-        return for_life(scene) if self.what == "life" else scene
+        return scene_for_life(scene) if self.what == "life" else scene
 
     def __call__(self, point: ScenePoint) -> Answer:
         scene = self.scene(point)
@@ -215,7 +215,10 @@ class Sweep:
     def _answers(
         self, points: Sequence[ScenePoint], workers: int | None, progress: bool | Tell
     ) -> list[Answer]:
-        """Returns the answers at points, in their order; they are computed in an even order."""
+        """Returns the answers at points, in their order; they are computed in an even order.
+
+        workers, progress: as of the function `sweep`.
+        """
         what = self.question.what
         cores = min(len(points), usable_cores() if workers is None else workers)
         order = _even_order(len(points), points_at_once(len(points), cores))
@@ -290,7 +293,10 @@ def _numbers_of_part(part: tuple[int, int], count: int) -> range:
 
 
 def check_can_be_sent(what: Callable[..., Any]) -> None:
-    """Raises a SceneError for a function that cannot be pickled for other processes."""
+    """Raises a SceneError for a function that cannot be pickled for other processes.
+
+    what: the function.
+    """
     try:
         pickle.dumps(what)
     except (pickle.PicklingError, AttributeError, TypeError):

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from bearingwear.kernels.status import (
     CRITERION_NOT_REACHED,
@@ -45,7 +46,8 @@ def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
     paths: study files and files of wear life.
     CaseFileError: a file of another kind.
     """
-    checked, unsolved = 0, []
+    checked = 0
+    unsolved = []
     for path in map(Path, paths):
         dataset = load(path)
         if not {"preload_method", "friction"} <= set(dataset["status"].dims):
@@ -56,16 +58,21 @@ def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
         status = dataset["status"]
         checked += status.size
         for index in np.ndindex(status.shape):
-            case_status = status[index]
-            if int(case_status) in good_statuses:
+            code = int(status[index])
+            if code in good_statuses:
                 continue
-            name = STATUS_NAMES[int(case_status)]
-            case = Case(
-                PRELOAD_METHODS[int(case_status["preload_method"])],
-                float(case_status["friction"]),
-                float(case_status["ball_diameter_loss"]) if is_study else 0.0,
-            )
+            case = _case_at(status[index])
             case_file = path.parent / folder / f"{case.id}.nc"
-            subject = str(case_file) if is_study else f"{path}: {case.id.rpartition('-')[0]}"
+            subject = str(case_file) if is_study else f"{path}: {case.line_id}"
+            name = STATUS_NAMES[code]
             unsolved.append(f"{subject}: {name}: {STATUS_SENTENCES[name]}")
     return checked, unsolved
+
+
+def _case_at(status: xr.DataArray) -> Case:
+    """Returns the case at the coordinates of a single status; a life has no loss, thus zero."""
+    return Case(
+        preload_method=PRELOAD_METHODS[int(status["preload_method"])],
+        friction=float(status["friction"]),
+        ball_diameter_loss_um=float(status.coords.get("ball_diameter_loss", 0.0)),
+    )

@@ -43,8 +43,8 @@ STEPS = (2e-4, 2e-7, 2e-4, 4e-3)
 SCALE = np.array([R, 1.0, R, CONTACT.a, 1.0])  # levers of the generalised forces
 
 
-def placed(rule, c, contact=CONTACT, v_r=V_R):
-    """Points of a rule as the sums take them."""
+def points_of(rule, c, contact=CONTACT, v_r=V_R):
+    """Returns the points of a rule on a contact, and their weights, as the sums take them."""
     n, m = most_points(rule), rule.across.size
     t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, n)))
     across, share = np.empty((2, m))
@@ -67,7 +67,10 @@ def test_places_across_have_the_same_bits_wherever_they_lie_in_memory():
 
 
 def sums(c, points):
-    """Potential, gradient, Hessian and QV of CONTACT over held points."""
+    """Returns potential, gradient and Hessian of the friction of CONTACT over some points.
+
+    Checks that sums of four and of five forces, and QV, agree with them.
+    """
     gradient, hessian = np.empty(5), np.empty((5, 5))
     ellipse_slopes(CONTACT, c, MU, V_R, points, gradient, hessian)
     four = np.empty(4), np.empty((4, 4))
@@ -86,15 +89,15 @@ def sums(c, points):
 
 
 def differences(c, points, result):
-    """Slopes of one result of `sums` by the four slip coefficients."""
+    """Returns central differences of one result of `sums` by the four slip coefficients."""
     return by_differences(lambda moved: sums(moved, points)[result], c, STEPS)
 
 
 @pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])
 @pytest.mark.parametrize("c", SLIPS)
-def test_derivatives(c, rule):
-    """Gradient and Hessian against differences (as test_friction.py has it), points held."""
-    points = placed(rule, c)
+def test_gradient_and_hessian_of_the_potential_agree_with_differences(c, rule):
+    """At points that are held; the errors of the differences are those of test_friction.py."""
+    points = points_of(rule, c)
     _, gradient, hessian = sums(c, points)
     size = np.abs(gradient / SCALE).max()
     by_c = differences(c, points, 0) / SCALE[:4]
@@ -108,7 +111,7 @@ def test_derivatives(c, rule):
 
 
 @pytest.mark.parametrize("c", SLIPS)
-def test_one_point_across_is_the_line(c):
+def test_one_point_across_the_ellipse_gives_the_sums_along_a_line(c):
     t, weight = gauss_halves(30)
     h = np.empty(t.size)
     surface_height(CONTACT, R, t, h)
@@ -128,11 +131,11 @@ def test_one_point_across_is_the_line(c):
 
 @pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])
 @pytest.mark.parametrize("c", SLIPS)
-def test_mirrored_across(c, rule):
-    """With gyroscopic slip the other way round its force turns round, and nothing else changes."""
+def test_an_opposite_gyroscopic_slip_gives_the_mirrored_friction(c, rule):
+    """Its force changes sign, and nothing else changes."""
     mirrored = (-c[0], *c[1:])
-    *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, placed(rule, c))
-    *others, other_qv = ellipse_sums(CONTACT, mirrored, MU, V_R, placed(rule, mirrored))
+    *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, points_of(rule, c))
+    *others, other_qv = ellipse_sums(CONTACT, mirrored, MU, V_R, points_of(rule, mirrored))
     turned = np.array(others) * [-1.0, 1.0, 1.0, 1.0, -1.0]
     assert_allclose([*turned, other_qv], [*forces, qv], rtol=1e-11, atol=1e-18)
 
@@ -140,7 +143,7 @@ def test_mirrored_across(c, rule):
 @pytest.mark.parametrize("make", [chebyshev, chebyshev_halves])
 @pytest.mark.parametrize("n", [1, 2, 4, 7, 12])
 def test_points_across_integrate_a_semi_ellipse(make, n):
-    """Weights, symmetry, and the means of y^2 and of |y|, which only the halves have exactly."""
+    """Weights, symmetry, and the mean of y^2; only the halves have that of |y| exactly."""
     across, share = make(n)
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
     assert_allclose(across, -across[::-1], atol=1e-16)
@@ -163,7 +166,7 @@ def test_points_across_integrate_a_semi_ellipse(make, n):
 def test_points_across_follow_where_the_slip_turns_round(c, turning_point):
     """Their middle is moved there, at the most to EDGE."""
     rule = ellipse_rule("split", 24, 8)
-    *_, across, share = placed(rule, c)
+    *_, across, share = points_of(rule, c)
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
     assert np.abs(across).max() < 1.0
     shift = np.clip(turning_point, -EDGE, EDGE)
@@ -173,7 +176,7 @@ def test_points_across_follow_where_the_slip_turns_round(c, turning_point):
 
 
 def test_points_across_of_a_contact_without_slip():
-    *_, across, share = placed(ellipse_rule("split", 24, 8), (0.0, 0.0, 0.0, 0.0))
+    *_, across, share = points_of(ellipse_rule("split", 24, 8), (0.0, 0.0, 0.0, 0.0))
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
     assert np.abs(across).max() < 1.0
 
@@ -184,7 +187,7 @@ def test_spin_torque_of_an_ellipse(kappa):
     contact = CONTACT._replace(b=CONTACT.a / kappa)
     c, v_r = (0.0, 0.0, 0.0, 1e3), 1e-9
     rule = ellipse_rule("split", 200, 64)
-    *_, g_x, _, qv = ellipse_sums(contact, c, MU, v_r, placed(rule, c, contact, v_r))
+    *_, g_x, _, qv = ellipse_sums(contact, c, MU, v_r, points_of(rule, c, contact, v_r))
     unit = 3 / 8 * contact.Q * contact.a
     assert_allclose(g_x / (MU * unit), ellipe(1.0 - kappa**-2), rtol=1e-6)
     assert_allclose(qv / (unit * 1e3), ellipe(1.0 - kappa**-2), rtol=1e-6)
@@ -199,14 +202,14 @@ def test_default_points_on_a_spinning_ellipse():
     """20 strips and 8 points across: 1e-3 of the torque at kappa 3.07; fixed ones, 8: 2.5e-4."""
     contact, c = CONTACT._replace(b=CONTACT.a / 3.07), (0.0, 0.0, 0.0, 1e3)
     exact = 3 / 8 * MU * contact.Q * contact.a * ellipe(1.0 - 3.07**-2)
-    split = ellipse_sums(contact, c, MU, 1e-9, placed(ellipse_rule("split", 20, 8), c, contact))
+    split = ellipse_sums(contact, c, MU, 1e-9, points_of(ellipse_rule("split", 20, 8), c, contact))
     assert_allclose(split[3], exact, rtol=1e-3)
-    fixed = ellipse_sums(contact, c, MU, 1e-9, placed(ellipse_rule("gauss", 200, 8), c, contact))
+    fixed = ellipse_sums(contact, c, MU, 1e-9, points_of(ellipse_rule("gauss", 200, 8), c, contact))
     assert_allclose(abs(fixed[3] / exact - 1.0), 2.5e-4, rtol=0.1)
 
 
-def test_heathcote_slip():
-    """No spin, no gyroscopic slip: Johnson, Contact Mechanics, 8.5 (line slip, close conformity).
+def test_heathcote_slip_agrees_with_johnson():
+    """Without spin and gyroscopic slip: Contact Mechanics, 8.5 (line slip, close conformity).
 
     Without a net force there is no slip at 0.34730 a, and the moment is 0.08057 mu Q a^2/R.
     """
@@ -232,6 +235,7 @@ def test_heathcote_slip():
 
 
 def slip_at(contact, c, t):
+    """Returns the slip along the rolling direction at a place t = x/a [m/s]."""
     h, v1, v2 = np.empty((3, 1))
     at = np.array([t])
     surface_height(contact, R, at, h)
@@ -241,8 +245,8 @@ def slip_at(contact, c, t):
 
 @pytest.mark.parametrize("c", SLIPS)
 def test_share_of_gyroscopic_slip_counts_no_spin(c):
-    """|c_1 h| over |v|; and heat and torque are those of the generalised friction."""
-    points, r = placed(ellipse_rule("split", 24, 8), c), 3.5e-3
+    """It is |c_1 h| over |v|; heat and torque are those of the generalised friction."""
+    points, r = points_of(ellipse_rule("split", 24, 8), c), 3.5e-3
     qv, heat, share, torque = dissipation(CONTACT, c, MU, V_R, r, points)
     *g, _, total = ellipse_sums(CONTACT, c, MU, V_R, points)
     assert_allclose(qv, total, rtol=1e-12)

@@ -51,8 +51,8 @@ HARD = {"cage.restitution": 1.0}  # a damped pocket's force depends on places in
 NAMES = "shaft", "heat", "turning", "cage_heat", "damping", "pocket_torque", "land_torque"
 
 
-def steps_of(system):
-    """Steps of the differences by states and places, and changes that matter about as much."""
+def difference_steps(system):
+    """Returns steps of differences by states and places, and changes that matter about equally."""
     n, z, qv = len(system.bearing.D), system.layout.cage, system.layout.qv
     small, typical = np.full((2, qv + 2 * n + 3), 1e-12)
     typical[:] = 1e-8
@@ -73,7 +73,10 @@ def steps_of(system):
 
 
 def differences(system, small):
-    """Derivatives of rates and unbalanced forces (m, m), and of the integrals' rates, by all."""
+    """Returns central differences of rates and forces (m, m), and of the integrals' rates.
+
+    small: step of each state and place (m,).
+    """
     bearing, buf, qv = system.bearing, system.buffers, system.layout.qv
     balls, y = buf.balls, system.y
     here = np.r_[y[:qv], balls.X.ravel(), balls.delta]
@@ -94,8 +97,8 @@ def differences(system, small):
     return (np.array(column).T for column in zip(*computed, strict=True))
 
 
-def alone(scene, changes):
-    """A bearing without its cage, off its steady state."""
+def system_without_cage(scene, changes):
+    """Returns a system without a cage, off its steady state."""
     s = scene("gyro_s1", SMOOTH | {"cage": None} | changes)
     system = DynamicSystem.of(s, start_of(s).u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0])
     assert system.update() == OK
@@ -110,21 +113,24 @@ def alone(scene, changes):
         (None, "hertz", None),
     ],
 )
-def test_factors_and_powers(scene, guiding, contact, method):
-    """Factors against the dense matrix, powers of a step against their slopes, all by differences.
+def test_the_matrix_of_a_step_and_its_powers_agree_with_differences(
+    scene, guiding, contact, method
+):
+    """The factors are compared with the dense matrix, powers of a step with their slopes.
 
-    With traction in the balance (hertz) and without it; three pockets and a land closed, or none.
+    With traction in the balance (hertz) and without it; with three pockets and a land in contact,
+    or without a cage.
     """
     changes = {"model.contact": contact}
     if guiding is None:
-        system = alone(scene, changes)
+        system = system_without_cage(scene, changes)
     else:
         changes |= SMOOTH | HARD | {"operation.preload_method": method}
         system = touching_system(scene, guiding, changes)
     bearing, buf, y, stage = system.bearing, system.buffers, system.y, system.stages
     assert bearing.traction == (contact == "hertz")
     assert rates_here(system.time, y, bearing, buf, stage.rates[0], True) == OK
-    small, typical = steps_of(system)
+    small, typical = difference_steps(system)
     linearise(y, bearing, buf, stage.system)
     assert stage.system.touching.sum() == (len(TOUCHING) + 1 if guiding else 0)
     J, slopes = differences(system, small)

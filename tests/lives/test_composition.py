@@ -118,7 +118,7 @@ def short_life(model, *changes):
     keys = [*SHORT, f"model.contact={contact}", "cage=null", "uncertainty=null", *changes]
     scene = load_scene(scene_file("gyro_s1"), keys)
     if model == "worn":
-        return life_values(scene.one_of_alike, worn_life(scene))
+        return life_values(scene.symmetric_half, worn_life(scene))
     return life(scene, model).values
 
 

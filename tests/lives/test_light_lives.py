@@ -30,7 +30,7 @@ def marked_trials():
 @pytest.mark.parametrize("trial", list(marked_trials()))
 def test_a_life_found_at_random_ends_by_its_criterion(trial):
     """At the loss that ends it, within 2 %, of the worse bearing of a pair."""
-    scene = LIGHT_LIVES.drawn_scene(trial["draw"]).one_of_alike
+    scene = LIGHT_LIVES.drawn_scene(trial["draw"]).symmetric_half
     for way in trial["once"]:
         wearing = Grooves(scene, QUICK_GROOVES if way == "quick" else EXACT_GROOVES)
         life = follow_grooves(wearing)

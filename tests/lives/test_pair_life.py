@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.lives.life import life
-from bearingwear.results.netcdf import dataset
+from bearingwear.results.netcdf import dataset_of_result
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.sides import SHARED, of_bearing
+from bearingwear.sides import SHARED, values_of_bearing
 from bearingwear.solvers.solve import solve
 
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -40,7 +40,7 @@ def test_each_of_a_symmetric_pair_lives_as_the_single_bearing(life_result, singl
     single_result, pair_result = (life_result(changes | end) for changes in (single, pair))
     assert criterion(single_result) == criterion(pair_result)
     for k in range(2):
-        of_one = of_bearing(pair_result.values, k)
+        of_one = values_of_bearing(pair_result.values, k)
         assert set(of_one) == set(single_result.values)
         for name, value in single_result.values.items():
             assert_allclose(of_one[name], value, rtol=1e-12, err_msg=name)
@@ -53,10 +53,10 @@ def test_grooves_of_a_symmetric_pair_are_those_of_the_single_bearing(life_result
     single_result, pair_result = life_result(POSITION | WORN), life_result(RIGID | WORN)
     assert single_result.status == pair_result.status == "ok"
     assert "groove_depth" in single_result.values
-    second = of_bearing(pair_result.values, 1)
+    second = values_of_bearing(pair_result.values, 1)
     for name, value in single_result.values.items():
         assert_allclose(second[name], value, rtol=1e-12, err_msg=name)
-    in_file = dataset(pair_result)
+    in_file = dataset_of_result(pair_result)
     for name in ("groove_depth", "history_residual_preload"):
         assert in_file[name].dims[0] == "bearing"
 

@@ -14,7 +14,7 @@ from bearingwear.lives.life import life
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.solve import solve
-from bearingwear.solvers.worn.films import FILM_EDGE, WornFilms, cover
+from bearingwear.solvers.worn.films import FILM_EDGE, WornFilms, film_cover
 
 STEEL = "materials.bearing_steel"
 WORN = {"model.contact": "worn", "uncertainty": None}
@@ -150,7 +150,7 @@ def test_wear_by_place(scene):
     films = WornFilms.of(scene("gyro_s1", FILM | THICK | {STEEL + ".wear_coefficient": 1e-4}))
     h = 0.3e-6
     depth = h * np.array([0.0, 1.0 - FILM_EDGE, 1.0 - 0.5 * FILM_EDGE, 1.0, 2.0])
-    on_race = cover(films.films.race, depth)
+    on_race = film_cover(films.films.race, depth)
     assert_allclose(on_race, [1.0, 1.0, 0.5, 0.0, 0.0], atol=1e-12)
     K_s = [5e-6, 5e-6, 0.5 * (5e-6 + 1e-4), 1e-4, 1e-4]
     for factor in films.factors(on_race, depth, 0.0):

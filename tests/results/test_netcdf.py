@@ -16,7 +16,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.kernels.steady.thrust import BRANCH_NAMES
 from bearingwear.results import netcdf, variables
-from bearingwear.results.netcdf import CaseFileError, dataset, load, write_result
+from bearingwear.results.netcdf import CaseFileError, dataset_of_result, load, write_result
 from bearingwear.results.units import SCALES
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
@@ -84,7 +84,7 @@ def result(request) -> Result:
 
 def test_file_and_dataset_are_the_same(result, tmp_path):
     write_result(result, tmp_path / "x.nc")
-    read, made = load(tmp_path / "x.nc"), dataset(result)
+    read, made = load(tmp_path / "x.nc"), dataset_of_result(result)
     assert made.attrs.pop("wall_time_s") == result.wall_time_s
     xr.testing.assert_identical(read, made)
     assert {n: v.dtype for n, v in read.variables.items()} == {
@@ -94,13 +94,13 @@ def test_file_and_dataset_are_the_same(result, tmp_path):
 
 def test_changes_of_a_dataset_do_not_reach_others(case):
     """Datasets of like cases share their indexes, and nothing else."""
-    spoilt, other = dataset(case, by_name=True), dataset(case, by_name=True)
+    spoilt, other = dataset_of_result(case, by_name=True), dataset_of_result(case, by_name=True)
     before = other.copy(deep=True)
     spoilt["strip_position"][0] = 7.0
     spoilt["race"].attrs["mine"] = 1
     spoilt["race"] = ["first", "second"]
     spoilt["qv"][...] = 0.0
-    assert other.identical(before) and dataset(case, by_name=True).identical(before)
+    assert other.identical(before) and dataset_of_result(case, by_name=True).identical(before)
 
 
 def test_same_result_gives_same_bytes(result, tmp_path):
@@ -184,14 +184,14 @@ def test_the_file_of_an_unsolved_case_contains_fill_values(tmp_path):
 def test_unnamed_values_are_refused(case):
     case.values["contact_laod"] = 1.0
     with pytest.raises(KeyError, match="contact_laod"):
-        dataset(case)
+        dataset_of_result(case)
 
 
 @pytest.mark.parametrize("shape", [(2,), (1, 2, 1), (1, 3)])
 def test_wrong_shape_is_refused(case, shape):
     case.values["contact_load"] = np.zeros(shape)
     with pytest.raises(ValueError, match=r"contact_load|contact_angle"):
-        dataset(case)
+        dataset_of_result(case)
 
 
 def test_long_histories_are_compressed(life, tmp_path, monkeypatch):

@@ -6,7 +6,7 @@ import pickle
 import pytest
 from support import scene_file
 
-from bearingwear.scene.arrangement import held_by, one_bearing
+from bearingwear.scene.arrangement import single_bearing_scene, with_method
 from bearingwear.scene.read import SceneError, as_scene, load_scene
 
 FIXED = "operation.preload_method=fixed_position"
@@ -47,16 +47,16 @@ def test_scene_of_a_pair_is_whole():
 
 def test_held_by_another_method():
     rigid = read(*RIGID, "arrangement.external_axial_N=2")
-    spring = held_by(rigid, "constant_force", 9.0)
+    spring = with_method(rigid, "constant_force", 9.0)
     assert spring.arrangement.kind == "spring_pair"
     assert spring.arrangement.external_axial_N == 2.0
     assert spring.operation.preload_N == 9.0
     soft = read("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=0.1")
-    assert held_by(soft, "fixed_position").arrangement.spring_stiffness_N_um == 0.0
-    assert held_by(read(), "fixed_position").arrangement is None
+    assert with_method(soft, "fixed_position").arrangement.spring_stiffness_N_um == 0.0
+    assert with_method(read(), "fixed_position").arrangement is None
 
 
 def test_dynamic_cases_of_a_study_are_of_one_bearing():
-    assert one_bearing(read(), "x").pair is None
+    assert single_bearing_scene(read(), "x").pair is None
     with pytest.raises(SceneError, match="arrangement.kind: got rigid_pair"):
-        one_bearing(read(*RIGID), "mine.yaml")
+        single_bearing_scene(read(*RIGID), "mine.yaml")

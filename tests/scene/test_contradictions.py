@@ -7,7 +7,7 @@ import pytest
 from support import scene_file
 
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.friction import changes_as_it_wears, has_thickness
+from bearingwear.scene.friction import friction_changes_with_wear, has_thickness
 from bearingwear.scene.read import variant
 
 STEEL = "materials.bearing_steel"
@@ -118,4 +118,4 @@ def test_contradictions_are_refused_in_one_line():
 )
 def test_films_and_running_in_have_a_thickness_or_change_with_wear(scene, changes, thick, changing):
     gyro = scene("gyro_s1", changes)
-    assert (has_thickness(gyro), changes_as_it_wears(gyro)) == (thick, changing)
+    assert (has_thickness(gyro), friction_changes_with_wear(gyro)) == (thick, changing)

@@ -10,7 +10,7 @@ from bearingwear.cli import main
 from bearingwear.kernels.contact.summary import LOAD, PRESSURE
 from bearingwear.kernels.dynamic.record import clear
 from bearingwear.kernels.status import OK
-from bearingwear.results.netcdf import dataset, write_result
+from bearingwear.results.netcdf import dataset_of_result, write_result
 from bearingwear.solvers.dynamic.run import system_at_start
 from bearingwear.solvers.dynamic.windows import LoadRange, TimeRun
 from bearingwear.solvers.solve import solve
@@ -98,7 +98,7 @@ def test_show_and_tables_take_the_extreme_of_all_balls(loaded_case, tmp_path, ca
         shown = [float(text) for text in rows[label] if re.fullmatch(r"[\d.]+", text)]
         assert_allclose(shown[:2], largest, rtol=5e-3)  # three digits
     axes = {"preload_method": 1, "friction": 1, "ball_diameter_loss": 1}
-    gathered = dataset(loaded_case)[[*RANGE, "contact_load"]].expand_dims(axes)
+    gathered = dataset_of_result(loaded_case)[[*RANGE, "contact_load"]].expand_dims(axes)
     gathered = gathered.assign_coords({axis: [0.0] for axis in axes})
     both = steady_and_dynamic(gathered.isel(ball=[0]), gathered)
     pressures = both["maximum_pressure.dynamic"].values.ravel()

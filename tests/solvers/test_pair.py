@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.scene.arrangement import Arrangement
 from bearingwear.scene.checking.errors import NotAvailable
-from bearingwear.sides import SHARED, of_bearing
+from bearingwear.sides import SHARED, values_of_bearing
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.arrangement import (
     natural_frequencies,
@@ -100,7 +100,7 @@ def test_symmetric_pair_is_the_single_bearing(solved, fidelity, single, pair, lo
     of_single = solved(single | {LOSS: loss}, fidelity)
     of_pair = solved(pair | {LOSS: loss}, fidelity)
     for k in range(2):
-        of_one = of_bearing(of_pair, k)
+        of_one = values_of_bearing(of_pair, k)
         for name, value in of_single.items():
             assert_allclose(of_one[name], value, rtol=1e-12, err_msg=name)
     assert set(of_pair) - set(of_single) <= SHARED

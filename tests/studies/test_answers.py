@@ -79,7 +79,7 @@ def test_a_command_says_in_one_line_that_a_process_ended(monkeypatch, capsys):
     def ended(args):
         list(answers_at(killed, [0, 1, 2], 2, "uncertainty", progress=False))
 
-    monkeypatch.setattr("bearingwear.results.kinds.function", lambda name: ended)
+    monkeypatch.setattr("bearingwear.results.kinds.imported_function", lambda name: ended)
     assert main(["uncertainty", str(scene_file("gyro_s1"))]) == 3
     assert only_line(capsys).startswith("uncertainty: a process ended unexpectedly")
 

@@ -15,7 +15,7 @@ import numpy as np
 from bearingwear import Scene
 from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.scene.coefficients import ASSUMED_FRICTION, ASSUMED_WEAR
-from bearingwear.scene.distributions import possible_range, quantile, values_at
+from bearingwear.scene.distributions import possible_range, quantile, sampled_values
 from bearingwear.scene.scene import WORN, Distribution
 from bearingwear.scene.uncertain import UNCERTAIN_CAGE
 from bearingwear.solvers.dynamic.system import CageStart
@@ -95,7 +95,7 @@ def cage_draw(
     # the root makes all places in the circle equally likely
     start = CageStart(CLOSE * math.sqrt(offset), 2.0 * math.pi * angle, whirl)
     names = [name for name in scene.uncertainty or {} if name not in WORN]
-    bearing_values = values_at(scene, names, random.random((1, len(names))))[0].tolist()
+    bearing_values = sampled_values(scene, names, random.random((1, len(names))))[0].tolist()
     drawn_values = dict(zip(names, bearing_values, strict=True))
     cage_values = {}
     for name, distribution in spread.items():

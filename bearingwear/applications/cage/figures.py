@@ -26,7 +26,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import digits, display
-from bearingwear.results.words import name_in_words, scene_of
+from bearingwear.results.words import name_in_words, plain_scene
 from bearingwear.studies.dataset import load_with_axes
 
 _BAR_HEIGHT, _BAR_WIDTH = 0.62, 0.9
@@ -77,7 +77,7 @@ def cage_map_figure(motions: xr.Dataset) -> Figure:
         for code in np.flatnonzero(occurs).tolist()
     ]
     handles.append(key(f"quiet; numbers: work per turn ({unit.printed})", color="black"))
-    frame(figure, f"{scene_of(motions)['name']}: {cage_choice_sentence(motions)}", handles, 3)
+    frame(figure, f"{plain_scene(motions)['name']}: {cage_choice_sentence(motions)}", handles, 3)
     return figure
 
 

@@ -34,7 +34,7 @@ from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import with_usual_spread
-from bearingwear.scene.distributions import quantile, values_at
+from bearingwear.scene.distributions import quantile, sampled_values
 from bearingwear.scene.scene import WORN, EndOfLife
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.state import State
@@ -315,7 +315,7 @@ def _steady_life_values(scene: Scene) -> dict[str, Any]:
     time = life.last.time
     spread, _ = with_usual_spread(scene)
     names = [name for name in WORN if name in (spread.uncertainty or {})]
-    sampled = values_at(spread, names, np.random.default_rng(0).random((_SAMPLES, len(names))))
+    sampled = sampled_values(spread, names, np.random.default_rng(0).random((_SAMPLES, len(names))))
     factor = wear_factor(spread, names, sampled)
     return {
         "other_hours": time,

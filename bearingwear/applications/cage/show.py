@@ -25,7 +25,7 @@ from bearingwear.results.units import (
     key_in_words,
     text_to_error,
 )
-from bearingwear.results.words import name_in_words, scene_of
+from bearingwear.results.words import name_in_words, plain_scene
 from bearingwear.scene.accuracy import CAGE_ERROR, CAGE_TOLERANCE
 from bearingwear.scene.blocks import CRITERIA
 
@@ -230,7 +230,7 @@ def ensemble_figure(ensemble: xr.Dataset) -> Figure:
         key(name_in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linestyle="none", marker="o")
         for code in codes
     ]
-    name = scene_of(ensemble)["name"]
+    name = plain_scene(ensemble)["name"]
     frame(figure, f"{name}: {shares_in_words(ensemble['share'].values)}", handles, 4)
     return figure
 

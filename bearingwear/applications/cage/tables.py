@@ -17,7 +17,7 @@ from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
 from bearingwear.results.units import digits, display
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.dynamic.windows import wear_per_joule
@@ -46,7 +46,7 @@ def cage_document(path: Path) -> Document:
     ]
     if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
         lines.append("The motion of a hanging cage may change after hundreds of turns.")
-    scene = scene_of(motions)
+    scene = plain_scene(motions)
     choice = Block(
         "Choice of a cage",
         lines=(f"{cage_choice_sentence(motions)}.", f"{quiet_region(motions)}."),
@@ -162,7 +162,7 @@ def present_cage(motions: xr.Dataset, cages: list[MappedCage]) -> MappedCage | N
 
     Any cage with the same guide is nearer than one with another.
     """
-    scene = scene_of(motions)
+    scene = plain_scene(motions)
     cage = scene["cage"]
     present = {
         "guide": GUIDES.index(cage["guiding_race"]),
@@ -291,7 +291,7 @@ def mapped_wear(motions: xr.Dataset) -> dict[str, Any]:
 
     By K_s/H of the cage material of the scene, without a film.
     """
-    scene = scene_from_dict(scene_of(motions))
+    scene = scene_from_dict(plain_scene(motions))
     assert scene.cage is not None
     per_joule, rpm = wear_per_joule(scene, scene.cage.material), scene.operation.fastest_rpm
     return {

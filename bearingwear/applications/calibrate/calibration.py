@@ -48,8 +48,8 @@ from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.blocks import Calibrated
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.coefficients import with_usual_spread
-from bearingwear.scene.distributions import value_at
-from bearingwear.scene.read import for_life
+from bearingwear.scene.distributions import value_quantiles
+from bearingwear.scene.read import scene_for_life
 from bearingwear.scene.scene import WORN, Distribution
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
@@ -143,7 +143,7 @@ def calibration_by_tests(
     SceneError: the scene lacks a distribution.
     CaseFileError: a row is invalid, or the tests are improbable in the scene.
     """
-    scene, assumption = with_usual_spread(for_life(scene))
+    scene, assumption = with_usual_spread(scene_for_life(scene))
     if tell and assumption:
         tell(assumption)
     friction = _uncertain_friction(scene)
@@ -298,7 +298,7 @@ def _log_normal(scene: Scene, name: str) -> Normal:
     if distribution.distribution == "lognormal":
         median = scene.nominal(name) if distribution.median is None else distribution.median
         return Normal(math.log(median), math.log(distribution.factor or 1.0))
-    logs = np.log(value_at(scene, name, _PROBABILITIES))
+    logs = np.log(value_quantiles(scene, name, _PROBABILITIES))
     return Normal(float(logs.mean()), float(logs.std()))
 
 
@@ -472,7 +472,7 @@ def _batch_scatter(scene: Scene, result: _Result, log_median: float, workers: in
         return by_wear_alone
     probabilities = qmc.Sobol(len(names), seed=1).random(_SAMPLES)
     rows = np.stack(
-        [value_at(scene, name, probabilities[:, k]) for k, name in enumerate(names)], axis=-1
+        [value_quantiles(scene, name, probabilities[:, k]) for k, name in enumerate(names)], axis=-1
     )
     logs = result.logs(scene, names, rows, workers)
     logs = logs[np.isfinite(logs) & (logs > _LOG_OF_ZERO)]

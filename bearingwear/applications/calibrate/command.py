@@ -59,8 +59,8 @@ def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration
     """
     from bearingwear.applications.calibrate.calibration import calibration_by_tests
     from bearingwear.results.labels import labelled
-    from bearingwear.scene.read import as_scene, for_life
+    from bearingwear.scene.read import as_scene, scene_for_life
 
-    calibration = calibration_by_tests(for_life(as_scene(scene)), tests, workers)
+    calibration = calibration_by_tests(scene_for_life(as_scene(scene)), tests, workers)
     calibration.data = labelled(calibration.data)
     return calibration

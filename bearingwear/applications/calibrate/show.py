@@ -27,7 +27,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import Interval, digits
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 
 _UNLIKELY = 0.01
 """Probability below which a test and the model are said to disagree."""
@@ -188,7 +188,7 @@ def _interval(ends: np.ndarray) -> Interval:
 
 def calibration_figure(calibration: xr.Dataset) -> Figure:
     """Returns a figure of friction, K_s/H and life, before and after the tests."""
-    scene = scene_of(calibration)
+    scene = plain_scene(calibration)
     curves = [_Curve("wear_over_hardness", "wear_density", "K_s/H (m²/N)", _DENSITY)]
     if "friction_density" in calibration:
         words, unit = _friction_words_and_unit(scene)

@@ -12,7 +12,7 @@ from bearingwear.scene.duty import Duty, phase_cases
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import (
     LEAST_REGULARISATION,
-    at_share,
+    at_speed_share,
     regularisation_is_given,
     with_regularisation,
 )
@@ -60,7 +60,7 @@ class Cycle:
     @property
     def bearings(self) -> int:
         """Returns the number of bearings that are solved in each condition."""
-        return len(self.scenes[0].one_of_alike.sides)
+        return len(self.scenes[0].symmetric_half.sides)
 
     @property
     def case_scenes(self) -> tuple[Scene, ...]:
@@ -112,7 +112,9 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
     """Returns the cycle with the instants of its starts, which warm the bearings."""
     from bearingwear.lives.duty.warm import warm_start  # loads slowly; few lives need it
 
-    scenes, running, starting = [*cycle.scenes], cycle.running.copy(), cycle.starting
+    scenes = [*cycle.scenes]
+    running = cycle.running.copy()
+    starting = cycle.starting
     phases = [*zip(cycle.case_of_phase, duty.phases.values(), strict=True)]
 
     def order(k: int) -> tuple[float, ...]:
@@ -140,7 +142,7 @@ def at_speed(scene: Scene, share: float) -> Scene:
 
     A regularisation that the scene gives is scaled alike: its error depends on it over the slip.
     """
-    slower = at_share(scene, share)
+    slower = at_speed_share(scene, share)
     if not regularisation_is_given(scene):
         return slower
     v_r = max(share * scene.friction.slip_regularisation_m_s, LEAST_REGULARISATION)
@@ -150,7 +152,7 @@ def at_speed(scene: Scene, share: float) -> Scene:
 
 def _solved_alike(scenes: dict[str, Scene]) -> dict[str, Scene]:
     """Returns the scenes of cases with as many bearings to solve in each: one or two."""
-    reduced = {case: scene.one_of_alike for case, scene in scenes.items()}
+    reduced = {case: scene.symmetric_half for case, scene in scenes.items()}
     if len({len(scene.sides) for scene in reduced.values()}) == 1:
         return reduced
     of_two = {"arrangement.external_axial_N": NO_FORCE_N}

@@ -83,9 +83,9 @@ def life_over_duty(scene: Scene, fidelity: str | None = None) -> Result:
 
 
 def _values_by_case(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, dict]:
-    """Returns the result variables of the bearings in each case that is solved.
+    """Returns the result variables of the bearings by the names of the cases that are solved.
 
-    Those of the case that ends the life have also what the life alone has.
+    Those of the case that ends the life have also the errors and the shares of the phases.
     """
     assert scene.duty is not None
     cycle, life = over_duty.cycle, over_duty.life

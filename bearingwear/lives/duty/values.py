@@ -63,6 +63,8 @@ def palmgren_miner_life(shares: np.ndarray, lives: np.ndarray) -> float:
 
     The inverse life is the sum of the share of each phase over its life. The life is NaN where that
     of a phase with a share is not known.
+
+    shares, lives: share of the time of each phase, and life in it alone (phases,).
     """
     has_share = shares > 0.0
     damage = float((shares[has_share] / lives[has_share]).sum())
@@ -99,13 +101,13 @@ def _worst_along_life(measure: Measure, extremes: Sequence[float]) -> float:
 
 
 def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
-    """Returns the volume worn off the surfaces of bearing k by a full share of each condition [m3].
+    """Returns the volumes (nodes, conditions, surfaces) worn off bearing k [m3].
 
-    (nodes, conditions, surfaces): from the start of the life to each of its nodes, off the inner
-    race, the outer race and all balls.
+    They are those from the start of the life to each of its nodes, off inner race, outer race and
+    all balls, as if each condition took all the time.
     """
     cycle, life = over_duty.cycle, over_duty.life
-    balls = cycle.scenes[0].one_of_alike.sides[k].bearing.ball_count
+    balls = cycle.scenes[0].symmetric_half.sides[k].bearing.ball_count
     rates = [
         [
             [*state["race_wear_rate"], balls * state["ball_wear_rate"]]
@@ -117,7 +119,9 @@ def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
 
 
 def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """Returns the integrals of rates (nodes, ...) up to each node, by monotone cubics.
+    """Returns the integrals of rates (nodes, ...) over times (nodes,) up to each node.
+
+    They are those of monotone cubics.
 
     Two nodes have the same time where a film is worn through. A new cubic starts there.
     """
@@ -188,7 +192,9 @@ def acceleration_share(state: State, ramp_s: float) -> float:
     mu, Q = (np.broadcast_to(state[name], 2) for name in ("friction_coefficient", "contact_load"))
     spin, orbit = float(np.linalg.norm(motion[:3])), abs(float(motion[3]))
     force = (ball_inertia(m, D) * spin / (0.5 * D) + m * 0.5 * g.dm * orbit) / ramp_s
-    available = friction_capacity(*mu.tolist(), *Q.tolist())
+    mu_i, mu_o = mu.tolist()
+    Q_i, Q_o = Q.tolist()
+    available = friction_capacity(mu_i, mu_o, Q_i, Q_o)
     return force / available if available > 0.0 else math.inf
 
 

@@ -84,7 +84,7 @@ def _scene_at(scene: Scene, share: float, time: float, temperatures: np.ndarray)
 
     temperatures (bearing, part): of one bearing or of two.
     """
-    sides = scene.one_of_alike.sides
+    sides = scene.symmetric_half.sides
     parts = []
     for side, T in zip(sides, temperatures.tolist(), strict=True):
         assert side.thermal is not None

@@ -91,7 +91,7 @@ class DutySurfaces(_DutyWear):
     def __init__(self, cycle: Cycle, solvers: Sequence[Remembered]):
         self.cycle = cycle
         self.ways = [
-            Surfaces(scene.one_of_alike, solver)
+            Surfaces(scene.symmetric_half, solver)
             for scene, solver in zip(cycle.scenes, solvers, strict=True)
         ]
         first = self.ways[0]
@@ -106,16 +106,20 @@ class DutySurfaces(_DutyWear):
 
     def rates(self, node: Node) -> np.ndarray:
         """Returns the mean wear per second over a cycle."""
-        rates: np.ndarray = sum(w.share * w.way.rates(w.node) for w in self.weighted(node))
+        conditions = self.weighted(node)
+        rates: np.ndarray = sum(part.share * part.way.rates(part.node) for part in conditions)
         return rates
 
     def loss_rate(self, node: Node) -> float:
-        """Returns the sum of the mean `State.rate` of the bearings [m/s]."""
-        return float(sum(w.share * w.way.loss_rate(w.node) for w in self.weighted(node)))
+        """Returns the rate of loss of all bearings, the mean over a cycle [m/s]."""
+        conditions = self.weighted(node)
+        return float(sum(part.share * part.way.loss_rate(part.node) for part in conditions))
 
     def wears(self, node: Node) -> bool:
         """Returns whether all bearings lose diameter in the mean over a cycle."""
-        rates = [[w.share * state.rate for state in w.node.states] for w in self.weighted(node)]
+        rates = [
+            [part.share * state.rate for state in part.node.states] for part in self.weighted(node)
+        ]
         return bool(np.sum(rates, axis=0).min() > 0.0)
 
     def events(self, node: Node) -> np.ndarray:

@@ -18,7 +18,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from bearingwear.scene.checking.errors import (
     DEEPEST,
@@ -64,13 +64,13 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
     """
     file = file_part(record_type)
     plain: dict[str, Any] = _plain_copy(data, "", 0, file)
-    faults = sorted(_faults(plain, file, "", file), key=lambda fault: fault[0])
+    faults = sorted(_faults(plain, file, "", file), key=lambda fault: fault.priority)
     if not faults:
         return plain
-    if faults[0][0] == _IMPOSSIBLE_NAME:  # keys below one contain it
-        faults = [fault for fault in faults if fault[0] == _IMPOSSIBLE_NAME]
-    first, *further = (error for _, error in faults[:MOST_FAULTS])
-    raise SceneError(first.key, first.problem, further=tuple(further))
+    if faults[0].priority == _IMPOSSIBLE_NAME:  # the other faults may follow from the name
+        faults = [fault for fault in faults if fault.priority == _IMPOSSIBLE_NAME]
+    gravest, *further = (fault.error for fault in faults[:MOST_FAULTS])
+    raise SceneError(gravest.key, gravest.problem, further=tuple(further))
 
 
 def changed_record(record: Any, part: Part, changes: Mapping[tuple[str, ...], Any]) -> Any:
@@ -128,8 +128,8 @@ def _checked_value(value: Any, part: Part) -> Any:
     if value is None:
         raise ValueError("got no value")
     plain = _plain_copy(value, "", 0, part)
-    for _, error in _faults(plain, part, "", part):
-        raise error
+    for fault in _faults(plain, part, "", part):
+        raise fault.error
     return _field_value(plain, part, "")
 
 
@@ -147,7 +147,8 @@ def _plain_copy(value: Any, path: str, depth: int, file: Part) -> Any:
             if not isinstance(key, str):
                 raise SceneError(path, f"got the key {shown(key)}, expected text as a key")
         return {
-            key: _plain_copy(v, key_path(path, key), depth + 1, file) for key, v in value.items()
+            key: _plain_copy(item, key_path(path, key), depth + 1, file)
+            for key, item in value.items()
         }
     if hasattr(value, "tolist"):  # numpy numbers and arrays
         value = value.tolist()
@@ -164,12 +165,19 @@ def _plain_copy(value: Any, path: str, depth: int, file: Part) -> Any:
 
 _IMPOSSIBLE_NAME, _UNKNOWN, _WRONG_TYPE, _OUT_OF_RANGE, _MISSING = range(5)
 
-Fault = tuple[int, SceneError]
-"""A fault after its priority."""
+
+class Fault(NamedTuple):
+    """A fault of the data."""
+
+    priority: int  # the lowest is the gravest
+    error: SceneError
 
 
 def fits(value: Any, part: Part) -> bool:
-    """Whether a value may stand at a part."""
+    """Whether a value is one that a key takes.
+
+    part: field of a record, which says what the key takes.
+    """
     return not any(_faults(value, part, "", part))
 
 
@@ -190,7 +198,7 @@ def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
         for name, item in value.items():
             if not _is_name(name, part):
                 problem = f"got the name {shown(name)}, expected {part.allowed}"
-                yield _IMPOSSIBLE_NAME, SceneError(path, problem)
+                yield Fault(_IMPOSSIBLE_NAME, SceneError(path, problem))
             yield from _faults(item, part.item, key_path(path, name), file)
     elif part.kind == "list" and isinstance(value, list):
         if not part.key.least <= len(value) <= (part.key.most or math.inf):
@@ -208,11 +216,12 @@ def _misfit(priority: int, value: Any, part: Part, path: str) -> Fault:
 
     path: where the value stands in the file.
     """
-    return priority, SceneError(path, misfit_words(value, part, path.rpartition(".")[2]))
+    _, _, key = path.rpartition(".")
+    return Fault(priority, SceneError(path, misfit_words(value, part, key)))
 
 
 def misfit_words(value: Any, part: Part, key: str = "") -> str:
-    """States a value that a part does not take, what it takes, and what was probably meant.
+    """Returns words for a value that a part does not take: what it takes, and what was meant.
 
     key: the name of the key, without its block.
     """
@@ -223,7 +232,7 @@ def misfit_words(value: Any, part: Part, key: str = "") -> str:
 
 
 def option_misfit(text: str, part: Part, key: str = "") -> str:
-    """States the text of an option that is no number which a part takes, and what it takes.
+    """Returns words for the text of an option that a part does not take, and what it takes.
 
     key: the name of the key that the option sets, without its block.
     """
@@ -276,14 +285,14 @@ def _block_faults(values: Mapping[str, Any], block: Part, path: str, file: Part)
         problem = f"got an unknown key; {_advice(name, values, block, file)}"
         if (whole_key := key_path(path, name)) in FORMER_KEYS:
             problem = f"got a key that no longer exists, expected none: {FORMER_KEYS[whole_key]}"
-        yield _UNKNOWN, SceneError(key_path(path, short(name)), problem)
+        yield Fault(_UNKNOWN, SceneError(key_path(path, short(name)), problem))
     for name, field in block.below.items():
         if field.required and name not in values and not unknown:  # not a mistyped one
             is_block_with_example = field.kind in ("block", "mapping") and field.example
             allowed = "a block" if is_block_with_example else field.allowed
             suggestion = f", such as {field.example}" if field.example else ""
             problem = f"got nothing, expected {allowed}{suggestion}"
-            yield _MISSING, SceneError(key_path(path, name), problem)
+            yield Fault(_MISSING, SceneError(key_path(path, name), problem))
     for name, value in values.items():
         if name in block.below:
             yield from _faults(value, block.below[name], key_path(path, name), file)
@@ -368,7 +377,9 @@ def _has_kind(value: Any, part: Part) -> bool:
         return _is_number(value) and value == value // 1
     if part.kind == "number" or (part.kind == "list" and part.key.single):
         return _is_number(value)
-    return isinstance(value, {"boolean": bool, "text": str}.get(part.kind, ()))
+    if part.kind == "boolean":
+        return isinstance(value, bool)
+    return part.kind == "text" and isinstance(value, str)
 
 
 def _is_number(value: Any) -> bool:
@@ -385,7 +396,11 @@ def _is_permitted(value: Any, part: Part) -> bool:
         return len(value) <= (key.longest or math.inf) and bool(re.search(key.pattern, value))
     if part.kind == "choice" or not _is_number(value) or abs(value) > _LARGEST:
         return False
-    return all(COMPARISONS[name][0](value, end) for name, end in key.bounds.items())
+    for name, end in key.bounds.items():
+        is_within, _ = COMPARISONS[name]
+        if not is_within(value, end):
+            return False
+    return True
 
 
 def _hint(value: Any, part: Part) -> str:
@@ -437,7 +452,10 @@ def _call_maker(path: str, make: Callable[..., Any], *values: Any, **fields: Any
 
 
 def _field_value(value: Any, part: Part, path: str) -> Any:
-    """Converts a checked value to the type of its field."""
+    """Returns a checked value in the type of its field: a record, a tuple, a float and so on.
+
+    path: where it stands, for the errors of records.
+    """
     if value is None or part.kind == "any":
         return value
     if part.kind == "block":
@@ -445,10 +463,13 @@ def _field_value(value: Any, part: Part, path: str) -> Any:
     if part.kind == "own":
         return _call_maker(path, part.type.from_plain, value)
     if part.kind == "mapping":
-        return {name: _field_value(v, part.item, key_path(path, name)) for name, v in value.items()}
+        return {
+            name: _field_value(item, part.item, key_path(path, name))
+            for name, item in value.items()
+        }
     if part.kind == "list":
         values = value if isinstance(value, list) else [value]
-        return tuple(_field_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
+        return tuple(_field_value(item, part.item, f"{path}[{i}]") for i, item in enumerate(values))
     if part.kind == "integer":
         return int(value)
     if part.kind == "choice":

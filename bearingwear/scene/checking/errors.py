@@ -47,29 +47,37 @@ class SceneError(ValueError):
 
 
 def key_path(path: str, name: str) -> str:
-    """Joins the path of a block and the name of a key in it."""
+    """Returns the path of a key from that of its block, which is "" for a whole file."""
     return f"{path}.{name}" if path else name
 
 
 def leaves(block: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    """Returns the values of nested data by their whole keys, such as `operation.preload_N`."""
+    """Returns the values of nested data by their whole keys, such as `operation.preload_N`.
+
+    path: of the block, with which the keys begin.
+    """
     values_by_key: dict[str, Any] = {}
     for name, value in block.items():
         key = key_path(path, name)
-        values_by_key |= leaves(value, key) if isinstance(value, Mapping) else {key: value}
+        if isinstance(value, Mapping):
+            values_by_key |= leaves(value, key)
+        else:
+            values_by_key[key] = value
     return values_by_key
 
 
 def yaml_number(value: float) -> str:
-    """Writes a number so that every YAML reader takes it for one: 1.0e-5, not 1e-05."""
-    mantissa, e, exponent = repr(value).partition("e")
-    if not e:
+    """Returns a number as text that every YAML reader takes for one: 1.0e-5, not 1e-05."""
+    mantissa, _, exponent = repr(value).partition("e")
+    if not exponent:
         return mantissa
-    return f"{mantissa if '.' in mantissa else mantissa + '.0'}e{int(exponent):+d}"
+    if "." not in mantissa:
+        mantissa += ".0"
+    return f"{mantissa}e{int(exponent):+d}"
 
 
 def shown(value: Any) -> str:
-    """Writes a value as it would stand in a file, on one short line."""
+    """Returns a value as it would stand in a file, on one short line; `nothing` for None."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -80,9 +88,13 @@ def shown(value: Any) -> str:
         return f"a list of {len(value)}"
     if isinstance(value, int) and abs(value) > 10**30:
         return "a whole number with more than 30 digits"
-    if isinstance(value, float) and not math.isfinite(value):
-        return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
-    return short(yaml_number(value) if isinstance(value, float) else repr(value))
+    if not isinstance(value, float):
+        return short(repr(value))
+    if math.isnan(value):
+        return ".nan"
+    if math.isinf(value):
+        return ".inf" if value > 0.0 else "-.inf"
+    return yaml_number(value)
 
 
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:[ _'\u00a0\u202f]\d{3})+(?:\.\d*)?")
@@ -141,10 +153,10 @@ SYNONYMS = {
     # choices of keys and options
     "fixed_position": ("rigid", "fixed", "spacer", "displacement", "position"),
     "constant_force": ("spring", "springs", "constant", "force"),
+    "rigid": ("fixed", "spacer", "position", "fixed_position", "rigid_pair"),
+    "spring": ("springs", "constant", "force", "constant_force", "spring_pair"),
     "silicon_nitride": ("ceramic", "hybrid", "si3n4"),
     "bearing_steel": ("steel", "100cr6", "52100", "suj2", "440c"),
-    "rigid": ("spacer", "fixed", "position", "fixed_position", "rigid_pair"),
-    "spring": ("springs", "constant", "force", "constant_force", "spring_pair"),
     "mos2": ("moly", "solid", "vacuum"),
     "dry": ("none",),
     "dynamic": ("time", "transient"),
@@ -199,5 +211,5 @@ def did_you_mean(typed: Any, choices: Iterable[str]) -> str:
 
 
 def short(text: str) -> str:
-    """Shortens a text to what a message repeats of it."""
+    """Returns at most `LONGEST` characters of a text, with dots at the end of a longer one."""
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."

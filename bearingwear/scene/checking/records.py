@@ -194,7 +194,9 @@ def part_at(part: Part, path: str) -> Part | None:
     """Returns the part at a path such as `materials.steel.density_kg_m3`; None if there is none."""
     place: Part | None = part
     for name in re.findall(r"[^.\[\]]+", path):
-        place = place and (place.below.get(name) or place.item)
+        if place is None:
+            return None
+        place = place.below.get(name) or place.item  # a mapping takes any name, a list an index
     return place
 
 
@@ -289,7 +291,8 @@ _COUNTS = ("no", "one", "two", "three", "four")
 def _range(key: Key) -> str:
     """Returns the range of a number in words, after a space; "" without bounds."""
     if {"minimum", "maximum"} == set(key.bounds):
-        return " from {} to {}".format(*map(_end, key.ends))
+        least, largest = key.ends
+        return f" from {_end(least)} to {_end(largest)}"
     ends = [f"{COMPARISONS[name][1]} {_end(end)}" for name, end in key.bounds.items()]
     return " " + " and ".join(ends) if ends else ""
 

@@ -213,14 +213,13 @@ def numbers_of(
     area = _class_area(numbers)
     preload = _usual_preload(size, given, preload_class, area)
     dm = numbers["bearing.pitch_diameter_mm"].value
-    others = {
-        "operation.shaft_speed_rpm": _usual_speed(
-            size.entry, dm, preload_method, preload.value, has_film
-        ),
-        "friction.ball_race": Origin(0.08, "starved or solid-lubricated steel"),
+    speed = _usual_speed(size.entry, dm, preload_method, preload.value, has_film)
+    friction = Origin(0.08, "starved or solid-lubricated steel")
+    return numbers | {
+        _PRELOAD: preload,
+        "operation.shaft_speed_rpm": _given_or(given, "operation.shaft_speed_rpm", speed),
+        "friction.ball_race": _given_or(given, "friction.ball_race", friction),
     }
-    others = {key: _given_or(given, key, usual) for key, usual in others.items()}
-    return {**numbers, _PRELOAD: preload, **others}
 
 
 def _given_or(given: Mapping[str, float], key: str, usual: Origin) -> Origin:
@@ -512,6 +511,7 @@ def race_conductance(numbers: Mapping[str, Origin]) -> float:
     R, r, omega = 0.5e-3 * D, 0.5e-3 * dm, math.pi / 30.0 * rpm
     # a bearing without preload is taken to conduct as with 1 N
     load = max(preload, 1.0) / (Z * math.sin(math.radians(angle)))
+    # load and speed as numbers without dimension, and the source's fit to them
     W = load / (RING_MODULUS * R**2)
     moving = math.sqrt(W) ** (1.0 / 3.0) * math.sqrt(omega * R * r / DIFFUSIVITY)
     return Z * 1.8 * CONDUCTIVITY * R * W ** (1.0 / 3.0) * (1.0 + moving)
@@ -541,19 +541,22 @@ def heat_capacities(
     A width that is not known is half the difference of outside diameter and bore, as in ISO 15
     within a fifth.
     """
-    Z, D, dm = (
-        numbers[f"bearing.{key}"].value
-        for key in ("ball_count", "ball_diameter_mm", "pitch_diameter_mm")
-    )
+    Z = numbers["bearing.ball_count"].value
+    D = numbers["bearing.ball_diameter_mm"].value
+    dm = numbers["bearing.pitch_diameter_mm"].value
     width = size.width or 0.5 * (size.outside - size.bore)
 
-    def sleeve(inside: float, outside: float) -> float:
+    def sleeve_capacity(inside: float, outside: float) -> float:
+        """Returns the heat capacity [J/K] of a steel sleeve by its diameters [mm]."""
         volume = 0.25e-9 * math.pi * max(outside**2 - inside**2, 0.0) * width
         return volume * DENSITY["bearing_steel"] * SPECIFIC_HEAT["bearing_steel"]
 
-    balls = 1e-9 * Z * math.pi / 6.0 * D**3 * DENSITY[ball_material] * SPECIFIC_HEAT[ball_material]
-    land = 0.5 * D
-    return PartCapacities(sleeve(size.bore, dm - land), balls, sleeve(dm + land, size.outside))
+    ball_volume = 1e-9 * math.pi / 6.0 * D**3
+    return PartCapacities(
+        inner_ring=sleeve_capacity(size.bore, dm - 0.5 * D),
+        balls=Z * ball_volume * DENSITY[ball_material] * SPECIFIC_HEAT[ball_material],
+        outer_ring=sleeve_capacity(dm + 0.5 * D, size.outside),
+    )
 
 
 def rounded_to(value: float, digits: int = 2) -> float:

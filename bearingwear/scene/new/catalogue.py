@@ -161,16 +161,22 @@ def entry_of(
     """
     entries, ignored = _entries_of(maker, designation)
     if not entries:
-        names = ", ".join(nearest_names(maker, designation)) or "one of its bearings"
-        makers = " or ".join(makers_with(designation))
-        problem = f"got {shown(designation)}{makers and f', which is in the catalogue of {makers}'}"
-        expected = f"{names} (all: bearingwear new --list {maker})"
-        raise SceneError("", f"{problem}, expected {expected}", source=f"{maker} designation")
+        raise _unknown_bearing_error(maker, designation)
     if angle is None and maker == "SNFA":
         angle = _snfa_angle(designation, ignored, entries)
     if angle is None:
         return entries[0], ignored
     return min(entries, key=lambda entry: abs(entry.angle - angle)), ignored
+
+
+def _unknown_bearing_error(maker: str, designation: str) -> SceneError:
+    """Returns the error of a designation that a maker's catalogue lacks, with similar ones."""
+    problem = f"got {shown(designation)}"
+    if makers := makers_with(designation):
+        problem += f", which is in the catalogue of {' or '.join(makers)}"
+    names = ", ".join(nearest_names(maker, designation)) or "one of its bearings"
+    expected = f"{names} (all: bearingwear new --list {maker})"
+    return SceneError("", f"{problem}, expected {expected}", source=f"{maker} designation")
 
 
 def _snfa_angle(

@@ -185,20 +185,6 @@ def designation_of(text: str) -> Designation:
     )
 
 
-_NTN_HIGH_SPEED = re.compile(r"(?:HSE|BNS|BNT)(?P<series>[029])(?P<code>\d\d)")
-_NTN_SIZES = {"0": "70", "2": "72", "9": "719"}
-"""Series of the same size, by the first digit in NTN's high-speed series."""
-
-
-def _check_ntn_series(text: str) -> None:
-    """Refuses a high-speed bearing of NTN: its balls differ from those assumed for its size."""
-    match = _NTN_HIGH_SPEED.search(text.upper())
-    if match and _size(_NTN_SIZES[match["series"]], match["code"]):
-        name = f"{_NTN_SIZES[match['series']]}{match['code']}"
-        balls = "--balls, --ball-diameter and --contact-angle of NTN's high-speed series"
-        raise _unknown(text, f"{name} with {balls}")
-
-
 def _check_letters(text: str, parts: _Parts, similar_spindles: str) -> None:
     """Refuses letters before a number that no maker uses, and a second number after it.
 
@@ -232,6 +218,20 @@ def _allowed_suffixes(parts: _Parts, similar_spindles: str) -> str:
     if not parts.is_deep_groove:
         allowed += f"; for another angle, {parts.number} with --contact-angle"
     return allowed
+
+
+_NTN_HIGH_SPEED = re.compile(r"(?:HSE|BNS|BNT)(?P<series>[029])(?P<code>\d\d)")
+_NTN_SIZES = {"0": "70", "2": "72", "9": "719"}
+"""Series of the same size, by the first digit in NTN's high-speed series."""
+
+
+def _check_ntn_series(text: str) -> None:
+    """Refuses a high-speed bearing of NTN: its balls differ from those assumed for its size."""
+    match = _NTN_HIGH_SPEED.search(text.upper())
+    if match and _size(_NTN_SIZES[match["series"]], match["code"]):
+        name = f"{_NTN_SIZES[match['series']]}{match['code']}"
+        balls = "--balls, --ball-diameter and --contact-angle of NTN's high-speed series"
+        raise _unknown(text, f"{name} with {balls}")
 
 
 def _gmn_names(designation: str, prefix: str) -> str:

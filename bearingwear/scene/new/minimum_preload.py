@@ -64,7 +64,7 @@ def minimum_preload(
             source=MAKERS[entry.maker].source,
         )
     factor = skf_factors().get(str(bearing.get("designation")))
-    if factor is None or bearing.get("maker"):
+    if factor is None or bearing.get("maker"):  # SKF is none of `MAKERS`
         return None
     return MinimumPreload(
         bearing=f"SKF {bearing['designation']}",

@@ -238,6 +238,8 @@ def _assumption_lines(scene: _NewScene) -> list[str]:
     """Returns a line for each value that was not given, and for each bearing of the size."""
     size, numbers = scene.size, scene.numbers
     lines = []
+    if inches := metric_size(size.bore, size.outside):
+        lines.append(f"--bore, --outside: taken as mm; if they are in inches, write {inches}")
     if notes := _designation_notes(scene):
         lines.append(f"designation: interpreted as {size.name}; {'; '.join(notes)}")
     if inches := metric_size(size.bore, size.outside):

@@ -57,9 +57,12 @@ def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.n
 
 
 def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray:
-    """Returns `natural_frequencies` from the stiffness against Z and tilt about the middle [Hz].
+    """Returns axial, radial and conical frequency (3,) of a rotor that is not turning [Hz].
 
-    K: that stiffness (2, 2) [N/m, N, N m].
+    The rotor of the arrangement has mass and span. See `natural_frequencies`.
+
+    axial: stiffness of the arrangement [N/m].
+    K: stiffness against displacement along Z and tilt about the middle (2, 2) [N/m, N, N m].
     """
     assert a.rotor_mass_kg is not None and a.span_mm is not None
     m = a.rotor_mass_kg
@@ -131,6 +134,8 @@ def stacked_sides(sides: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Returns the result variables of both bearings, stacked along a first dimension.
 
     Where one has fewer values, NaN fills its floats and -1 its whole numbers.
+
+    sides: result variables of each bearing; the status is left out.
     """
     names = dict.fromkeys(name for side in sides for name in side if name != "status")
     return {name: _stacked([side.get(name) for side in sides]) for name in names}
@@ -153,7 +158,10 @@ def _stacked(values: Sequence[Any]) -> np.ndarray:
 
 
 def joined_attributes(sides: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Returns the attributes of both bearings: sentences joined, counts added."""
+    """Returns the attributes of a pair: sentences joined, counts added, in the order of names.
+
+    sides: attributes of each bearing.
+    """
     joined: dict[str, Any] = {}
     for name in sides[0].keys() | sides[1].keys():
         values = [attrs.get(name) for attrs in sides]

@@ -18,7 +18,10 @@ _SLIDE_ROUNDING = {"xtol": 1e-18, "rtol": 1e-14}
 
 
 def race_displacement(g: Geometry, length: Any) -> Any:
-    """Returns the axial displacement of the inner race at a distance of the groove centres [m]."""
+    """Returns the axial displacement of the inner race at which the groove centres are apart [m].
+
+    length: distance of the groove centres [m], a number or an array.
+    """
     across = g.BD * math.cos(g.alpha0)
     return np.sqrt(np.maximum(length**2 - across**2, 0.0)) - g.BD * math.sin(g.alpha0)
 
@@ -52,7 +55,10 @@ class Mechanics(NamedTuple):
         return displacement
 
     def stiffness_matrix(self, F_x: float) -> np.ndarray:
-        """Returns `stiffness_of_loads` (5, 5) under an axial force [N] [N/m, N, N m]."""
+        """Returns the stiffness (5, 5) under an axial force [N], by displacements and tilts.
+
+        They are axial, along Y and Z, and about Y and Z [N/m, N, N m].
+        """
         _, ball = self._equilibrium(F_x)
         load, angle = np.array([ball.Q_i, ball.Q_o]), np.array([ball.alpha_i, ball.alpha_o])
         return stiffness_of_loads(self.g, np.array([self.D]), load, angle)
@@ -143,6 +149,7 @@ class AxialRotor(NamedTuple):
         F_s, k_s, stop = self.spring
 
         def unbalanced(slide: float) -> float:
+            """Returns the force on the outer ring beyond that of its spring [N]."""
             return second.force(place + slide) - F_s + k_s * slide
 
         reach = FIRST_REACH

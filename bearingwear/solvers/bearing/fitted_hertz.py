@@ -33,17 +33,20 @@ def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, flo
 
 
 def fitted_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:
-    """Returns K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact, by the fit.
+    """Returns K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact with a race, by the fit.
 
     race: `INNER_RACE` or `OUTER_RACE`.
+    D, cos_alpha: ball diameter [m], and cosine of the contact angle.
     """
-    return fitted_contact(*curvatures(g, race, D, cos_alpha), g.E_star)
+    A, B = curvatures(g, race, D, cos_alpha)
+    return fitted_contact(A, B, g.E_star)
 
 
 def curvatures(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, float]:
     """Returns half the sums of the curvatures: A along the major axis, B along rolling [1/m].
 
     race: `INNER_RACE` or `OUTER_RACE`.
+    D, cos_alpha: ball diameter [m], and cosine of the contact angle.
     """
     r_g = g.r_o if race > 0.0 else g.r_i
     B = 0.5 * (2.0 / D - race * 2.0 * cos_alpha / (g.dm + race * D * cos_alpha))
@@ -61,8 +64,9 @@ def fitted_preload(g: Geometry, A1: float) -> float:
     length = math.hypot(A1, A2)
     d = max(length - (g.r_i + g.r_o - g.D0), 0.0)
     cosine = min(max(A2 / length, 0.0), 1.0)
-    K = [fitted_factors(g, race, g.D0, cosine)[0] for race in (INNER_RACE, OUTER_RACE)]
-    Q = sum(k ** (-2.0 / 3.0) for k in K) ** -1.5 * d**1.5
+    K_i, _, _ = fitted_factors(g, INNER_RACE, g.D0, cosine)
+    K_o, _, _ = fitted_factors(g, OUTER_RACE, g.D0, cosine)
+    Q = sum(K ** (-2.0 / 3.0) for K in (K_i, K_o)) ** -1.5 * d**1.5
     return g.n_balls * Q * A1 / length
 
 
@@ -74,11 +78,13 @@ def fitted_displacement(g: Geometry, F_x: float) -> float:
     radial = g.BD * math.cos(g.alpha0)
 
     def excess(alpha: float) -> float:
+        """Returns the thrust at a contact angle beyond the preload, both to the power 2/3."""
         # the power 2/3 of the thrust rises about linearly with the angle, which suits secants
         return fitted_preload(g, radial * math.tan(alpha)) ** (2.0 / 3.0) - F_x ** (2.0 / 3.0)
 
     low, high = g.alpha0, STEEPEST
-    last, alpha = g.alpha0, g.alpha0 + FIRST_TILT
+    last = g.alpha0
+    alpha = g.alpha0 + FIRST_TILT
     last_value = excess(last)
     for _ in range(_MOST_SECANTS):
         value = excess(alpha)

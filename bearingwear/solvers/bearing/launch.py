@@ -100,7 +100,8 @@ def resting_side(scene: Scene, a: Arrangement, k: int, loss: float | None) -> Re
     k: its number on the rotor, 0 or 1; the second one faces the other way.
     loss: of ball diameter, in place of the scene's [m].
     """
-    g, facing = geometry(scene), 1.0 - 2.0 * k
+    g = geometry(scene)
+    facing = 1.0 - 2.0 * k
     outwards = -1.0 if a.orientation == "back_to_back" else 1.0
     # place on the rotor of the inner groove centres, at which the balls' forces act
     arm = (g.r_i - 0.5 * g.D0) * math.sin(g.alpha0)
@@ -138,12 +139,16 @@ class Balls(NamedTuple):
         return self.s[:, None] * self.slopes[0] + self.c[:, None] * self.slopes[1]
 
     def stiffness(self, factor: np.ndarray) -> np.ndarray:
-        """Returns the stiffness of the bearing by the position of the rotor (4, 4)."""
+        """Returns the stiffness of the bearing by the position of the rotor (4, 4).
+
+        factor: load over deformation^1.5 of each ball (n,) [N/m^1.5].
+        """
         along, (axial, radial) = self.along, self.slopes
         # derivative of the contact angle, times the length
         across = self.c[:, None] * axial - self.s[:, None] * radial
-        k, turn = 1.5 * factor * np.sqrt(self.d), self.Q / self.length
-        return (along.T * k) @ along + (across.T * turn) @ across
+        compression = 1.5 * factor * np.sqrt(self.d)
+        turning = self.Q / self.length
+        return (along.T * compression) @ along + (across.T * turning) @ across
 
 
 def series_contact(g: Geometry, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -168,6 +173,7 @@ def place_as_mounted(g: Geometry, preload: float) -> float:
     across = g.BD * math.cos(g.alpha0)
 
     def unbalanced(A1: float) -> float:
+        """Returns the thrust beyond the preload at an axial distance of the groove centres [N]."""
         length = math.hypot(A1, across)
         return g.n_balls * factor * max(length - g.BD, 0.0) ** 1.5 * A1 / length - preload
 
@@ -255,7 +261,8 @@ class RotorAtRest:
         stop = math.inf if a.stop_um is None else a.stop_um * UM
         spring = None
         if scene.operation.preload_method == "constant_force":
-            force, k_s = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM
+            force = float(scene.operation.preload_N)
+            k_s = a.spring_stiffness_N_um * N_UM
             spring = PreloadSpring(force, k_s, stop)
         return cls((first, second), a.rotor_offset_mm * MM, spring)
 
@@ -307,10 +314,17 @@ class RotorAtRest:
         return max(min(dents_first, dents_second), 0.0)
 
     def _energy(self, force: np.ndarray, k_s: np.ndarray, q: np.ndarray) -> "_Energy":
-        """Returns the energy of the rotor at a position, with its derivatives."""
-        E, slope, K, largest = 0.5 * q @ k_s @ q - force @ q, k_s @ q - force, k_s, 0.0
+        """Returns the energy of the rotor at a position `q`, with its derivatives.
+
+        force, k_s: load and stiffness of the spring, as in `_least_energy`.
+        """
+        E = 0.5 * q @ k_s @ q - force @ q
+        slope = k_s @ q - force
+        K = k_s
+        largest = 0.0
         for seat in self.seats:
-            b, n = seat.balls(q), seat.tandem
+            b = seat.balls(q)
+            n = seat.tandem
             E = E + 0.4 * n * (b.Q @ b.d)  # the integral of a force that goes as d^1.5
             slope = slope + n * (b.Q @ b.along)
             K = K + n * b.stiffness(seat.factor)
@@ -332,6 +346,7 @@ class RotorAtRest:
         lengths = np.array([1.0, 1.0, 1.0 / self.seats[0].g.R_i, 1.0])[free]
 
         def free_energy(q: np.ndarray) -> _Energy:
+            """Returns the energy with derivatives by the scaled free coordinates alone."""
             energy = self._energy(force, k_s, q)
             return energy._replace(
                 slope=energy.slope[free] * lengths,
@@ -365,7 +380,8 @@ class RotorAtRest:
 
     def _state(self, q: np.ndarray, force: np.ndarray, k_s: np.ndarray) -> RestingRotor:
         """Returns the rotor at a position `q` of balance; the arguments are `_least_energy`'s."""
-        bearings, unbalanced = [], k_s @ q - force
+        bearings = []
+        unbalanced = k_s @ q - force
         for seat in self.seats:
             b = seat.balls(q)
             unbalanced = unbalanced + seat.tandem * (b.Q @ b.along)
@@ -438,7 +454,11 @@ class LaunchResult:
 
 
 def miles(density: float, frequency: float, amplification: float) -> float:
-    """Returns the rms acceleration of an oscillator under a density, both in one unit.
+    """Returns the rms acceleration of an oscillator under random vibration [g].
+
+    density: of the acceleration [g2/Hz].
+    frequency: of the oscillator [Hz].
+    amplification: at resonance [1].
 
     J. W. Miles, J. Aeronautical Sciences (Nov 1954) 753.
     """
@@ -469,7 +489,7 @@ class RandomResponse:
 
     @property
     def largest_g(self) -> float:
-        """Returns the largest expected acceleration, at least three sigma."""
+        """Returns the largest expected acceleration, at least three sigma, in g."""
         return max(THREE_SIGMA, self.expected) * self.rms_g
 
 
@@ -478,7 +498,8 @@ def check_launch(scene: Scene, source: str) -> None:
 
     source: file of the scene, for the message.
     """
-    a, launch = scene.arrangement, scene.launch or Launch()
+    a = scene.arrangement
+    launch = scene.launch or Launch()
     needed = ["rotor_mass_kg"]
     densities = (launch.axial_density_g2_Hz, launch.radial_density_g2_Hz)
     if launch.radial_g or densities != (None, None):
@@ -496,7 +517,9 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
 
     losses: as in `RotorAtRest.of`. Race wear counts as that of balls: both open the contacts.
     """
-    a, launch, rest = scene.arrangement, scene.launch or Launch(), RotorAtRest.of(scene, losses)
+    a = scene.arrangement
+    launch = scene.launch or Launch()
+    rest = RotorAtRest.of(scene, losses)
     assert a is not None and a.rotor_mass_kg is not None
     weight = a.rotor_mass_kg * GRAVITY
     frequencies = rest.frequencies(a) if a.span_mm is not None else None
@@ -523,7 +546,10 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
 
 
 def _random_responses(launch: Launch, frequencies: np.ndarray | None) -> dict[str, RandomResponse]:
-    """Returns the responses to the densities of a launch, by their direction."""
+    """Returns the responses to the densities of a launch, by their direction.
+
+    frequencies: axial, radial and conical (3,) [Hz]; not needed without a density.
+    """
     densities = {"axial": launch.axial_density_g2_Hz, "radial": launch.radial_density_g2_Hz}
     responses = {}
     for k, (direction, density) in enumerate(densities.items()):
@@ -536,7 +562,10 @@ def _random_responses(launch: Launch, frequencies: np.ndarray | None) -> dict[st
 
 
 def launch_forces(axial: float, across: float) -> dict[str, tuple[float, float]]:
-    """Returns axial and radial force of each load by its name, without those that are zero [N]."""
+    """Returns axial and radial force of each load by its name, without those that are zero [N].
+
+    axial, across: largest forces along the axis and across it [N].
+    """
     forces = {"along +X": (axial, 0.0), "along -X": (-axial, 0.0)} if axial else {}
     if across:
         forces |= {"across": (0.0, across)}

@@ -13,10 +13,10 @@ from bearingwear.kernels.contact.points import SEGMENTS, Rule
 from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.scene.scene import Arrangement, Scene, once
+from bearingwear.scene.scene import Arrangement, Scene, cached_in_scene
 from bearingwear.solvers.bearing import quadrature as rules
 from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
-from bearingwear.solvers.bearing.growth import Growth, axial_change, grown, growth_of
+from bearingwear.solvers.bearing.growth import Growth, axial_change, grown_geometry, growth_of
 from bearingwear.solvers.bearing.mounted import GPA as GPA
 from bearingwear.solvers.bearing.mounted import MM as MM
 from bearingwear.solvers.bearing.mounted import RPM as RPM
@@ -29,7 +29,7 @@ SEARCH_ACROSS = 4
 FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
 
 
-@once
+@cached_in_scene
 def static_place(scene: Scene) -> float:
     """Returns the axial displacement of the bearing as mounted, under its preload alone [m].
 
@@ -40,14 +40,14 @@ def static_place(scene: Scene) -> float:
     return static_displacement(mounted_geometry(scene), float(scene.operation.preload_N))
 
 
-@once
+@cached_in_scene
 def geometry(scene: Scene) -> Geometry:
     """Returns geometry and material constants of a scene's bearing as it runs, warm and fitted."""
     return running_geometry(scene, growth_of(scene))
 
 
 def running_geometry(scene: Scene, growth: Growth) -> Geometry:
-    """Returns `geometry` with a growth of the bearing that may differ from the scene's."""
+    """Returns geometry and material constants of a scene's bearing with some growth."""
     g = mounted_geometry(scene)
     if growth.is_none:
         return g
@@ -57,7 +57,7 @@ def running_geometry(scene: Scene, growth: Growth) -> Geometry:
         span = MM * (arrangement.span_mm or 0.0)
         A1 = g.BD * math.sin(g.alpha0) + static_place(scene)
         axial_growth = axial_change(growth.heat, A1, span, arrangement.orientation)
-    return grown(g, growth, axial_growth)
+    return grown_geometry(g, growth, axial_growth)
 
 
 def operating_point(scene: Scene, bare: Bare = COVERED) -> OperatingPoint:
@@ -79,11 +79,14 @@ def friction_law(scene: Scene, bare: bool = False) -> Law:
     """
     film = scene.friction.film
     if film is None:
-        mu, S = scene.friction.coefficient, 0.0
+        mu = scene.friction.coefficient
+        S = 0.0
     elif bare and film.bare_ball_race is not None:
-        mu, S = film.bare_ball_race, 0.0
+        mu = film.bare_ball_race
+        S = 0.0
     else:
-        mu, S = film.pressure_coefficient, film.shear_strength_MPa * MPA
+        mu = film.pressure_coefficient
+        S = film.shear_strength_MPa * MPA
     return Law(mu=float(mu), S=float(S))
 
 
@@ -166,7 +169,8 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
 
 def line_points(rule: Rule) -> EllipsePoints:
     """Returns a split rule with one point across as `EllipsePoints`."""
-    middle, area = np.zeros(rule.t.size), MIDDLE_WIDTH * rule.weight
+    middle = np.zeros(rule.t.size)
+    area = MIDDLE_WIDTH * rule.weight
     return EllipsePoints(
         split=True,
         s=rule.t,

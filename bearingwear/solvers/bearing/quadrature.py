@@ -37,7 +37,10 @@ def strip_area_factors(n: int) -> np.ndarray:
 
 
 def uniform_weights(y: np.ndarray, low: float = -1.0, high: float = 1.0) -> np.ndarray:
-    """Returns weights of n points for a uniform density, exact for polynomials of degree n - 1."""
+    """Returns weights of n points for a uniform density, exact for polynomials of degree n - 1.
+
+    y: points (n,) from low to high.
+    """
     z = (2.0 * y - low - high) / (high - low)
     moments = np.zeros(y.size)
     moments[0] = high - low
@@ -114,6 +117,7 @@ def chebyshev(n: int) -> tuple[np.ndarray, np.ndarray]:
 def area_shares_across(across: np.ndarray, halves: bool) -> np.ndarray:
     """Returns the shares of a strip's area at its points.
 
+    across: places of the points over the half-width (n,).
     halves: whether each half of the strip is integrated by itself.
     """
     if not halves or across.size == 1:
@@ -134,7 +138,8 @@ def chebyshev_halves(n: int) -> tuple[np.ndarray, np.ndarray]:
     m = (n + 1) // 2
     angle, weight = gauss_legendre(max(MOST_BY_NUMPY, 2 * m))  # integrates the moments exactly
     angle = 0.25 * np.pi * (angle + 1.0)
-    y, weight = np.cos(angle), weight * np.sin(angle) ** 2
+    y = np.cos(angle)
+    weight = weight * np.sin(angle) ** 2
     mean, norm = np.zeros(m), np.empty(m)
     previous, current = np.zeros(y.size), np.ones(y.size)
     for k in range(m):
@@ -173,6 +178,7 @@ def spread_ellipse(m: int, across: int) -> EllipsePoints:
         if near:
             y, share = chebyshev_halves(2 * math.ceil(NEAR_SHARE * across / 2))
         else:
+            # fewer with the distance, as measured in benchmarks/ellipse.py
             y, share = chebyshev(round(across * max(FAR_SHARE, 0.55 - 0.5 * s)))
         ones = np.ones(y.size)
         strips.append(

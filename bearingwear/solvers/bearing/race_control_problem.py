@@ -51,8 +51,9 @@ class RaceControlProblem:
 
     @classmethod
     def of(cls, scene: Scene) -> "RaceControlProblem":
-        """Returns the problem of a scene."""
-        g, operation = parameters.geometry(scene), scene.operation
+        """Returns the problem of a scene, its rotating load at the instant along +Z."""
+        g = parameters.geometry(scene)
+        operation = scene.operation
         F_y, F_z = operation.radial_load_N
         F = np.array([operation.preload_N, F_y, F_z + operation.rotating_load_N], dtype=float)
         D = parameters.ball_diameters(scene)
@@ -77,7 +78,8 @@ class RaceControlProblem:
         models: kinematics model of each ball (n,), see `kernels.equilibrium.kinematics`.
         Omega: orbit rate in the model ORBIT [rad/s].
         """
-        op, load = self.op, self.load(models[0], Omega)
+        op = self.op
+        load = self.load(models[0], Omega)
         if len(self.D) == 1:
             return self.thrust_balance(load)
         loads = np.zeros((len(self.D), race.LOAD_FIELDS))

@@ -61,7 +61,8 @@ class Nearby:
         moved = losses - self.losses
         if not math.isnan(self.place) and moved.any():
             self.slope += (place - self.expected_place(losses)) / (moved @ moved) * moved
-        self.losses, self.place = np.array(losses), place
+        self.losses = np.array(losses)
+        self.place = place
 
     def remember_rough(self, losses: tuple[float, float], place: float) -> None:
         """Stores a rough place of balance [m] at losses [m], without its slope.
@@ -72,7 +73,9 @@ class Nearby:
 
     def forget(self) -> None:
         """Drops the slope, which came from a short distance, but keeps the last exact place."""
-        self.steeper, self.slope, self.rough = 1.0, np.zeros(2), None
+        self.steeper = 1.0
+        self.slope = np.zeros(2)
+        self.rough = None
 
 
 @dataclass
@@ -97,7 +100,8 @@ class _Secants:
 
     def step(self, x: float, trial: RotorTrial) -> float:
         """Returns the next step of the rotor [m], from a trial at a place `x` [m]."""
-        unbalanced, slope = trial.unbalanced, self.nearby.steeper * trial.slope
+        unbalanced = trial.unbalanced
+        slope = self.nearby.steeper * trial.slope
         if self.last_trial is not None and x != self.last_trial[0]:
             last_x, last_unbalanced = self.last_trial
             secant = (unbalanced - last_unbalanced) / (x - last_x)
@@ -138,7 +142,8 @@ def balanced_place(
     nearby: holds the steepness of the first step, which is renewed.
     tolerance: unbalanced force, over the larger one.
     """
-    secants, stalled = _Secants(nearby), 0
+    secants = _Secants(nearby)
+    stalled = 0
     best: RotorTrial | None = None
     best_x = x
     for _ in range(_MOST_STEPS):
@@ -147,7 +152,9 @@ def balanced_place(
         if isinstance(trial, int) or status != code.OK:
             return x, code.NO_STEADY_STATE if secants.runs_away else status
         if best is None or abs(trial.unbalanced) < abs(best.unbalanced):
-            best_x, best, stalled = x, trial, 0
+            best_x = x
+            best = trial
+            stalled = 0
         else:
             stalled += 1
         if abs(trial.unbalanced) <= tolerance * trial.scale:

@@ -27,7 +27,8 @@ def groove_maps(R_i: float, psi: np.ndarray) -> np.ndarray:
     s, c = np.sin(psi), np.cos(psi)
     maps[:, 0, 0] = 1.0
     maps[:, 0, 3], maps[:, 0, 4] = R_i * c, R_i * s
-    maps[:, 1, 1], maps[:, 1, 2] = -s, c
+    maps[:, 1, 1] = -s
+    maps[:, 1, 2] = c
     return maps
 
 
@@ -56,7 +57,8 @@ def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray | 
     Omega = case.u[3]
     if not abs(Omega) > STANDING * max(map(abs, case.u.tolist())):
         return None
-    N, m = g.n_balls, ball_mass(g.rho, D)
+    N = g.n_balls
+    m = ball_mass(g.rho, D)
     k = len(case.response) - 2  # motion and traction, before the place of the groove
     J, B = case.response[:k, :k], case.response[:k, k:]
     C, S = case.response[k:, :k], case.response[k:, k:]

@@ -112,12 +112,16 @@ class ThrustProblem:
 
         Both are `without_finer`.
         """
-        half, twice = self.op._replace(v_r=0.5 * self.op.v_r), parameters.quadrature(scene, 2)
-        halved = replace(self, op=half, fine_rule=self.rule)
-        return halved, replace(self, rule=twice, fine_rule=twice)
+        half_slip = self.op._replace(v_r=0.5 * self.op.v_r)
+        twice_points = parameters.quadrature(scene, refined=2)
+        halved = replace(self, op=half_slip, fine_rule=self.rule)
+        return halved, replace(self, rule=twice_points, fine_rule=twice_points)
 
     def undetermined(self) -> int:
-        """Returns the status of a problem without a solution, or OK if it can be solved."""
+        """Returns OK if the problem can be solved, or the status of one without a solution.
+
+        It is UNDETERMINED without friction, and PRELOAD_GONE under a spring without force.
+        """
         if not has_friction(self.op):
             return code.UNDETERMINED
         if self.preload.constant_force and self.preload.F_x == 0.0:

@@ -89,7 +89,8 @@ def _reruns(
     scene: Scene, system: DynamicSystem, tolerance: float, other_tolerance: float
 ) -> list[_Rerun]:
     """Returns a run as it was, and those with half v_r, twice the points, and another tolerance."""
-    bearing, v_r = system.bearing, 0.5 * system.bearing.op.v_r
+    bearing = system.bearing
+    v_r = 0.5 * system.bearing.op.v_r
     half_slip = system.variant(op=bearing.op._replace(v_r=v_r), cage=bearing.cage._replace(v_r=v_r))
     twice_points = system.variant(
         rule=parameters.quadrature(scene, refined=2),

@@ -30,10 +30,12 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
     They are averages, ranges of loads, and the account of energy.
     """
     system, sums, bearing = run.system, run.recorder.sums, run.system.bearing
-    now, then = system.snapshot(), run.opening
+    now = system.snapshot()
+    then = run.opening
     time, integrals = now.time - then.time, now.integrals - then.integrals
     count = sums.count[0]
-    contacts, loads = sums.contacts / count, run.loads
+    contacts = sums.contacts / count
+    loads = run.loads
     contacts[:, :, QV] = integrals[: contacts[:, :, QV].size].reshape(-1, 2) / time
     if run.grid.is_periodic:
         contacts[:] = contacts.mean(axis=0)
@@ -89,17 +91,17 @@ def averages(
 
 
 def account_values(change: dict[str, float], kinetic: float) -> dict[str, float]:
-    """Returns the error of the energy balance, and the shares of the neglected terms.
+    """Returns result variables: the error of the energy balance, and shares of neglected terms.
 
     change: of each term of `DynamicSystem.energy` over the window [J].
     kinetic: energy at its end [J].
     """
-    supplied = change.pop("supplied")
+    accounted = sum(value for key, value in change.items() if key != "supplied")
     lost = sum(change[key] for key in ("heat", "cage heat", "damping")) + abs(change["drag"])
     # Without friction there is no heat to compare with; rounding depends on the kinetic energy.
     scale = max(lost, LEAST_LOST * kinetic)
     return {
-        "energy_account_error": (supplied - sum(change.values())) / scale,
+        "energy_account_error": (change["supplied"] - accounted) / scale,
         "coriolis_energy_share": change["coriolis"] / scale,
         "azimuth_energy_share": change["azimuth"] / scale,
     }
@@ -116,6 +118,7 @@ def add_cage_values(
 
     integrals: those of the state over the window, from the first one on.
     time: length of the window [s].
+    values: result variables, to which these are added in place.
     """
     layout, first, D = system.layout, system.layout.qv, system.bearing.D
     pockets = integrals[layout.pockets - first : layout.land - first] / time

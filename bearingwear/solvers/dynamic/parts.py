@@ -26,6 +26,7 @@ RAMP = 0.2  # of the depth of a light impact
 LEAST_RAMP = 1e-9  # [m]
 LEAST_CLEARANCE = 1e-3  # of a pocket, over the ball's radius
 LARGEST_LAND, LARGEST_POCKET = 0.99, 3.0  # damping at which an impact hardly rebounds
+DAMPING_ROUNDING = 1e-9  # accuracy of a damping, far below what restitutions are known to
 LONGEST_IMPACT = 50.0  # time to look for its end, where the elastic one takes about 3
 
 
@@ -175,7 +176,7 @@ def _damping_for(law: Callable[[float], float], restitution: float, largest: flo
         return 0.0
     if restitution <= law(largest):
         return largest
-    return brentq(lambda damping: law(damping) - restitution, 0.0, largest, xtol=1e-9)
+    return brentq(lambda damping: law(damping) - restitution, 0.0, largest, xtol=DAMPING_ROUNDING)
 
 
 def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:
@@ -222,7 +223,8 @@ def bearing_model(scene: Scene, bare: Bare = COVERED) -> BearingModel:
 
     bare: which contacts have no film left.
     """
-    g, operation = parameters.geometry(scene), scene.operation
+    g = parameters.geometry(scene)
+    operation = scene.operation
     D = parameters.ball_diameters(scene)
     mass = ball_mass(g.rho, D)
     F_y, F_z = operation.radial_load_N
@@ -232,7 +234,7 @@ def bearing_model(scene: Scene, bare: Bare = COVERED) -> BearingModel:
         op=parameters.operating_point(scene, bare),
         D=D,
         mass=mass,
-        inertia=0.1 * mass * D**2,
+        inertia=0.1 * mass * D**2,  # of solid spheres
         hertz=hertz_table(g, D),
         axial_is_held=operation.preload_method != "constant_force",
         F_x=float(operation.preload_N),

@@ -67,7 +67,8 @@ class Passing:
     """
 
     def __init__(self, system: DynamicSystem, tolerance: float, method: Tableau) -> None:
-        self.system, self.control = system, system.control(tolerance, method)
+        self.system = system
+        self.control = system.control(tolerance, method)
         self.start_state = system.packed(), system.time
         self.n = len(system.balls)
         bearing = system.bearing
@@ -100,7 +101,10 @@ class Passing:
         return bool(tally.status == code.OK)
 
     def march(self, orbits: float) -> bool:
-        """Continues as a run would, for a number of orbits; returns whether that succeeded."""
+        """Moves the balls on as a run would, for a number of orbits; returns whether it succeeded.
+
+        Their azimuths are taken back by whole turns and by what the load has turned.
+        """
         system, passing = self.system, self.passing
         self.put_balls(np.append(self.start, passing / system.turn))
         duration = orbits * self.n * passing
@@ -135,7 +139,7 @@ class Passing:
         return 0.0 < passing < LONGEST_PASSING * self.system.turn
 
     def change_after(self, states: np.ndarray) -> np.ndarray:
-        """Returns `change`, once a passing from these states has been simulated."""
+        """Returns the change in a passing from states, once it has been simulated; see `change`."""
         after = self.system.balls.copy()
         after[:, PSI] -= self.load_rate * states[-1] * self.system.turn
         next_balls = np.roll(states[:-1].reshape(self.n, BALL), -self.ahead, axis=0)
@@ -201,7 +205,9 @@ class Passing:
             change = self.change(states)
         if change is None or inverse is None:
             return failure
-        best, best_size, inverse = states, float(np.abs(change).max()), inverse.copy()
+        best = states
+        best_size = float(np.abs(change).max())
+        inverse = inverse.copy()
         stalled = 0
         for _ in range(_MOST_STEPS if best_size > CONVERGED else 0):
             step = -inverse @ change
@@ -211,7 +217,9 @@ class Passing:
                 break
             stalled += 1
             if np.abs(new_change).max() < best_size:
-                best, best_size, stalled = states, float(np.abs(new_change).max()), 0
+                best = states
+                best_size = float(np.abs(new_change).max())
+                stalled = 0
             if best_size <= CONVERGED or stalled >= _STALLED:
                 break
             inverse_change = inverse @ (new_change - change)
@@ -227,15 +235,20 @@ def tangents(system: DynamicSystem, control: StepControl, duration: float) -> np
     """
     control = control._replace(method=ROSENBROCK)
     old = np.eye(len(system.balls) * BALL)
-    older, new, rate = old.copy(), old.copy(), TANGENT_STEPS / duration
+    older = old.copy()
+    new = old.copy()
+    rate = TANGENT_STEPS / duration
     for step in range(TANGENT_STEPS):
         tally = system.simulate(control, duration / TANGENT_STEPS)
         if tally.status != code.OK:
             return None
         system.time, system.h = tally.time, tally.h
+        # of the second order, but for the first step
         weights = (1.5 * rate, -2.0 * rate, 0.5 * rate) if step else (rate, -rate, 0.0)
-        buffers = (system.y, system.bearing, system.buffers, system.stages)
-        if not carry_tangents(weights, old, older, *buffers, new):
+        is_carried = carry_tangents(
+            weights, old, older, system.y, system.bearing, system.buffers, system.stages, new
+        )
+        if not is_carried:
             return None
         old, older, new = new, old, older
     return old.T

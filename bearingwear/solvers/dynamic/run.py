@@ -43,7 +43,8 @@ def solve_dynamic(
     restart: `state` and `time` where another run of the scene ended (its `final_state`,
         `final_time`).
     """
-    start, tolerance = start_of(scene, bare), scene.model.dynamic_tolerance
+    start = start_of(scene, bare)
+    tolerance = scene.model.dynamic_tolerance
     longest = 1.0  # step, over the usual longest one
     while True:
         values, attrs = dynamic_run(scene, start, restart, progress, tolerance, longest)

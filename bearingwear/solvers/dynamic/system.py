@@ -76,7 +76,8 @@ class DynamicSystem:
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        bearing, n = self.bearing, len(self.bearing.D)
+        bearing = self.bearing
+        n = len(self.bearing.D)
         self.buffers = buffers(n, bearing.rule, bearing.points, bearing.traction)
         self.stages = stages(n, self.layout)
         self.dy = np.zeros(self.y.size)
@@ -162,7 +163,9 @@ class DynamicSystem:
 
     def start_cage(self, start: CageStart) -> None:
         """Puts the cage at a start, wherever `place_cage` has put it."""
-        cage, state, omega = self.bearing.cage, self.cage_state, self.balls[:, OMEGA].mean()
+        cage = self.bearing.cage
+        state = self.cage_state
+        omega = self.balls[:, OMEGA].mean()
         race_centre = self.buffers.balls.delta if cage.land == INNER_LAND else np.zeros(3)
         room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
         outward = np.array([math.cos(start.angle), math.sin(start.angle)])
@@ -221,7 +224,9 @@ class DynamicSystem:
             return code.CAGE_JAMMED
         if status not in (code.NOT_CONVERGED, code.UNVERIFIED):
             return status
-        bearing, buffers, n = self.bearing, self.buffers, len(self.bearing.D)
+        bearing = self.bearing
+        buffers = self.buffers
+        n = len(self.bearing.D)
         loads = np.zeros((n, race.LOAD_FIELDS))
         loads[:, race.MODEL], loads[:, race.ORBIT_RATE] = ORBIT, self.balls[:, OMEGA]
         load_at(bearing, self.time, buffers.balls.F)
@@ -299,9 +304,17 @@ class DynamicSystem:
         duration: of an interval [s].
         """
         grid = record.TimeGrid(origin=self.time, dt=duration, first=0)
-        model = (self.y, self.bearing, self.buffers, self.stages)
         return record.advance_and_record(
-            control, grid, 0, intervals, self.h, *model, self._idle_recorder
+            control,
+            grid,
+            0,
+            intervals,
+            self.h,
+            self.y,
+            self.bearing,
+            self.buffers,
+            self.stages,
+            self._idle_recorder,
         )
 
     @functools.cached_property
@@ -310,7 +323,8 @@ class DynamicSystem:
 
         A kernel without a recorder would take another half minute to compile.
         """
-        n, integrals = len(self.bearing.D), self.layout.size - self.layout.qv
+        n = len(self.bearing.D)
+        integrals = self.layout.size - self.layout.qv
         sums = record.empty_sums(n, self.bearing.rule, np.zeros(1), integrals)
         return record.Recorder(sums=sums, history=record.empty_history(1, n), keep=False)
 
@@ -339,7 +353,8 @@ class DynamicSystem:
         for part in parts:
             part[...] = state[offset : offset + part.size].reshape(part.shape)
             offset += part.size
-        self.h, self.time = float(h[0]), time
+        self.h = float(h[0])
+        self.time = time
         # Kept, because the equilibrium starts from the last positions.
         self.buffers.balls.factors[:] = 0.0
 
@@ -360,7 +375,8 @@ class DynamicSystem:
         y, layout = self.y, self.layout
         w, Omega = self.balls[:, :OMEGA], self.balls[:, OMEGA]
         free = np.array([bearing.g.r_i, bearing.g.r_o]) - 0.5 * bearing.D[:, None]
-        to_inner, to_outer = balls.A - balls.X, balls.X
+        to_inner = balls.A - balls.X
+        to_outer = balls.X
         lengths = np.column_stack([np.hypot(*to_inner.T), np.hypot(*to_outer.T)])
         d = np.maximum(lengths - free, 0.0)
         r = bearing.g.R_o + balls.X[:, 1]

@@ -229,7 +229,8 @@ class RunGrid:
 
         turn: duration of a shaft turn [s].
         """
-        turns, balls = motion.passing / turn, len(motion.balls)
+        turns = motion.passing / turn
+        balls = len(motion.balls)
         per_turn = scene.model.history_points_per_turn or STEPS_PER_TURN
         points = math.ceil(per_turn * turns)
         passings = balls if scene.model.history_points_per_turn else min(balls, FEWEST_OF_TREND)
@@ -284,7 +285,9 @@ class TimeRun:
         grid: RunGrid | None = None,
         longest: float = 1.0,
     ):
-        model, layout, n = scene.model, system.layout, len(system.bearing.D)
+        model = scene.model
+        layout = system.layout
+        n = len(system.bearing.D)
         self.system = system
         self.grid = grid = grid or RunGrid.of(scene, system.time, system.turn)
         self.tolerance = tolerance or model.dynamic_tolerance
@@ -322,7 +325,8 @@ class TimeRun:
         time_grid = record.TimeGrid(origin=grid.origin, dt=grid.dt, first=grid.first)
         if not self.keeps_history:
             assert count <= grid.points
-            time_grid, first = time_grid._replace(first=time_grid.first + first), 0
+            time_grid = time_grid._replace(first=time_grid.first + first)
+            first = 0
         tally = record.advance_and_record(
             self.control,
             time_grid,
@@ -365,7 +369,8 @@ class TimeRun:
         sums, points = self.recorder.sums, self.grid.points
         record.clear(sums)
         self.loads = LoadRange(len(self.system.bearing.D))
-        before_last, self.trend = self.trend, Trend(self.grid.turns)
+        before_last = self.trend
+        self.trend = Trend(self.grid.turns)
         self.opening = self.system.snapshot()
         for first in range(0, length, points):
             count = min(points, length - first)

@@ -74,7 +74,8 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     """
     wanted = fidelity or scene.model.fidelity
     _check_fidelity(scene, wanted)
-    asymmetry, needs_cage = " and ".join(asymmetries(scene)), scene.model.cage_results
+    asymmetry = " and ".join(asymmetries(scene))
+    needs_cage = scene.model.cage_results
     if wanted != "auto":
         return _choice_of(scene, wanted, ASKED_FOR)
     if needs_cage:
@@ -95,6 +96,7 @@ def _check_fidelity(scene: Scene, wanted: str) -> None:
     """Raises NotAvailable for a fidelity that does not exist or cannot solve a scene."""
 
     def refusal(problem: str, others: str) -> NotAvailable:
+        """Returns the error that names a problem of the fidelity and others to choose."""
         return NotAvailable(
             f"{scene.name}: model.fidelity: got '{wanted}'; {problem}, expected auto, {others}"
         )
@@ -103,7 +105,8 @@ def _check_fidelity(scene: Scene, wanted: str) -> None:
         raise NotAvailable(
             f"{scene.name}: fidelity: got {wanted!r}, expected {', '.join(FIDELITIES)}"
         )
-    asymmetry, needs_cage = " and ".join(asymmetries(scene)), scene.model.cage_results
+    asymmetry = " and ".join(asymmetries(scene))
+    needs_cage = scene.model.cage_results
     if needs_cage and wanted in ("steady", "race_control"):
         raise refusal("cage motion and wear require the dynamic model", "dynamic")
     if scene.pair is not None and (wanted == "dynamic" or needs_cage):

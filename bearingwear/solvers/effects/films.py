@@ -23,7 +23,9 @@ from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 def film_sentences(chosen: Choice) -> Iterator[str]:
     """Yields sentences on friction and wear of films, and on running in."""
-    scene, films, film = chosen.scene, Films.of(chosen.scene), chosen.scene.friction.film
+    scene = chosen.scene
+    films = Films.of(chosen.scene)
+    film = chosen.scene.friction.film
     if film is not None:
         offset = f" plus {film.pressure_coefficient:g}" if film.pressure_coefficient else ""
         yield (
@@ -141,14 +143,18 @@ def film_beyond_tests(evidence: Evidence) -> Finding | None:
 
 
 def film_worn(evidence: Evidence) -> Finding | None:
-    """Returns the finding of a film worn through in a life that continues with its friction."""
+    """Returns the finding of a film worn through in a life that continues with its friction.
+
+    None where no film is worn through, where that ends the life, and where the scene has another
+    friction without film.
+    """
     if evidence.life is None or "history_film_worn_share" not in evidence.life:
         return None
     shares, film = evidence.life["history_film_worn_share"], evidence.scene.friction.film
     if not shares.max() > 0.0 or (film is not None and film.bare_ball_race is not None):
         return None
-    ends_there = len(shares) < 3 or not shares[:-1].max() > 0.0
-    if ends_there:
+    ends_life = len(shares) < 3 or not shares[:-1].max() > 0.0
+    if ends_life:
         return None
     races = [name for name, share in zip(("inner", "outer"), shares[-1], strict=True) if share]
     return {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}
@@ -170,7 +176,9 @@ def _friction_at_rest(scene: Scene) -> str:
     # loaded here: its kernels load slowly, and other commands do not use them
     from bearingwear.solvers.bearing.parameters import friction_law
 
-    g, preload, law = mounted_geometry(scene), scene.operation.preload_N, friction_law(scene)
+    g = mounted_geometry(scene)
+    preload = scene.operation.preload_N
+    law = friction_law(scene)
     sin_alpha = math.sin(g.alpha0)
     if not (preload > 0.0 and sin_alpha > 0.0):
         return f"at least {law.mu:.3g}"

@@ -16,7 +16,7 @@ from bearingwear.solvers.bearing.growth import (
     RingGrowth,
     axial_change,
     fit_loss_speed,
-    grown,
+    grown_geometry,
     growth_of,
     growth_with_bore,
     growth_with_fits,
@@ -53,7 +53,8 @@ def preload_change(scene: Scene, growth: Growth) -> float:
 
     It is that of the unworn bearing at rest, by fitted Hertz factors; NaN without a preload.
     """
-    a, F = scene.arrangement or Arrangement(), scene.operation.preload_N
+    a = scene.arrangement or Arrangement()
+    F = scene.operation.preload_N
     if not F > 0.0:
         return math.nan
     return _preload_change(
@@ -72,7 +73,7 @@ def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientat
     span: distance of the two bearings [m].
     """
     axial = g.BD * math.sin(g.alpha0) + fitted_displacement(g, F)
-    running = grown(g, growth, 0.0)
+    running = grown_geometry(g, growth, 0.0)
     running_preload = fitted_preload(
         running, axial + axial_change(growth.heat, axial, span, orientation)
     )
@@ -147,7 +148,8 @@ def speed_growth_sentences(chosen: Choice) -> Iterator[str]:
 
 def temperature_sentences(chosen: Choice) -> Iterator[str]:
     """Yields a sentence on the effect of temperatures."""
-    scene, is_fixed = chosen.scene, is_held(chosen.scene)
+    scene = chosen.scene
+    is_fixed = is_held(chosen.scene)
     if scene.thermal is not None:
         caveat = (
             "; conductances, and therefore the preload, are rough estimates" if is_fixed else ""
@@ -201,7 +203,8 @@ def tried_fits(scene: Scene, running_preload: Callable[[Scene, Growth], float]) 
 
     running_preload: returns the preload of a scene's bearing with its growth [N].
     """
-    F, bore = scene.operation.preload_N, assumed_bore(scene)
+    F = scene.operation.preload_N
+    bore = assumed_bore(scene)
     if not (F > 0.0 and bore > 0.0):
         return []
     is_warm = scene.temperature is not None or scene.thermal is not None
@@ -262,7 +265,8 @@ def frictionless_preload(scene: Scene, growth: Growth) -> float:
     from bearingwear.solvers.bearing.parameters import running_geometry, static_place
 
     g = running_geometry(scene, growth)
-    return Mechanics(g, g.D0, rolling_rates(scene)[1]).force(static_place(scene))
+    _, orbit_rate = rolling_rates(scene)
+    return Mechanics(g, g.D0, orbit_rate).force(static_place(scene))
 
 
 def interference_sizes(tried: Sequence[TriedFit], running: float | None) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from bearingwear.measures import plain
 from bearingwear.scene.accuracy import CAGE_TOLERANCE
 from bearingwear.scene.arrangement import Arrangement, set_preload_ratio
-from bearingwear.scene.scene import Scene
+from bearingwear.scene.scene import Cage, Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, curvatures
 from bearingwear.solvers.bearing.mounted import MM, RPM, mounted_geometry
 from bearingwear.solvers.dynamic.stability import seeks_periodic, why_not_periodic
@@ -35,7 +35,8 @@ def gyroscopic_share(scene: Scene) -> float:
     race control, the steeper of the two. NaN without a preload.
     """
     b, operation = scene.bearing, scene.operation
-    D, alpha = MM * b.ball_diameter_mm, math.radians(b.contact_angle_deg)
+    D = MM * b.ball_diameter_mm
+    alpha = math.radians(b.contact_angle_deg)
     gamma = b.ball_diameter_mm / b.pitch_diameter_mm
     relative, orbit = rolling_rates(scene)
     beta = math.atan2(math.sin(alpha), math.cos(alpha) - gamma)
@@ -86,7 +87,8 @@ def slip_sentences(chosen: Choice) -> Iterator[str]:
 
 def traction_sentences(chosen: Choice) -> Iterator[str]:
     """Yields a sentence on traction in the balance of normal forces, and on its share."""
-    model, share = chosen.scene.model, gyroscopic_share(chosen.scene)
+    model = chosen.scene.model
+    share = gyroscopic_share(chosen.scene)
     share_words = (
         "an unknown share" if math.isnan(share) else f"up to about {plain(100.0 * share, 2)} %"
     )
@@ -154,7 +156,8 @@ def cage_sentences(chosen: Choice) -> Iterator[str]:
 
 def ball_sentences(chosen: Choice) -> Iterator[str]:
     """Yields sentences on the motion of the balls in the model, and on the forces on them."""
-    scene, count = chosen.reduced(chosen.scene), chosen.scene.bearing.ball_count
+    scene = chosen.reduced(chosen.scene)
+    count = chosen.scene.bearing.ball_count
     if chosen.fidelity == "steady":
         yield "balls: one ball represents all, because all balls move identically"
         yield from _force_sentences(scene)
@@ -174,7 +177,8 @@ def ball_sentences(chosen: Choice) -> Iterator[str]:
 
 def _force_sentences(scene: Scene) -> Iterator[str]:
     """Yields sentences on the forces on a ball; neglecting one saves no time (reductions.py)."""
-    share, size = centrifugal_share(scene), "its magnitude is unknown before the solve"
+    share = centrifugal_share(scene)
+    size = "its magnitude is unknown before the solve"
     if not math.isnan(share):
         share_words = (
             f"{plain(100.0 * share, 2)} % of" if share < 1.0 else f"{plain(share, 2)} times"
@@ -190,7 +194,7 @@ def _force_sentences(scene: Scene) -> Iterator[str]:
 
 def _dynamic_sentences(scene: Scene) -> Iterator[str]:
     """Yields sentences on degrees of freedom, loads and cage of the dynamic model."""
-    operation, cage = scene.operation, scene.cage
+    operation = scene.operation
     is_fixed = operation.preload_method == "fixed_position"
     loads = [] if is_fixed else [f"preload of {operation.preload_N:g} N"]
     if any(operation.radial_load_N):
@@ -209,28 +213,31 @@ def _dynamic_sentences(scene: Scene) -> Iterator[str]:
     yield from _force_sentences(scene)
     if len(set(scene.wear.ball_diameter_loss_um)) > 1:
         yield "ball diameters: individual, as worn"
-    if cage is not None:
-        guide = "balls" if cage.guiding_race == "ball" else f"land of the {cage.guiding_race} race"
-        g = math.hypot(*operation.gravity_m_s2)
-        weight = (
-            f"gravity {g:.3g} m/s2"
-            if g
-            else "weightless, because operation.gravity_m_s2 is not given"
-        )
-        balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
-        yield f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}"
-        tolerance = scene.model.dynamic_tolerance
-        if tolerance > CAGE_TOLERANCE:
-            yield f"steps: tolerance {tolerance:g}; cage wear requires 0.001"
-        elif tolerance == CAGE_TOLERANCE:
-            yield (
-                "steps: tolerance 0.001, which gives cage wear to within 10 % as long as the "
-                "motion persists"
-            )
+    if scene.cage is not None:
+        yield from _cage_motion_sentences(scene, scene.cage)
     yield (
         "Coriolis force and radial inertia of the balls: neglected, as in the published model; "
         "the energy balance includes the work done by the Coriolis force"
     )
+
+
+def _cage_motion_sentences(scene: Scene, cage: Cage) -> Iterator[str]:
+    """Yields sentences on the motion of a cage that is solved, and on the steps it requires."""
+    guide = "balls" if cage.guiding_race == "ball" else f"land of the {cage.guiding_race} race"
+    g = math.hypot(*scene.operation.gravity_m_s2)
+    weight = "weightless, because operation.gravity_m_s2 is not given"
+    if g:
+        weight = f"gravity {g:.3g} m/s2"
+    balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
+    yield f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}"
+    tolerance = scene.model.dynamic_tolerance
+    if tolerance > CAGE_TOLERANCE:
+        yield f"steps: tolerance {tolerance:g}; cage wear requires 0.001"
+    elif tolerance == CAGE_TOLERANCE:
+        yield (
+            "steps: tolerance 0.001, which gives cage wear to within 10 % as long as the "
+            "motion persists"
+        )
 
 
 def solution_sentences(chosen: Choice) -> Iterator[str]:

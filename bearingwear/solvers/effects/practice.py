@@ -112,7 +112,7 @@ def ellipse_over_shoulder(evidence: Evidence) -> Finding:
     D = bearing.ball_diameter_mm
     radii = np.array([bearing.inner_groove_factor * D, bearing.outer_groove_factor * D])
     edges = _ellipse_edges(evidence, radii)
-    findings = []
+    findings: list[Finding] = []
     for race, name in ((INNER_SIDE, "inner"), (OUTER_SIDE, "outer")):
         limit, source = _shoulder_angle(bearing, race, radii[race])
         findings.append({"value": edges[race], "limit": limit, "source": source, "race": name})
@@ -125,9 +125,8 @@ def _ellipse_edges(evidence: Evidence, radii: np.ndarray) -> np.ndarray:
     radii: of the inner and the outer groove [mm].
     """
     angle, load, major = (evidence.contacts(name) for name in _CONTACT)
-    if (
-        evidence.case is not None and "maximum_contact_load" in evidence.case
-    ):  # the largest load, not the mean
+    if evidence.case is not None and "maximum_contact_load" in evidence.case:
+        # the load is a mean over time; the axis of the largest one counts
         with np.errstate(invalid="ignore", divide="ignore"):
             growth = np.cbrt(np.asarray(evidence.case["maximum_contact_load"]) / load)
         major = major * np.where(np.isfinite(growth), growth, 1.0)
@@ -145,7 +144,8 @@ def _shoulder_angle(bearing: Bearing, race: int, radius: float) -> tuple[float, 
     if shoulder is None:
         assumed = max(SHOULDER_DEG, bearing.contact_angle_deg + SHOULDER_ROOM_DEG)
         return assumed, "the assumed shoulder"
-    D, cosine = bearing.ball_diameter_mm, math.cos(math.radians(bearing.contact_angle_deg))
+    D = bearing.ball_diameter_mm
+    cosine = math.cos(math.radians(bearing.contact_angle_deg))
     side = 1.0 if race == OUTER_SIDE else -1.0
     centre = 0.5 * bearing.pitch_diameter_mm - side * (radius - 0.5 * D) * cosine
     rise = side * (0.5 * shoulder - centre) / radius
@@ -201,7 +201,8 @@ def hoop_stress(evidence: Evidence) -> Finding | None:
     inside = 0.5 * _MM * bearing.bore_mm
     bottom = bearing.pitch_diameter_mm - bearing.ball_diameter_mm
     outside = 0.5 * _MM * (bearing.inner_shoulder_mm or bottom)
-    nu, omega = material.poisson_ratio, math.pi / 30.0 * evidence.scene.operation.shaft_speed_rpm
+    nu = material.poisson_ratio
+    omega = math.pi / 30.0 * evidence.scene.operation.shaft_speed_rpm
     shape = (3.0 + nu) * outside**2 + (1.0 - nu) * inside**2
     value = 0.25 * material.density_kg_m3 * omega**2 * shape / _MPA
     return {"value": value, "limit": HOOP_MPA}
@@ -279,9 +280,11 @@ def friction_beyond_practice(evidence: Evidence) -> Finding | None:
     value, (least, most) = evidence.scene.friction.ball_race, USUAL_FRICTION
     if not value:  # a film has none, and 0 has a status of its own
         return None
-    excess, phrase = least / value, f"below {least:g}, the lowest value ever measured"
+    excess = least / value
+    phrase = f"below {least:g}, the lowest value ever measured"
     if value > most:
-        excess, phrase = value / most, f"above {most:g}, the value at which metals seize"
+        excess = value / most
+        phrase = f"above {most:g}, the value at which metals seize"
     return {"value": value, "phrase": phrase, "excess": excess}
 
 
@@ -296,7 +299,9 @@ class _PartTemperature(NamedTuple):
 
 def _part_temperatures(evidence: Evidence) -> list[_PartTemperature]:
     """Returns the parts whose material has a temperature limit: steel parts and a polymer cage."""
-    bearing, cage, parts = evidence.scene.bearing, evidence.scene.cage, []
+    bearing = evidence.scene.bearing
+    cage = evidence.scene.cage
+    parts = []
     inner, balls, outer, *_ = evidence.state["part_temperature"]
     for part, celsius in (("inner ring", inner), ("balls", balls), ("outer ring", outer)):
         name = bearing.ball_material if part == "balls" else bearing.race_material
@@ -317,7 +322,7 @@ def temperature_beyond_practice(evidence: Evidence) -> Finding | None:
     Its excess is 1 at the limit and grows by the share of the allowed span that is exceeded. None
     if no part has a limit.
     """
-    findings = []
+    findings: list[Finding] = []
     for part in _part_temperatures(evidence):
         for limit, side, sign in ((part.warmest, "above", 1.0), (COLDEST, "below", -1.0)):
             findings.append(

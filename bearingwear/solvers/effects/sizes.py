@@ -93,7 +93,8 @@ def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
     Neglecting one saves no time, so all but one are modelled.
     """
     load_note, axial_note = "of the contact load at rest", "of a ball's axial load"
-    centrifugal, gyroscopic = centrifugal_share(scene), 100.0 * gyroscopic_share(scene)
+    centrifugal = centrifugal_share(scene)
+    gyroscopic = 100.0 * gyroscopic_share(scene)
     yield EffectSize(
         name="centrifugal force",
         is_on=True,
@@ -133,7 +134,8 @@ def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
 
 def _slip_effect(scene: Scene) -> EffectSize:
     """Returns the effect of slip across the ellipse, by its share of spin friction."""
-    model, note = scene.model, "of spin friction"
+    model = scene.model
+    note = "of spin friction"
     is_included = model.slip_region != "line"
     key = "model.slip_over" if model.slip_over else "model.contact"
     return EffectSize(
@@ -151,6 +153,7 @@ def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
     limit = 100.0 * MOST_LEFT_OUT
 
     def effect(name: str, is_on: bool, change: float, note: str) -> EffectSize:
+        """Returns an effect by its relative change of the preload [1]."""
         if not is_held(scene):
             return EffectSize(name=name, is_on=is_on, size=SECOND_ORDER, limit=IF_GIVEN, note=note)
         return EffectSize(
@@ -202,7 +205,9 @@ def wear_over_gap_estimate(scene: Scene) -> float:
     The contacts are those under the preload at rest, by fitted Hertz factors. NaN if the scene does
     not limit the loss or has no preload.
     """
-    g, end, operation = mounted_geometry(scene), scene.wear.end_of_life, scene.operation
+    g = mounted_geometry(scene)
+    end = scene.wear.end_of_life
+    operation = scene.operation
     sine, cosine = math.sin(g.alpha0), math.cos(g.alpha0)
     if end is None or not (sine > 0.0 and operation.preload_N > 0.0):
         return math.nan

@@ -9,7 +9,7 @@ import numpy as np
 
 from bearingwear.measures import plain
 from bearingwear.scene.scene import Scene
-from bearingwear.sides import of_bearing
+from bearingwear.sides import values_of_bearing
 from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import Evidence, Finding, evidence_of
 from bearingwear.solvers.effects.table import WARNINGS, Effect
@@ -19,7 +19,9 @@ class _Sentences(string.Formatter):
     """Sentences whose numbers have no powers of ten."""
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        if (match := re.fullmatch(r"(\+?)\.(\d)g", format_spec)) is None:
+        """Returns a value in words; a number of significant digits by `plain`."""
+        match = re.fullmatch(r"(\+?)\.(\d)g", format_spec)
+        if match is None:
             return str(super().format_field(value, format_spec))
         return plain(value, int(match[2]), match[1])
 
@@ -67,12 +69,13 @@ def _pair_warnings(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> l
     """
     by_id: dict[str, list[dict[str, Any]]] = {}
     for k, side in enumerate(scene.sides):
-        for warning in warnings_of(side, chosen, of_bearing(values, k) if values else None):
+        for warning in warnings_of(side, chosen, values_of_bearing(values, k) if values else None):
             by_id.setdefault(warning["id"], []).append(warning | {"bearing": k + 1})
     worst_warnings = []
     for warnings in by_id.values():
         worst = max(warnings, key=lambda warning: warning["excess"] or 0.0)
-        number, sentence = worst.pop("bearing"), worst["sentence"]
+        number = worst.pop("bearing")
+        sentence = worst["sentence"]
         if [warning["sentence"] for warning in warnings] != [sentence] * len(scene.sides):
             sentence = f"bearing {number}: {sentence}"
         worst_warnings.append(worst | {"sentence": sentence})

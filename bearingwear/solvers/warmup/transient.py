@@ -15,7 +15,7 @@ from scipy.integrate import BDF
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 from bearingwear.scene.warmth import Thermal, check_heat_capacities
 from bearingwear.solvers.bearing_states import bearings_at_temperatures, heats_of, states_of
 from bearingwear.solvers.compose import solver_of
@@ -71,7 +71,7 @@ class SpeedCourse(NamedTuple):
 
 
 def ramp(seconds: float) -> SpeedCourse:
-    """Returns the course of a constant acceleration from rest to the full speed."""
+    """Returns the course of a constant acceleration from rest to full speed in some seconds."""
     return SpeedCourse((0.0, seconds), (0.0, 1.0)) if seconds else SpeedCourse((0.0,), (1.0,))
 
 
@@ -124,7 +124,7 @@ class ThermalBearings:
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.sides = scene.one_of_alike.sides
+        self.sides = scene.symmetric_half.sides
         check_heat_capacities(self.sides, scene.name)
         self.near: list[SolvedBearing | None] = [None] * len(self.sides)
         self.solves = 0
@@ -185,7 +185,7 @@ class ThermalBearings:
     def _bearings(self, share: float) -> Alone | OnRotor:
         """Returns the bearings at a share of their speed, the last ones if the share is theirs."""
         if share != self._at[0]:
-            self._at = share, solver_of(at_share(self.scene, share)).bearings
+            self._at = share, solver_of(at_speed_share(self.scene, share)).bearings
         return self._at[1]
 
     def heat_slopes(self, instant: Instant) -> np.ndarray | None:
@@ -195,6 +195,7 @@ class ThermalBearings:
         """
 
         def heats(temperatures: np.ndarray) -> np.ndarray | None:
+            """Returns the heat of all parts at other temperatures; None without a state."""
             try:
                 return self.heat(instant.time, instant.share, temperatures)
             except NoState:
@@ -227,18 +228,17 @@ class HeatEquation:
     def slowest(self) -> float:
         """Returns the slowest time constant without heat, of parts, shaft and housing [s]."""
         rates = np.linalg.eigvals(self.G / self.C[:, None]).real
-        followed = [
-            tau
-            for n in self.networks
-            for tau in (n.shaft_time_constant_s, n.housing_time_constant_s)
-        ]
-        return max(1.0 / float(rates.min()), *followed)
+        time_constants = [1.0 / float(rates.min())]
+        for network in self.networks:
+            time_constants += [network.shaft_time_constant_s, network.housing_time_constant_s]
+        return max(time_constants)
 
     def heat_from_surroundings(self, time: float) -> np.ndarray:
         """Returns the heat that shaft and housing conduct into parts at 0 degC (parts,) [W]."""
         flows = []
         for n in self.networks:
-            G, now = n.conductance_W_K, network_at(n, time)
+            G = n.conductance_W_K
+            now = network_at(n, time)
             flows += [G.inner_ring_shaft * now.shaft_C, 0.0, G.outer_ring_housing * now.housing_C]
         return np.array(flows)
 
@@ -319,10 +319,15 @@ def _steps(
     """Yields the instants after each step up to an end [s].
 
     Where there is no state before the end, a status is the last that is yielded.
+
+    tolerance: relative error of a step.
     """
-    time, y = start.time, start.temperatures.ravel()
-    bearings, near = equation.bearings, list(equation.bearings.near)
-    longest, lost = np.inf, 0
+    time = start.time
+    y = start.temperatures.ravel()
+    bearings = equation.bearings
+    near = list(equation.bearings.near)
+    longest = np.inf
+    lost = 0
     while time < end:
         rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
         reach = end - time
@@ -336,7 +341,9 @@ def _steps(
                     yield code.NO_HEAT_BALANCE
                     return
                 instant = equation.instant(method.t, method.y.copy())
-                time, y, near = method.t, instant.temperatures.ravel(), list(bearings.near)
+                time = method.t
+                y = instant.temperatures.ravel()
+                near = list(bearings.near)
                 yield instant
         except NoState as unsolved:
             lost += 1
@@ -367,11 +374,8 @@ def _distance_left(equation: HeatEquation, instant: Instant) -> float:
 
 def _shaft_and_housing_left(equation: HeatEquation, time: float) -> float:
     """Returns how far shafts and housings are from their final temperatures at most [K]."""
-    return max(
-        abs(_approach(time, n.reference_C, end, constant) - end)
-        for n in equation.networks
-        for end, constant in (
-            (n.shaft_C, n.shaft_time_constant_s),
-            (n.housing_C, n.housing_time_constant_s),
-        )
-    )
+    distances = []
+    for network in equation.networks:
+        now = network_at(network, time)
+        distances += [abs(now.shaft_C - network.shaft_C), abs(now.housing_C - network.housing_C)]
+    return max(distances)

@@ -35,7 +35,7 @@ from bearingwear.solvers.worn.depths import (
     depth_spline,
     seat_force,
     seat_of_case,
-    wandering,
+    spread_by_wander,
 )
 from bearingwear.solvers.worn.films import AS_WITH_FILM, LEAST_WANDER, WornFilms
 
@@ -69,6 +69,7 @@ _SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
 """Places along a contact, over its semi-major axis, and the load of Hertz there, over its sum."""
 _FIRST_ON_THE_WAY, _LEAST_ON_THE_WAY, _MOST_ON_THE_WAY = 0.25, 1.0 / 32.0, 16
 """Steps from an even groove to one as it is worn, over what they differ by, and how many."""
+_MOVES = 8  # of a race that is held too far from where it was, to where it is held
 _ROUNDS = 3  # in which the depth of the grooves at a contact is found
 _NO_MOVES = np.empty((0, 3)), np.empty((0, 2, 3))
 ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
@@ -521,9 +522,8 @@ class WornBearing:
             work = self._friction_work(p, races)
             seat, u = self._state(p, D, races, work)
             self.loaded = [race.cells.X[loaded_ends(race.pressure)] for race in races]
-            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widen_cells(
-                seat.status
-            ):
+            is_state = seat.status in (code.OK, code.BEYOND_GROOVE)
+            if not (is_state and self._widen_cells(seat.status)):
                 break
         return seat, u, races, work
 
@@ -539,7 +539,7 @@ class WornBearing:
         state = self.state._replace(balance=ROUGH) if self.on_the_way else self.state
         way = p.preload.delta_a - self.seat.delta_a if held else 0.0
         kept = [race.pressure.copy() for race in races]
-        for moves in (1, 8) if way != 0.0 else (1,):
+        for moves in (1, _MOVES) if way != 0.0 else (1,):
             seat, u = self.seat, self.u.copy()
             for race, pressure in zip(races, kept, strict=True):
                 np.copyto(race.pressure, pressure)
@@ -627,7 +627,7 @@ class WornBearing:
         for k, force in enumerate(point.forces):
             x, qv = point.x[k], point.qv_along[k]
             places = x + self.shift(k, force.alpha, g)
-            wear = wandering(self.arc[k], places, qv, self.wander * self.major[k])
+            wear = spread_by_wander(self.arc[k], places, qv, self.wander * self.major[k])
             factor: float | np.ndarray = race
             if self.films is not None:
                 at_cells, factor = self._film_factors(self.films, point, k, scene)
@@ -662,7 +662,7 @@ class WornBearing:
 
     @staticmethod
     def _lengths(seat: WornSeat, g: Geometry, D: float) -> np.ndarray:
-        """Returns `lengths` (2,) of a ball of diameter D [m] in a seat."""
+        """Returns the approaches (2,) of a ball of diameter D [m] and grooves as when new [m]."""
         R = 0.5 * D
         A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         inner = np.hypot(A1 - seat.X1, A2 - seat.X2) - (g.r_i - R)

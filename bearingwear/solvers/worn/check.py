@@ -78,6 +78,7 @@ class WornCheck:
         p: ThrustProblem, k: int, race: WornRace, force: WornForce, bare: np.ndarray
     ) -> float:
         """Returns the friction coefficient of a contact with films, by plain sums over cells."""
-        op, Q = p.op, contact_load(force.hertz.K, force.approach)
+        op = p.op
+        Q = contact_load(force.hertz.K, force.approach)
         law = plain_law((op.law_i, op.law_o)[k], Q, force.a, force.b)
         return float(friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without))

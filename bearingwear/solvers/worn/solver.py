@@ -13,7 +13,7 @@ from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.contact.profile import contact_approach, semi_axis
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.steady.thrust import skid_ratio
-from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.friction import friction_changes_with_wear
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import friction_used
@@ -65,7 +65,7 @@ class Worn(Steady):
         self.scene, self.problem, self.start = scene, unworn.problem, unworn.condition
         self.mounted = parameters.static_place(scene)
         self.factors = parameters.wear_factors(scene)
-        filmed = scene.friction.film is not None or changes_as_it_wears(scene)
+        filmed = scene.friction.film is not None or friction_changes_with_wear(scene)
         self.bearing = WornBearing(
             self.problem,
             unworn.answer,
@@ -100,6 +100,7 @@ class Worn(Steady):
         return Condition(wear.ball + deepest, depths=wear)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        """Returns the bearing solved, from its last state; `near` is not used."""
         assert condition.depths is not None
         point = self.bearing.solve(condition.depths, self.problem_in(condition))
         if point.status != code.OK:
@@ -123,16 +124,19 @@ class Worn(Steady):
         return with_both
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
+        """Returns the heat of friction and drag of all balls in a solution."""
         point: WornPoint = solution.answer
         g, op, n = point.problem.g, point.problem.op, point.problem.g.n_balls
-        r, Omega = g.R_o + point.seat.X2, float(point.u[3])
+        r = g.R_o + point.seat.X2
+        Omega = float(point.u[3])
         drag = drag_force(g, point.D, op.drag, Omega)[0] * r * Omega
         inner, outer = (float(n * heat) for heat in point.slip[:, 1])
         return HeatFlow(inner, outer, drag=float(n * drag))
 
     def rate(self, solution: SolvedBearing) -> WornDepths:
         """Returns the wear per second in a solution, as depths [m/s]."""
-        return self.bearing.rate(solution.answer, *self.factors, solution.scene)
+        ball, race = self.factors
+        return self.bearing.rate(solution.answer, ball, race, solution.scene)
 
     def approach_loss(self, point: WornPoint) -> float:
         """Returns L: ball diameter lost, and the approach of the contacts beyond Hertz [m]."""
@@ -169,7 +173,9 @@ class Worn(Steady):
 
         scale = seat.inner.approach + seat.outer.approach
         guess = self.approach_loss(point) + self.memory.ahead * scale
-        width, low, high = _NEAR * scale, guess, guess
+        width = _NEAR * scale
+        low = guess
+        high = guess
         for _ in range(_FURTHER):
             low, high, width = low - width, high + width, 2.0 * width
             if difference(low) <= 0.0 <= difference(high):
@@ -196,7 +202,8 @@ class Worn(Steady):
         films, point = self.bearing.films, solution.answer
         if films is None:
             return {}
-        D, shares = point.D, []
+        D = point.D
+        shares = []
         for k, force in enumerate(point.forces):
             on_arc = self.bearing.bare(point.wear, k)
             g = point.problem.g
@@ -214,7 +221,8 @@ class Worn(Steady):
     def _values(self, point: WornPoint) -> dict[str, Any]:
         """Returns the result variables of a state, as if it had no films."""
         g, op, D = point.problem.g, point.problem.op, point.D
-        forces, r = point.forces, g.R_o + point.seat.X2
+        forces = point.forces
+        r = g.R_o + point.seat.X2
         alpha = np.array([f.alpha for f in forces])
         qv, _, share, _, mu = point.slip.T
         ball, race = self.factors

@@ -32,7 +32,7 @@ from bearingwear.results.words import (
     methods,
     name_in_words,
     percent_in_text,
-    scene_of,
+    plain_scene,
 )
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.studies.dataset import load_with_axes
@@ -51,7 +51,7 @@ def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str
     uncertainties = [dataset for path in uncertainty for dataset in load_quantiles(path)]
     datasets = [load_with_axes(path, interpolated_step=()) for path in lives]
     all_lives = [life for dataset in datasets for life in lives_of(dataset, uncertainties)]
-    return answer(all_lives, scene_of(datasets[0])).stored
+    return answer(all_lives, plain_scene(datasets[0])).stored
 
 
 class MethodLife(NamedTuple):
@@ -75,7 +75,7 @@ def lives_of(dataset: xr.Dataset, uncertainties: Sequence[xr.Dataset] = ()) -> l
     dataset: of `grid.life.wear_life`.
     uncertainties: datasets of the study of uncertainty.
     """
-    scene = scene_of(dataset)
+    scene = plain_scene(dataset)
     lives = []
     for method, lives_with_method in methods(dataset):
         for mu in dataset["friction"].values.tolist():
@@ -217,7 +217,10 @@ def _comparison(pair: Sequence[MethodLife]) -> _Comparison:
 
 
 def _headline(lives: Sequence[MethodLife], comparisons: Sequence[_Comparison]) -> str:
-    """Returns the part of a title that says which method gives the longer life."""
+    """Returns the part of a title that says which method gives the longer life.
+
+    comparisons: of the lives of the answer.
+    """
     if not any(math.isfinite(life.hours) for life in lives):
         return "no end of life was found"
     winners = {comparison.winner for comparison in comparisons}
@@ -266,6 +269,8 @@ def _comparison_sentences(comparisons: Sequence[_Comparison]) -> list[str]:
     """Returns a sentence for each method that wins: where, and by how much.
 
     Where no method wins, a sentence says so.
+
+    comparisons: of the lives of the answer.
     """
     sentences = []
     frictions_by_winner = _frictions_by_text((c.winner, c.friction) for c in comparisons)

@@ -8,7 +8,9 @@ from bearingwear.studies.grid.figures.draw import draw_dynamic
 
 
 def dynamic_report(study: Path, dynamic: Path) -> tuple[Figure, str, str]:
-    """Step: returns a figure of dynamic and steady cases, their numbers as CSV, and a Markdown page.
+    """Step: returns a figure of dynamic and steady cases, their numbers as CSV, and a summary.
+
+    The summary is Markdown.
 
     study: file of steady cases, which contains every case of `dynamic`.
     """

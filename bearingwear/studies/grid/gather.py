@@ -17,7 +17,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.results.warnings import merged_warnings
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
@@ -89,7 +89,7 @@ class _CaseReader:
             yield _sweep_along_cases(dataset, len(content.cases)) if is_sweep else dataset
 
     def _check_shared(self, shared: Mapping[str, Any], path: Path) -> None:
-        """Raises a CaseFileError for a file whose shared attributes differ from the first file's."""
+        """Raises CaseFileError for a file whose shared attributes differ from the first file's."""
         for key, value in shared.items():
             if _comparable_attribute(value) != _comparable_attribute(self.first[key]):
                 first_file = next(iter(self.files.values()))
@@ -170,7 +170,7 @@ class _FileContent(NamedTuple):
 def _case_content(dataset: xr.Dataset, path: Path) -> _FileContent:
     """Returns the case in a case file, and its shared attributes. Raises CaseFileError."""
     try:
-        scene = scene_of(dataset)
+        scene = plain_scene(dataset)
         case = _take_case(scene)
         int(dataset["status"])
         shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
@@ -191,7 +191,7 @@ def _sweep_content(dataset: xr.Dataset, path: Path) -> _FileContent:
     if not has_grid_keys or not is_over_keys or "end_criterion" in dataset:
         problem = f"got another sweep, expected one of solves over {', '.join(GRID_KEYS.values())}"
         raise CaseFileError(f"{path}: {problem}")
-    scene = scene_of(dataset)
+    scene = plain_scene(dataset)
     base_values = vars(_take_case(scene))
     field_by_key = dict(zip(GRID_KEYS.values(), base_values, strict=True))
     fields = [field_by_key[key] for key in key_by_dim.values()]

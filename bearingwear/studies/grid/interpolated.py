@@ -176,7 +176,10 @@ def _margins(
 
 
 def _critical_values(fine: xr.Dataset, measure: Measure, preload_N: float) -> np.ndarray:
-    """Returns the worst value (n,) of a measure at each loss [SI]; missing variables are NaN."""
+    """Returns the worst value (n,) of a measure at each loss [SI]; missing variables are NaN.
+
+    fine: cases interpolated along `ball_diameter_loss` [m].
+    """
     columns = {name: fine[name].values for name in measure.variables if name in fine}
 
     def critical_value(k: int) -> float:

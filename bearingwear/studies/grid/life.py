@@ -16,7 +16,7 @@ import xarray as xr
 from bearingwear.lives.duty.lives import cycle_with_enough_points
 from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import load
-from bearingwear.results.words import datasets_by_bearing, scene_of
+from bearingwear.results.words import datasets_by_bearing, plain_scene
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.cases import NOMINAL
@@ -67,8 +67,8 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     lives = coded(computed).drop_attrs(deep=False).assign_coords(coords)
     lives = lives.merge(interpolated.assign_coords(coords))
     lives["life_route_difference"] = _route_difference(lives, not_interpolated)
-    # Cases do not depend on the uncertain values, so the study may be older than those of the scene.
-    study_scene = scene_of(study)
+    # cases do not depend on the uncertain values, which may have changed since the study
+    study_scene = plain_scene(study)
     scene_data = load_scene(scene_path).to_dict()
     for key in ("uncertainty", "cage_uncertainty"):
         if key in study_scene:

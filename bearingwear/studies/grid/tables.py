@@ -18,7 +18,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
-from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, scene_of
+from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, plain_scene
 from bearingwear.studies.dataset import load_with_axes
 from bearingwear.studies.grid.answer import detailed_lives_block, lives_of
 from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
@@ -81,7 +81,7 @@ def study_summary(
 
     uncertainties: datasets of the study of uncertainty.
     """
-    scene = scene_of(study)
+    scene = plain_scene(study)
     unsolved = tuple(unsolved_cases(study)) or ("None: every case was solved and verified.",)
     lives_table = detailed_lives_block("Wear life", lives_of(lives, uncertainties), scene)
     lives_table = replace(lives_table, lines=(*lives_table.lines, *_interpolation_lines(lives)))
@@ -129,7 +129,7 @@ def _interpolation_lines(lives: xr.Dataset) -> list[str]:
 
 def cases_in_words(study: xr.Dataset) -> Iterator[tuple[str, dict[str, int]]]:
     """Yields each case in words, and its index along each dimension of the grid."""
-    scene = scene_of(study)
+    scene = plain_scene(study)
     for i, (name, _) in enumerate(methods(study)):
         words = method_words(scene, name)
         for j, mu in enumerate(study["friction"].values):

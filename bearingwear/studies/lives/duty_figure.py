@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from bearingwear.measures import ENDS, plain
 from bearingwear.plotting.drawing import SERIES, Figure, frame, new_figure, start_at_zero
 from bearingwear.results.quantiles import hours_in_words
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 
 
 def duty_figure(life: xr.Dataset) -> Figure:
@@ -27,7 +27,7 @@ def duty_figure(life: xr.Dataset) -> Figure:
     for k, colour in enumerate(colours):
         preload = life["history_phase_residual_preload"].isel(phase=k).values
         preload_panel.plot(time, preload, color=colour, marker=".", markersize=3)
-    scene = scene_of(life)
+    scene = plain_scene(life)
     end: dict[str, Any] = {"linestyle": "--", "linewidth": 1.0, "color": "0.3"}
     fraction = scene["wear"]["end_of_life"].get("preload_fraction")
     if fraction is not None:
@@ -55,11 +55,13 @@ def duty_figure(life: xr.Dataset) -> Figure:
 
 def duty_message(life: xr.Dataset) -> str:
     """Returns a sentence on the life over a duty, its cycles, and what ends it in which phase."""
-    scene, hours = scene_of(life), float(life["life"])
-    when = hours_in_words(scene, hours)
-    criterion = life["end_criterion"].attrs["flag_meanings"].split()[int(life["end_criterion"])]
+    scene = plain_scene(life)
+    duration = hours_in_words(scene, float(life["life"]))
+    cycles = plain(float(life["life_cycles"]))
+    flag_names = life["end_criterion"].attrs["flag_meanings"].split()
+    criterion = flag_names[int(life["end_criterion"])]
     end = ENDS[criterion].words if criterion in ENDS else "no criterion"
     return (
-        f"{scene['name']}: life over the duty {when}, {plain(float(life['life_cycles']))} cycles, "
+        f"{scene['name']}: life over the duty {duration}, {cycles} cycles, "
         f"ended by {end} in {life.attrs['ended_in']}"
     )

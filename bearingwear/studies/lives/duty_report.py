@@ -12,7 +12,7 @@ from bearingwear.document.document import Block, Document
 from bearingwear.document.show import sheet_of_result
 from bearingwear.lives.life import life
 from bearingwear.plotting.drawing import Figure, frame, new_figure
-from bearingwear.results.netcdf import dataset
+from bearingwear.results.netcdf import dataset_of_result
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.words import datasets_by_bearing
 from bearingwear.scene.read import load_scene
@@ -29,7 +29,7 @@ def duty_report(scene: Path) -> tuple[xr.Dataset, str, Figure]:
     The figure of a pair is that of its first bearing.
     """
     result = life(load_scene(scene))
-    duty_life = dataset(result)
+    duty_life = dataset_of_result(result)
     first_bearing = next(iter(datasets_by_bearing(duty_life).values()))
     if "history_phase_worn_share" in first_bearing:
         message = duty_message(first_bearing)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.recommend import recommended_for
 
@@ -43,4 +43,4 @@ def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
         values = {key: getattr(spread, key) for key in keys}
         scaled = {key: value * scale for key, value in values.items() if value is not None}
         distributions["preload_N"] = replace(spread, **scaled)
-    return replace(held_by(scene, method, preload_N), uncertainty=distributions)
+    return replace(with_method(scene, method, preload_N), uncertainty=distributions)

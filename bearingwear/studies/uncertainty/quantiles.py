@@ -23,7 +23,7 @@ from bearingwear.results.quantiles import (
     SCATTER_ONLY,
 )
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
-from bearingwear.scene.distributions import value_at, values_at
+from bearingwear.scene.distributions import sampled_values, value_quantiles
 from bearingwear.scene.read import Source
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.answers import Tell, Workers
@@ -87,8 +87,8 @@ def uncertain_lives(
     workers: processes that solve lives.
     tell: takes lines of progress, and a line on distributions that are assumed.
 
-    Returns the variables of `ANALYSED` over friction, preload method, choice of preload, inputs that
-        vary, and probability.
+    Returns the variables of `ANALYSED` over friction, preload method, choice of preload, inputs
+        that vary, and probability.
     """
     plan = sampling_of(samples, seed)
     assumptions: list[str] = []
@@ -293,6 +293,8 @@ def _add_longest_shares(methods: Sequence[MethodLives]) -> None:
     """Adds to the row of each method the share of bearings that it gives the longest life.
 
     Methods without lives are left out; a single one gets no share.
+
+    methods: lives with each method at the same choice of preload.
     """
     sampled = [method for method in methods if len(method.life)]
     if len(sampled) > 1:
@@ -303,7 +305,7 @@ def _add_longest_shares(methods: Sequence[MethodLives]) -> None:
 
 def _medians(scene: Scene) -> list[float]:
     """Returns the median of each uncertain value, in the order and units of `uncertainty`."""
-    return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
+    return [float(value_quantiles(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
 
 
 def _effects_of_values(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
@@ -317,7 +319,7 @@ def _effects_of_values(scene: Scene, plan: Sampling, pool: Workers) -> dict[str,
     base_rows = sobol_rows(scene, plan)
     changed_rows = np.tile(_medians(scene), (2 * len(names), 1))
     for k, name in enumerate(names):
-        changed_rows[2 * k : 2 * k + 2, k] = value_at(scene, name, np.array([0.1, 0.9]))
+        changed_rows[2 * k : 2 * k + 2, k] = value_quantiles(scene, name, np.array([0.1, 0.9]))
     rows = np.vstack([base_rows.reshape(-1, len(names)), changed_rows])
     lives = sampled_lives(scene, rows, pool).life
     base_lives = lives[: -len(changed_rows)].reshape(base_rows.shape[:2])
@@ -347,4 +349,4 @@ def sobol_rows(scene: Scene, plan: Sampling) -> np.ndarray:
     points = qmc.Sobol(2 * len(names), seed=plan.seed).random(plan.samples)
     a, b = np.hsplit(points, 2)
     matrices = [a, b, *(np.where(columns == k, b, a) for k in columns)]
-    return np.stack([values_at(scene, names, matrix) for matrix in matrices])
+    return np.stack([sampled_values(scene, names, matrix) for matrix in matrices])

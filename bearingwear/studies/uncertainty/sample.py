@@ -16,7 +16,7 @@ from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, BATCH_ONLY
 from bearingwear.scene.checking.errors import NotAvailable
-from bearingwear.scene.distributions import values_at
+from bearingwear.scene.distributions import sampled_values
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
 from bearingwear.studies.answers import PROBLEM, Workers
@@ -87,7 +87,7 @@ def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:
     points = np.full((plan.samples, len(names)), 0.5)
     points[:, others] = _sobol_points(len(others), plan.samples, plan.seed)
     points[:, ~is_varied] = 0.5
-    rows = values_at(scene, names, points)
+    rows = sampled_values(scene, names, points)
     rows[:, wear] = [scene.nominal(names[k]) for k in wear]
     if inputs == ALL_BUT_WEAR or not wear:
         return Sample(rows, np.ones((plan.samples, 1)))
@@ -99,7 +99,7 @@ def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:
     drawn_points = np.repeat(points, draws, axis=0)
     drawn_points[:, wear] = blocks.reshape(len(drawn_points), -1)
     drawn_points[:, ~is_varied] = 0.5
-    wear_values = values_at(scene, names, drawn_points)[:, wear]
+    wear_values = sampled_values(scene, names, drawn_points)[:, wear]
     factors = wear_factor(scene, [names[k] for k in wear], wear_values)
     return Sample(rows, factors.reshape(plan.samples, draws))
 

@@ -14,7 +14,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import display
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.solvers.thermal import LOW_MARGIN
 from bearingwear.studies.warmup.result import ENDINGS, PEAKS
@@ -130,10 +130,13 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
     """Returns a figure of temperatures, preload and contact pressure over time.
 
     The axis of time is logarithmic once the machine is at speed.
+
+    warmup: dataset of `warm_up_dataset`.
     """
     figure, panels = new_figure(1, 3, 10.0, 3.2)
     temperature, preload, pressure = panels[0]
-    time, bearings = warmup["time"].values, warmup.sizes["side"]
+    time = warmup["time"].values
+    bearings = warmup.sizes["side"]
     at_speed = max(_course_times(warmup.attrs["course"])[-1], _LINEAR)
     for k, style in enumerate(_LINE_STYLES[:bearings]):
         bearing = warmup.isel(side=k)
@@ -159,8 +162,12 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
 
 
 def _figure_title(warmup: xr.Dataset) -> str:
-    """Returns a title that says how a warm-up ended, and its largest preload."""
-    name, ending = scene_of(warmup)["name"], ENDINGS[int(warmup["ending"])]
+    """Returns a title that says how a warm-up ended, and its largest preload.
+
+    warmup: dataset of `warm_up_dataset`.
+    """
+    name = plain_scene(warmup)["name"]
+    ending = ENDINGS[int(warmup["ending"])]
     end = plain(float(warmup["end_time"]))
     peak = plain(float(warmup["peak_residual_preload"]))
     peak_time = plain(float(warmup["peak_residual_preload_time"]))

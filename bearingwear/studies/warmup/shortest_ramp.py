@@ -94,7 +94,10 @@ def _fine_ramp(scene: Scene, limits: Mapping[str, float], k: int) -> float | Non
 
 
 def _bisected_ramp(scene: Scene, limits: Mapping[str, float], k: int) -> float:
-    """Returns the shortest ramp [s] above `RAMPS[k - 1]` that keeps all limits, rounded up."""
+    """Returns the shortest ramp [s] above `RAMPS[k - 1]` that keeps all limits, rounded up.
+
+    limits: values in the units of `LIMITS`, by its names; `RAMPS[k]` keeps them.
+    """
     low, high = RAMPS[k - 1], RAMPS[k]
     while high > (1.0 + RAMP_TOLERANCE) * low:
         middle = math.sqrt(low * high)

@@ -13,7 +13,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, spread_of
 from bearingwear.results.units import Rough, digits
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.best import SIMILAR
@@ -136,7 +136,7 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     answer, preload = preload_document(dataset, design), float(dataset["preload"][1])
     sentences = sentences_of(answer)
     scene = scene_from_dict(json.loads(dataset.attrs["scene"]))
-    offset = 2e6 * float(solve(held_by(scene, "fixed_position", preload)).values[PLACE])
+    offset = 2e6 * float(solve(with_method(scene, "fixed_position", preload)).values[PLACE])
     assert f"offset of {offset:.3g} µm" in sentences["lead"]
     assert "residual preload" in sentences["verdict"]  # which ends it
     assert 40.0 in numbers_in(sentences["verdict"])
@@ -189,7 +189,7 @@ def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(f
     assert low <= float(best["preload"]) <= high and low < high
     scene, limits = scene_from_dict(json.loads(dataset.attrs["scene"])), limits_of(dataset)
     for preload in (low, high):
-        point = design_point(held_by(scene, name, preload), limits)
+        point = design_point(with_method(scene, name, preload), limits)
         assert min(map(float, limit_margins(point, limits))) >= 0.0
         assert point["life"] / 3600.0 >= SIMILAR * life
     text = f"{float(best['preload']):.7g} N"
@@ -205,8 +205,8 @@ def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(f
     dataset["least_preload"][1], dataset["most_preload"][1] = preload, 1.5 * preload
     sentence = sentences_of(preload_document(dataset))["lead"]
     offset, plus, minus = re.search(r"(\S+) µm.*\+(\S+)/−(\S+) µm", sentence).groups()
-    most = 2e6 * float(solve(held_by(scene, "fixed_position", 1.5 * preload)).values[PLACE])
-    middle = 2e6 * float(solve(held_by(scene, "fixed_position", preload)).values[PLACE])
+    most = 2e6 * float(solve(with_method(scene, "fixed_position", 1.5 * preload)).values[PLACE])
+    middle = 2e6 * float(solve(with_method(scene, "fixed_position", preload)).values[PLACE])
     assert float(offset) == pytest.approx(middle, rel=5e-3)
     assert minus == "0" and 0.9 * (most - middle) < float(plus) <= most - middle
 

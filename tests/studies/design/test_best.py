@@ -10,7 +10,7 @@ from support import numbers_in
 import bearingwear
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS, LIMITED
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.best import (
     EXACT_LIFE,
@@ -22,7 +22,7 @@ from bearingwear.studies.design.best import (
 )
 from bearingwear.studies.design.changes import _limit_change
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
-from bearingwear.studies.design.infeasible import why_none
+from bearingwear.studies.design.infeasible import infeasibility_text
 from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits, round_number
 from bearingwear.studies.design.recommend import recommendation
@@ -170,16 +170,16 @@ def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
 def test_no_preload_within_the_limits_is_explained(scene):
     made_up = MadeUp(scene, falling, lambda p: 1e6 * p**0.3)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
+    why = infeasibility_text(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert why.startswith("axial stiffness of one bearing")
     assert numbers_in(why)[:3] == [20, 15.4, 9060]  # N/um required, and at best at 9060 N
     made_up = MadeUp(scene, lambda p: 0.0)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
+    why = infeasibility_text(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert "criterion" in why and "new" in why
     made_up = MadeUp(scene, lambda p: math.nan)
     assert made_up.best_point() is None
-    why = why_none(made_up.line.points(STIFF), STIFF, has_cases=False)
+    why = infeasibility_text(made_up.line.points(STIFF), STIFF, has_cases=False)
     assert why == "no life could be computed"
 
 
@@ -191,7 +191,7 @@ def test_requirements_that_cannot_be_met_together_are_named():
         values = dict.fromkeys(stiffness, 1e6 * k) | {"friction_power": 0.1 * k, "status": OK}
         return PreloadPoint(float(k), values | {"life": 10.0 - k, "end_criterion": 0}, EXACT_LIFE)
 
-    why = why_none([point(k) for k in (1, 2, 3, 4)], limits, has_cases=False)
+    why = infeasibility_text([point(k) for k in (1, 2, 3, 4)], limits, has_cases=False)
     assert "individually" in why and "axial stiffness of one bearing" in why
     assert numbers_in(why) == [3.5, 3, 3]  # N/um required, but 3 at 3 N
 
@@ -206,7 +206,7 @@ def test_a_criterion_that_rules_out_what_the_requirements_allow_is_named():
         values |= {"status": OK, "life": 0.0 if k < 5 else 1.0, "end_criterion": slip}
         return PreloadPoint(float(k), values, EXACT_LIFE)
 
-    why = why_none([point(k) for k in (2, 3, 4, 5, 6)], limits, has_cases=False)
+    why = infeasibility_text([point(k) for k in (2, 3, 4, 5, 6)], limits, has_cases=False)
     assert "wear.end_of_life.gyroscopic_slip_share" in why and "met when" in why
     assert numbers_in(why) == [2, 2.001, 5, 2, 4]  # GPa, but more at 5 N; from 2 to 4 N
     assert "never below 2.001" in why
@@ -224,7 +224,7 @@ def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
         return PreloadPoint(float(k), values, solved)
 
     order = [point(3, 0.9, NEW_BEARING), point(4, 0.3, EXACT_LIFE), point(5, 0.2, EXACT_LIFE)]
-    why = why_none(order, limits, has_cases=False)
+    why = infeasibility_text(order, limits, has_cases=False)
     assert "individually" in why and "stiffness" not in why
     assert numbers_in(why)[-2:] == [30, 4]  # % of the preload kept, at 4 N
 
@@ -262,7 +262,7 @@ def test_the_recommendation_is_at_the_end_of_a_steep_rise():
     point = recommendation(scene, limits).isel(preload_method=0)
     lives = {}
     for beside in np.geomspace(106.0, 114.0, 9).tolist():
-        at = design_point(held_by(scene, PRELOAD_METHODS[0], beside), limits)
+        at = design_point(with_method(scene, PRELOAD_METHODS[0], beside), limits)
         assert at["impractical"] == 0 and min(limit_margins(at, limits)) > 0.0
         lives[beside] = at["life"] / 3600.0
     assert float(point["life"]) > 0.99 * max(lives.values())
@@ -276,7 +276,7 @@ def test_a_narrow_range_within_the_requirements_is_found_where_slip_ends_lives_a
     )
     limits = DesignLimits(axial_stiffness_N_um=2.0, maximum_pressure_GPa=1.67)
     point = recommendation(scene, limits).isel(preload_method=0)
-    at = design_point(held_by(scene, PRELOAD_METHODS[0], 48.75), limits)
+    at = design_point(with_method(scene, PRELOAD_METHODS[0], 48.75), limits)
     assert min(limit_margins(at, limits)) > 0.0
     assert float(point["life"]) > 0.99 * at["life"] / 3600.0 > 0.7
 
@@ -307,9 +307,9 @@ def test_a_film_is_recommended_for_as_life_computes_it(counts):
     )
     limits = DesignLimits(system_axial_stiffness_N_um=5.0)
     point = recommendation(scene, limits).isel(preload_method=0)
-    taken = held_by(scene, PRELOAD_METHODS[0], float(point["preload"]))
+    taken = with_method(scene, PRELOAD_METHODS[0], float(point["preload"]))
     values = life(taken).values
     assert float(point["life"]) == pytest.approx(float(values["life"]) / 3600.0, rel=1e-9)
     assert np.isfinite(np.asarray(values["race_film_worn_through"])).any()
-    less_preloaded = held_by(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"]))
+    less_preloaded = with_method(scene, PRELOAD_METHODS[0], 0.98 * float(point["preload"]))
     assert min(limit_margins(design_point(less_preloaded, limits), limits)) < 0.0

@@ -8,7 +8,7 @@ import pytest
 import bearingwear
 from bearingwear.document.text import as_text
 from bearingwear.measures import LIMITED
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.document.sheets import preload_document
@@ -71,7 +71,8 @@ def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, re
         method, best = PRELOAD_METHODS[int(code)], 0.0
         for preload in np.geomspace(20.0, 120.0, 4).tolist():
             points = [
-                design_point(o, LIMITS) for o in held_by(scene, method, preload).in_cases.values()
+                design_point(o, LIMITS)
+                for o in with_method(scene, method, preload).in_cases.values()
             ]
             kept = all(min(map(float, limit_margins(item, LIMITS))) >= 0.0 for item in points)
             if kept and not any(point["impractical"] for point in points):
@@ -82,7 +83,7 @@ def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, re
             continue
         points = {
             name: design_point(case, LIMITS)
-            for name, case in held_by(scene, method, recommended_preload).in_cases.items()
+            for name, case in with_method(scene, method, recommended_preload).in_cases.items()
         }
         for name, point in points.items():
             assert min(map(float, limit_margins(point, LIMITS))) >= 0.0, (method, name)

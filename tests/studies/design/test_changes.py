@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.measures import LIMITED
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.changes import LIMIT_KEY, WARMTH_KEY, choice_changes, quick_life
 from bearingwear.studies.design.plan import DesignLimits
@@ -62,7 +62,7 @@ def test_the_warmth_at_which_lives_are_equal(scene, chosen):
     below, now, above = change_in(choice, WARMTH_KEY)
     assert math.isnan(below) and now == 0.0
     both = [
-        held_by(scene("gyro_s1"), method, float(choice["preload"][k]))
+        with_method(scene("gyro_s1"), method, float(choice["preload"][k]))
         for k, method in enumerate(PRELOAD_METHODS)
     ]
     longest = []

@@ -12,10 +12,10 @@ import bearingwear
 from bearingwear.kernels.status import OK
 from bearingwear.lives.many import HertzianLives, worn_life_with_stiffness
 from bearingwear.measures import LIMITED
-from bearingwear.scene.arrangement import bearings_holding, held_by
+from bearingwear.scene.arrangement import bearings_holding, with_method
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.condition_extremes import (
@@ -57,7 +57,7 @@ def spindle():
 
 
 def stiffness_by_solve(scene, method, preload, speed):
-    held = held_by(scene, method, preload).with_({"operation.shaft_speed_rpm": speed})
+    held = with_method(scene, method, preload).with_({"operation.shaft_speed_rpm": speed})
     result = solve(held)
     assert result.status == "ok"
     return 1e-6 * bearings_holding(method) * float(result.values["axial_stiffness"])
@@ -84,10 +84,10 @@ PEAKED = {
 @pytest.mark.parametrize("given, preload", PEAKED.values(), ids=PEAKED)
 def test_slip_that_peaks_between_rest_and_speed_is_found_worn(given, preload):
     """At 0.46 of the speed, just before control goes over to the other race."""
-    held = held_by(bearingwear.new(**given, speed=18000.0), "fixed_position", preload)
+    held = with_method(bearingwear.new(**given, speed=18000.0), "fixed_position", preload)
     point = design_point(held, DesignLimits(gyroscopic_slip_share=0.36))
     worn = worn_states(worn_life_with_stiffness(held, quick=False))
-    states = [worn(at_share(held, share))[0] for share in np.linspace(0.02, 1.0, 50).tolist()]
+    states = [worn(at_speed_share(held, share))[0] for share in np.linspace(0.02, 1.0, 50).tolist()]
     most = max(state["gyroscopic_slip_share"].max() for state in states if state.status == OK)
     assert most > 0.365
     assert point["gyroscopic_slip_share"] == pytest.approx(most, rel=0.02)
@@ -99,11 +99,13 @@ def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
         speed=18000.0, preload=120.0,
     )  # fmt: skip
-    held = held_by(plain, "fixed_position", 250.0)
+    held = with_method(plain, "fixed_position", 250.0)
     point = design_point(held, DesignLimits(gyroscopic_slip_share=0.36))
     worn = worn_states(worn_life_with_stiffness(held, quick=False))
     shares = (0.375, 0.44, 0.45, 0.46, 0.47, 0.48, 0.5, 0.6)
-    most = max(worn(at_share(held, share))[0]["gyroscopic_slip_share"].max() for share in shares)
+    most = max(
+        worn(at_speed_share(held, share))[0]["gyroscopic_slip_share"].max() for share in shares
+    )
     assert most > 0.355
     assert point["gyroscopic_slip_share"] == pytest.approx(most, rel=5e-3)
 
@@ -111,11 +113,11 @@ def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
 def test_a_steep_peak_of_slip_that_begins_below_the_highest_known_speed_is_found():
     """At 0.404 of the speed, between two sixteenths with less slip than a hump at 0.58."""
     plain = bearingwear.new(designation="7006C", speed=20000.0)
-    held = held_by(plain.with_({"cage": None}), "constant_force", 33.1)
+    held = with_method(plain.with_({"cage": None}), "constant_force", 33.1)
     point = design_point(held, DesignLimits(gyroscopic_slip_share=0.3351))
     worn = worn_states(worn_life_with_stiffness(held, quick=False))
     slip = {
-        share: float(worn(at_share(held, share))[0]["gyroscopic_slip_share"].max())
+        share: float(worn(at_speed_share(held, share))[0]["gyroscopic_slip_share"].max())
         for share in (0.375, 0.404, 0.4375, 0.5845)
     }
     assert max(slip[0.375], slip[0.4375]) < slip[0.5845] < 0.9 * slip[0.404]
@@ -123,7 +125,7 @@ def test_a_steep_peak_of_slip_that_begins_below_the_highest_known_speed_is_found
 
 
 def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
-    held = held_by(spindle, "fixed_position", 17.5)
+    held = with_method(spindle, "fixed_position", 17.5)
     alone = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
     assert min(limit_margins(new_point(held, alone), alone)) > 0.1
     assert min(limit_margins(new_point(held, STIFF), STIFF)) < -0.1
@@ -134,11 +136,11 @@ def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
 
 def test_the_deciding_condition_is_the_worst_one(spindle):
     """Against speeds 1 % apart, new; what is said of the place is what a solve finds there."""
-    held = held_by(spindle, "fixed_position", 60.0)
+    held = with_method(spindle, "fixed_position", 60.0)
     point = new_point(held, DesignLimits(system_axial_stiffness_N_um=36.0))
     where = point[DECIDING][STIFFNESS]
     by_speed = [
-        float(new_states(at_share(held, share))[0][STIFFNESS])
+        float(new_states(at_speed_share(held, share))[0][STIFFNESS])
         for share in np.linspace(0.0, 1.0, 101).tolist()
     ]
     assert where["value"] == point[STIFFNESS] <= min(by_speed) * (1.0 + SPEED_FOUND_TO)
@@ -152,11 +154,11 @@ def test_worn_grooves_are_solved_at_other_speeds():
     middle of what they have worn, and pressures are higher than with grooves worn evenly.
     """
     scene = bearing_at("7008C", 18000.0, **{"model.contact": "auto"})
-    held = held_by(scene, "constant_force", 400.0)
+    held = with_method(scene, "constant_force", 400.0)
     life = worn_life_with_stiffness(held, quick=True)
     worn = worn_states(life)
     for share in (0.0, 0.0625, 0.25, 0.5, 1.0):
-        (state,) = worn(at_share(held, share))
+        (state,) = worn(at_speed_share(held, share))
         assert state.status == OK, share
     last = life.last.states[0]
     assert state["maximum_pressure"] == pytest.approx(last["maximum_pressure"], rel=0.02)
@@ -172,9 +174,9 @@ def test_a_worn_pair_that_keeps_its_preload_slow_keeps_it_at_rest():
     keys = {"arrangement.kind": "rigid_pair", "arrangement.external_axial_N": 40.0}
     warm = {"inner_ring_C": 30.0, "balls_C": 28.0, "outer_ring_C": 25.0}
     scene = plain.with_(keys | {"temperature": warm | {"shaft_C": 30.0, "housing_C": 25.0}})
-    held = held_by(scene, "fixed_position", 300.0)
+    held = with_method(scene, "fixed_position", 300.0)
     worn = worn_states(worn_life_with_stiffness(held, quick=False))
-    slow, resting = (worn(as_mounted(at_share(held, share))) for share in (0.0625, 0.0))
+    slow, resting = (worn(as_mounted(at_speed_share(held, share))) for share in (0.0625, 0.0))
     for one, other in zip(slow, resting, strict=True):
         assert one.status == other.status == OK
         assert other["residual_preload"] == pytest.approx(one["residual_preload"], rel=0.02)
@@ -195,12 +197,12 @@ def pair():
 
 def test_a_bearing_that_lifts_off_somewhere_is_refused(pair):
     limits = DesignLimits(system_axial_stiffness_N_um=60.0)
-    point = new_point(held_by(pair, "fixed_position", 15.0), limits)
+    point = new_point(with_method(pair, "fixed_position", 15.0), limits)
     where = point[DECIDING]["preload_kept"]
     assert point["preload_kept"] < LEAST_KEPT
     assert (where["speed_rpm"], where["temperature"]) == (0.0, MOUNTING)
     assert min(limit_margins(point, limits)) < 0.0
-    alone = new_point(held_by(pair, "fixed_position", 15.0), DesignLimits(at_speed_only=True))
+    alone = new_point(with_method(pair, "fixed_position", 15.0), DesignLimits(at_speed_only=True))
     assert alone["preload_kept"] > 1.0
 
 
@@ -211,7 +213,7 @@ def test_a_pair_is_stiff_enough_and_carries_load_cold_and_slow(pair):
     assert preload > 100.0
     for speed in (0.0, 100.0, 3000.0, 9000.0, 18000.0, 24000.0):
         for scene in (pair, as_mounted(pair)) if speed < 3000.0 else (pair,):
-            held = held_by(scene, "fixed_position", preload)
+            held = with_method(scene, "fixed_position", preload)
             solved = solve(held.with_({"operation.shaft_speed_rpm": speed}))
             assert solved.status == "ok"
             assert float(solved.values[STIFFNESS]) >= 60e6 * (1.0 - SPEED_FOUND_TO)
@@ -226,9 +228,9 @@ def test_a_pair_is_stiff_enough_and_carries_load_cold_and_slow(pair):
 
 def test_standstill_is_a_case(spindle):
     scene = spindle.with_({"cases": {"rest": {"operation.shaft_speed_rpm": 0.0}}})
-    held = held_by(scene, "constant_force", 400.0)
+    held = with_method(scene, "constant_force", 400.0)
     point, alone = (
-        design_point(item, STIFF) for item in (held, held_by(spindle, "constant_force", 400.0))
+        design_point(item, STIFF) for item in (held, with_method(spindle, "constant_force", 400.0))
     )
     assert point["life"] == alone["life"]
     assert point["status"] == OK and point[STIFFNESS] == alone[STIFFNESS]
@@ -250,7 +252,7 @@ def test_the_case_that_forbids_every_preload_is_named(spindle):
 def test_requirements_at_the_speed_alone_see_nothing_else(spindle):
     limits = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
     assert limits.effective == limits.given and STIFF.effective["preload_kept"] == LEAST_KEPT
-    point = design_point(held_by(spindle, "fixed_position", 20.0), limits)
+    point = design_point(with_method(spindle, "fixed_position", 20.0), limits)
     assert {item["speed_rpm"] for item in point[DECIDING].values()} == {18000.0}
     assert conditions_of(spindle, at_speed_only=True) == [
         {"case": "nominal", "speed_rpm": 18000.0, "temperature": "running"}
@@ -261,8 +263,8 @@ def test_the_lowest_speed_ends_the_range(spindle):
     scene = spindle.with_({"operation.lowest_speed_rpm": 9000.0})
     speeds = [item["speed_rpm"] for item in conditions_of(scene)]
     assert min(speeds) == 9000.0 and max(speeds) == 18000.0 and len(speeds) >= 5
-    held = held_by(scene, "fixed_position", 20.0)
-    held_at_all_speeds = held_by(spindle, "fixed_position", 20.0)
+    held = with_method(scene, "fixed_position", 20.0)
+    held_at_all_speeds = with_method(spindle, "fixed_position", 20.0)
     limits = DesignLimits(system_axial_stiffness_N_um=30.0)
     assert new_point(held, limits)[STIFFNESS] > new_point(held_at_all_speeds, limits)[STIFFNESS]
     with pytest.raises(SceneError, match="lowest_speed_rpm: got 20000"):
@@ -270,7 +272,7 @@ def test_the_lowest_speed_ends_the_range(spindle):
 
 
 def test_a_condition_that_is_not_solved_is_named(spindle):
-    other_conditions = OtherConditions(spindle, STIFF.effective, exactly=False)
+    other_conditions = OtherConditions(spindle, STIFF.effective, quick=True)
     where = OperatingCondition(spindle).where(wear="new")
     own = state_extremes(spindle, new_states(spindle), where)
     from bearingwear.solvers.state import State
@@ -305,9 +307,9 @@ def test_a_rotor_whose_stiffness_is_not_known_has_no_frequency():
 
 
 def test_lives_with_hertzian_contacts_end_worn_at_other_speeds(spindle):
-    held = held_by(spindle, "fixed_position", 300.0)
+    held = with_method(spindle, "fixed_position", 300.0)
     life = HertzianLives(held)(held)
-    (state,) = worn_states(life)(at_share(held, 0.25))
+    (state,) = worn_states(life)(at_speed_share(held, 0.25))
     loss = 1e6 * life.last.states[0].loss
     other = held.with_({"wear.ball_diameter_loss_um": loss, "operation.shaft_speed_rpm": 4500.0})
     values = solve(other).values
@@ -316,7 +318,7 @@ def test_lives_with_hertzian_contacts_end_worn_at_other_speeds(spindle):
 
 
 def test_a_point_without_a_state_names_the_unsolved_condition(spindle):
-    bad = held_by(spindle, "fixed_position", 0.001)
+    bad = with_method(spindle, "fixed_position", 0.001)
     point = design_point(bad, STIFF)
     assert point["status"] == OK or point[NOT_SOLVED_AT]["status"]
 
@@ -332,7 +334,7 @@ def test_worn_bearings_far_from_the_last_speed_are_not_taken_for_unloaded():
 
 
 def test_the_worst_speed_may_be_just_below_the_full_one():
-    scene = held_by(bearingwear.load("config/scenes/gyro_s1.yaml"), "constant_force", 2.48)
+    scene = with_method(bearingwear.load("config/scenes/gyro_s1.yaml"), "constant_force", 2.48)
     worst = design_point(scene, DesignLimits(gyroscopic_slip_share=0.3))[DECIDING]
     # 0.300 at full speed
     assert worst["gyroscopic_slip_share"]["value"] == pytest.approx(0.3065, rel=5e-3)

@@ -15,7 +15,7 @@ from bearingwear.document.text import as_text
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import load
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.choice import (
@@ -168,7 +168,7 @@ def test_recommended_preload_stands_on_its_limit(folder, scene):
         assert preload == float(f"{preload:.4g}")
         assert 3.0e6 <= float(LIMITED["axial_stiffness_N_um"].worst(point)) < 3.0e6 * 1.01
         unit = 10.0 ** (math.floor(math.log10(preload)) - 2)
-        less_preloaded = life_point(held_by(scene, METHODS[k], preload - unit), None)
+        less_preloaded = life_point(with_method(scene, METHODS[k], preload - unit), None)
         assert LIMITED["axial_stiffness_N_um"].worst(less_preloaded) < 3.0e6
         assert float(point["gyroscopic_slip_share"]) <= 0.25
         assert 0.0 < float(point["life_error_estimate"]) < 0.1

@@ -9,7 +9,7 @@ from bearingwear.lives.ends import Criteria, with_end
 from bearingwear.lives.life import life
 from bearingwear.lives.many import lives_by_end, worn_life
 from bearingwear.measures import LIMITED
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.axis import RisingAxis
 from bearingwear.studies.design.map import (
@@ -53,7 +53,7 @@ def test_recommended_life_is_what_life_finds(scene, map_and_recommendation):
     _, chosen = map_and_recommendation
     for k, method in enumerate(METHODS):
         point = chosen.isel(preload_method=k)
-        values = life(held_by(scene, method, float(point["preload"]))).values
+        values = life(with_method(scene, method, float(point["preload"]))).values
         assert_allclose(point["life"], values["life"] / 3600.0, rtol=1e-15)
         assert int(point["end_criterion"]) == values["end_criterion"]
 
@@ -63,7 +63,7 @@ def test_lives_with_both_grooves(scene, map_and_recommendation):
     assert (chosen["groove"] == WORN_GROOVE).all()
     for k, method in enumerate(METHODS):
         point = chosen.isel(preload_method=k)
-        hertzian = life_point(held_by(scene, method, float(point["preload"])), None)["life"]
+        hertzian = life_point(with_method(scene, method, float(point["preload"])), None)["life"]
         assert_allclose(point["hertzian_life"], hertzian / 3600.0, rtol=1e-12)
         assert abs(float(point["life"] / point["hertzian_life"]) - 1.0) > 0.02
         # the choice is within the limit by the groove as it wears, and on it
@@ -74,7 +74,7 @@ def test_lives_with_both_grooves(scene, map_and_recommendation):
 def test_the_map_is_of_lives_as_life_prints_them(scene, map_and_recommendation):
     design, chosen = map_and_recommendation
     line = design.isel(friction=0, shaft_speed=0)
-    values = life(held_by(scene, METHODS[0], 7.0)).values
+    values = life(with_method(scene, METHODS[0], 7.0)).values
     assert_allclose(line["life"][0, 1], values["life"] / 3600.0, rtol=1e-15)
     # no preload of the map within the limit lasts longer
     for k in range(2):
@@ -84,7 +84,7 @@ def test_the_map_is_of_lives_as_life_prints_them(scene, map_and_recommendation):
 
 
 def test_scenes_that_follow_no_groove_have_the_hertzian_one(scene):
-    paper = held_by(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
+    paper = with_method(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
     assert design_point(paper, at_speed(0.1))["groove"] == HERTZIAN_GROOVE
     assert worn_life(paper) is None
     few = scene.with_({"wear.end_of_life.ball_diameter_loss_um": 0.01})
@@ -97,7 +97,7 @@ def test_scenes_that_follow_no_groove_have_the_hertzian_one(scene):
 def test_quick_lives_are_those_of_life(scene):
     """Fewer cells and longer steps: 3e-3 of the life, and 2 % of the minimum stiffness."""
     for method in METHODS:
-        at = held_by(scene, method, 7.0)
+        at = with_method(scene, method, 7.0)
         quick, whole = (design_point(at, at_speed(0.12), q) for q in (True, False))
         assert_allclose(quick["life"], whole["life"], rtol=3e-3)
         assert quick["end_criterion"] == whole["end_criterion"]
@@ -106,7 +106,7 @@ def test_quick_lives_are_those_of_life(scene):
 
 def test_one_march_has_the_lives_of_all_ends(scene):
     """Against lives that are followed to each end anew."""
-    at = held_by(scene, "fixed_position", 7.0)
+    at = with_method(scene, "fixed_position", 7.0)
     end = at.wear.end_of_life
     loose = {"ball_diameter_loss_um": 1.4, "preload_fraction": 0.2}
     farthest = at.with_({f"wear.end_of_life.{k}": v for k, v in loose.items()}).wear.end_of_life

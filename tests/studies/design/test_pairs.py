@@ -9,7 +9,7 @@ from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives
 from bearingwear.results.netcdf import open_result
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
 from bearingwear.solvers.solve import solve
@@ -28,7 +28,7 @@ UNLIKE = PUSHED | {"arrangement.tandem": [2, 1]}
 @pytest.mark.parametrize("method", METHODS)
 def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
     """New, the lowest of what a case of the pair has."""
-    held = held_by(scene("gyro_s1", changes), method)
+    held = with_method(scene("gyro_s1", changes), method)
     new = HertzianLives(held)(held).states[0]
     result = (
         new["lowest_frequency"]
@@ -42,7 +42,7 @@ def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
 
 def test_a_point_of_the_map_is_a_life(scene):
     """Of an unlike pair; what limits look at is that of the worse bearing."""
-    rigid = held_by(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
+    rigid = with_method(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
     point, lived = life_point(rigid, None), life(rigid).values
     assert_allclose(point["life"], lived["life"], rtol=1e-5)
     assert_allclose(point["loss_at_end"], lived["loss_at_end"].max(), rtol=1e-5)
@@ -64,7 +64,7 @@ def test_spring_pair_against_rigid_pair(scene, tmp_path):
     names = recommended["active_limit"].attrs["flag_meanings"].split()
     assert {names[int(k)] for k in recommended["active_limit"].values} == {"lowest_frequency_Hz"}
     for k, method in enumerate(METHODS):
-        again = life_point(held_by(pushed, method, float(recommended["preload"][k])), None)
+        again = life_point(with_method(pushed, method, float(recommended["preload"][k])), None)
         assert_allclose(again["life"] / 3600.0, recommended["life"][k], rtol=1e-9)
     recommended.to_netcdf(tmp_path / "recommendation.nc")
     with open_result(tmp_path / "recommendation.nc") as file:

@@ -10,7 +10,7 @@ from support import numbers_in
 import bearingwear
 from bearingwear.document.bearing_line import bearing_line, scenes_by_case, warning_with_cases
 from bearingwear.studies.design.choice import ACTIVE, NO_PRELOAD, UNLIMITED
-from bearingwear.studies.design.document.sentences import none_title
+from bearingwear.studies.design.document.sentences import no_preload_title
 from bearingwear.studies.design.document.words import NONE_BECAUSE
 from bearingwear.studies.design.document.worst_conditions import (
     conditions_words,
@@ -125,6 +125,6 @@ def test_a_method_without_a_preload_is_named_in_its_heading(scene):
     recommended = found_for(scene, active=ACTIVE[NO_PRELOAD])
     recommended = recommended.assign(life=("preload_method", [np.nan]))
     recommended.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "x"})
-    assert "fixed position" not in none_title(recommended)
+    assert "fixed position" not in no_preload_title(recommended)
     recommended["life"][...] = 1.0
-    assert none_title(recommended).endswith("fixed position")
+    assert no_preload_title(recommended).endswith("fixed position")

@@ -12,6 +12,7 @@ from support import ROOT, only_line, scene_file, step
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.figures.dynamic import mean_so_far
+from bearingwear.studies.grid.gather import gathered_study
 from bearingwear.studies.grid.grid import Case, Grid
 from bearingwear.studies.unsolved import unsolved_lines
 

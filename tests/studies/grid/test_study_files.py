@@ -18,6 +18,7 @@ from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.dataset import write_dataset
+from bearingwear.studies.grid.gather import gathered_study
 from bearingwear.studies.grid.grid import Grid
 from bearingwear.studies.grid.interpolated import Line, interpolated_life
 from bearingwear.studies.grid.life import study_life, wear_life

@@ -178,7 +178,7 @@ FEW_OF_EACH = {
 RUNS = {
     "scene_classes": "run.random_scenes",
     "maps": "maps.state_map",
-    "branches": "branches.branch",
+    "branches": "branches.branch_states",
 }
 
 

@@ -23,7 +23,7 @@ from bearingwear.results.quantiles import (
     spread_at,
 )
 from bearingwear.results.variable import HOURS_PER_SECOND
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
@@ -230,7 +230,7 @@ def test_frictions_are_an_axis(tmp_path):
     few = ["--samples", "8", "--quiet", "-o"]
     assert main(["uncertainty", path, *few, str(out), "--friction", "0.02", "0.08"]) == 0
     both = load_quantiles(out)
-    assert [scene_of(item)["friction"]["ball_race"] for item in both] == [0.02, 0.08]
+    assert [plain_scene(item)["friction"]["ball_race"] for item in both] == [0.02, 0.08]
     for one, mu in zip(both, ("0.02", "0.08"), strict=True):
         alone = tmp_path / f"{mu}.nc"
         assert main(["uncertainty", path, *few, str(alone), "--friction", mu]) == 0

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.scene.distributions import value_at
+from bearingwear.scene.distributions import value_quantiles
 from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
 from bearingwear.solvers.bearing import parameters
 from bearingwear.studies.sampling import Sampling, scene_with_values
@@ -63,11 +63,13 @@ def test_lives_about_a_lognormal_of_nothing_cannot_be_perturbed(tmp_path):
 
 def test_quantiles_of_the_values(scene):
     p = np.array([0.1, 0.5, 0.9])
-    assert_allclose(value_at(scene, "preload_N", p), 7.0 + 0.35 * 1.2815516 * np.array([-1, 0, 1]))
-    middle = value_at(scene, "wear_coefficient", p)
+    assert_allclose(
+        value_quantiles(scene, "preload_N", p), 7.0 + 0.35 * 1.2815516 * np.array([-1, 0, 1])
+    )
+    middle = value_quantiles(scene, "wear_coefficient", p)
     assert_allclose(middle[1], 5e-6)
     assert_allclose(middle[2] / middle[1], 3.0**1.2815516)
-    assert_allclose(value_at(scene, "brinell_hardness_GPa", p), [6.44, 6.6, 6.76])
+    assert_allclose(value_quantiles(scene, "brinell_hardness_GPa", p), [6.44, 6.6, 6.76])
 
 
 @pytest.mark.parametrize("rho", [0.6, -0.95])
@@ -88,7 +90,7 @@ def test_wear_and_friction_have_the_given_correlation(scene, rho):
 def test_impossible_values_are_cut_off(scene):
     wide = {"inner_groove_factor": {"distribution": "normal", "standard_deviation": 0.5}}
     scene = scene_from_dict(scene.to_dict() | {"uncertainty": wide})
-    values = value_at(scene, "inner_groove_factor", np.linspace(0.0, 1.0, 11))
+    values = value_quantiles(scene, "inner_groove_factor", np.linspace(0.0, 1.0, 11))
     assert values.min() >= 0.5 and values.max() <= 1.0 and np.all(np.diff(values) > 0.0)
 
 

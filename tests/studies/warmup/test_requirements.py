@@ -11,7 +11,7 @@ from support import SLOW_HOUSING, warm_spindle
 import bearingwear
 from bearingwear.kernels import status as code
 from bearingwear.measures import LIMITED
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.conditions import DECIDING, WARMING, condition_words
@@ -81,7 +81,7 @@ def test_the_margin_limits_the_preload():
     assert REQUIRED <= float(recommended["thermal_margin"]) < 1.0079 * REQUIRED
     life_s = 3600.0 * float(recommended["life"])
     preload = 1.05 * float(recommended["preload"])
-    more_preloaded = design_point(held_by(scene, "fixed_position", preload), limits)
+    more_preloaded = design_point(with_method(scene, "fixed_position", preload), limits)
     assert more_preloaded["life"] > life_s
     assert more_preloaded["thermal_margin"] < REQUIRED
 

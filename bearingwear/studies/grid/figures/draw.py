@@ -38,7 +38,10 @@ def scene_figures(
 def friction_figures(
     study: Path, losses_um: Sequence[float], bearing: str | None = None
 ) -> Iterator[Figure]:
-    """Step: yields a figure of QV and contact load against friction for each state of wear."""
+    """Step: yields a figure of QV and contact load against friction for each state of wear.
+
+    losses_um: losses of ball diameter in the study [um].
+    """
     for loss_um in losses_um:
         yield draw_friction(study, loss_um, bearing)
 
@@ -81,6 +84,7 @@ def draw_life(
 ) -> Figure:
     """Returns the figure of wear and residual preload over the lives in a file.
 
+    friction: coefficients of the lives drawn.
     uncertainty: files of the study of uncertainty.
     """
     dataset = _loaded(lives, bearing, interpolated_step=(), friction=friction)
@@ -90,13 +94,19 @@ def draw_life(
 
 
 def draw_overlay(studies: Sequence[Path], friction: float) -> Figure:
-    """Step: returns the figure of QV, preload and loss rates of several scenes against wear."""
+    """Step: returns the figure of QV, preload and loss rates of several scenes against wear.
+
+    friction: coefficient at which the scenes are compared.
+    """
     datasets = [_loaded(path, None, friction=[friction], ball_diameter_loss=()) for path in studies]
     return with_data_files(wear_overlay_figure(datasets, friction), *studies)
 
 
 def draw_life_overlay(lives: Sequence[Path], friction: float) -> Figure:
-    """Step: returns the figure of the lives of several scenes in the same panels."""
+    """Step: returns the figure of the lives of several scenes in the same panels.
+
+    friction: coefficient at which the scenes are compared.
+    """
     datasets = [_loaded(path, None, interpolated_step=(), friction=[friction]) for path in lives]
     return with_data_files(life_overlay_figure(datasets, friction), *lives)
 

@@ -12,11 +12,11 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import (
     Figure,
+    draw_lines,
     failed_keys,
     frame,
     key,
     label_edges,
-    lines,
     list_failed,
     method_keys,
     new_figure,
@@ -26,7 +26,7 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import Display, display
-from bearingwear.results.words import friction_text, methods, scene_of
+from bearingwear.results.words import friction_text, methods, plain_scene
 from bearingwear.studies.grid.figures.quasistatic import WEAR_RATE
 
 _OF_DYNAMIC_CASES = {
@@ -83,7 +83,7 @@ def dynamic_and_steady_figure(dynamic: xr.Dataset, steady: xr.Dataset) -> Figure
         steady_at_mu = steady.sel(friction=mu, preload_method=dynamic["preload_method"])
         failed |= _draw_both_models(column, dynamic_at_mu, steady_at_mu, power)
         for name, (_, marker) in cage_parts.items():
-            lines(
+            draw_lines(
                 column[2],
                 dynamic_at_mu[name],
                 "ball_diameter_loss",
@@ -101,7 +101,7 @@ def dynamic_and_steady_figure(dynamic: xr.Dataset, steady: xr.Dataset) -> Figure
     grey = {"color": "0.3", **_OF_DYNAMIC_CASES}
     frame(
         figure,
-        f"{scene_of(dynamic)['name']}: {_agreement_sentence(dynamic, steady, bool(cage_parts))}",
+        f"{plain_scene(dynamic)['name']}: {_agreement_sentence(dynamic, steady, bool(cage_parts))}",
         method_keys(name for name, _ in methods(dynamic))
         + [key("steady", color="0.3"), key("dynamic", marker="o", **grey)]
         + [key(f"{part}, dynamic", marker=marker, **grey) for part, marker in cage_parts.values()]
@@ -116,6 +116,7 @@ def _draw_both_models(
 ) -> bool:
     """Draws QV and the wear rate of a ball in two panels; returns whether a case is unsolved.
 
+    column: panels, of which the first two are drawn in.
     dynamic, steady: cases over the loss and the preload method.
     power: unit of QV.
     """
@@ -126,8 +127,8 @@ def _draw_both_models(
     failed = False
     for panel, (name, (label, unit)) in zip(column, quantities.items(), strict=False):
         over_balls = [dim for dim in ("ball",) if dim in dynamic[name].dims]
-        lines(panel, steady[name].mean(over_balls), "ball_diameter_loss", label, unit)
-        failed |= lines(
+        draw_lines(panel, steady[name].mean(over_balls), "ball_diameter_loss", label, unit)
+        failed |= draw_lines(
             panel,
             dynamic[name].mean(over_balls),
             "ball_diameter_loss",
@@ -143,6 +144,7 @@ def _draw_both_models(
 def _agreement_sentence(dynamic: xr.Dataset, steady: xr.Dataset, has_cage: bool) -> str:
     """Returns a sentence on the largest differences over all cases solved with both models.
 
+    steady: cases of the same scene, among which is every dynamic one.
     has_cage: whether the dynamic cases have a cage.
     """
     steady = steady.sel({axis: dynamic[axis] for axis in dynamic["status"].dims})
@@ -164,6 +166,7 @@ def _agreement_sentence(dynamic: xr.Dataset, steady: xr.Dataset, has_cage: bool)
 def running_average_figure(case: xr.Dataset, reference: str | Path | None = None) -> Figure:
     """Returns a figure of the wear rates of ball 1 and the cage, averaged from the start (Fig. 6).
 
+    case: dynamic case.
     reference: a table of `REFERENCE_COLUMNS` with values to draw over the averages.
     """
     is_solved = int(case["status"]) == OK
@@ -197,7 +200,7 @@ def running_average_figure(case: xr.Dataset, reference: str | Path | None = None
     message = f"the last shaft turn changed the mean wear rate of {' and that of '.join(messages)}"
     frame(
         figure,
-        f"{scene_of(case)['name']}: {message if messages else 'no wear rates'}",
+        f"{plain_scene(case)['name']}: {message if messages else 'no wear rates'}",
         keys,
         columns=max(len(keys), 1),
     )
@@ -253,8 +256,11 @@ def _change_phrase(part: str, mean: xr.DataArray, turn: float) -> str:
 
 
 def _turn_duration(case: xr.Dataset) -> float:
-    """Returns the duration [s] of a turn of the shaft, or of the outer race if that is faster."""
-    operation = scene_of(case)["operation"]
+    """Returns the duration [s] of a turn of the shaft, or of the outer race if that is faster.
+
+    case: dynamic case.
+    """
+    operation = plain_scene(case)["operation"]
     speeds_rpm = operation["shaft_speed_rpm"], operation.get("outer_speed_rpm", 0.0)
     return 60.0 / max(map(abs, speeds_rpm))
 

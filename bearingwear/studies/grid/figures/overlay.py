@@ -11,11 +11,11 @@ from bearingwear.document.rows import counted_words
 from bearingwear.plotting.drawing import (
     ABSCISSAE,
     Figure,
+    draw_lines,
     failed_keys,
     frame,
     key,
     label_edges,
-    lines,
     list_failed,
     mark_failed,
     new_figure,
@@ -23,7 +23,7 @@ from bearingwear.plotting.drawing import (
     start_at_zero,
 )
 from bearingwear.results.units import Display, display, key_in_words, printed_unit
-from bearingwear.results.words import friction_text, methods, name_in_words, percent, scene_of
+from bearingwear.results.words import friction_text, methods, name_in_words, percent, plain_scene
 from bearingwear.scene.checking.errors import leaves
 
 _LOSS_RATE = display("m s-1", shown="um/1000 h")
@@ -37,12 +37,14 @@ def wear_overlay_figure(studies: Sequence[xr.Dataset], friction: float) -> Figur
 
     It has a column for each preload method.
 
+    friction: coefficient of the cases or lives drawn.
     studies: cases of each scene.
     """
     figure, panels = new_figure(3, 2, 7.2, 7.2, sharex=True, sharey="row")
     looks = [_nested_look(k, len(studies)) for k in range(len(studies))]
     power = display("W", *(study["total_qv"].sel(friction=friction) for study in studies))
-    wear_words = " or ".join(dict.fromkeys(counted_words(scene_of(study)) for study in studies))
+    scenes = [plain_scene(study) for study in studies]
+    wear_words = " or ".join(dict.fromkeys(map(counted_words, scenes)))
     rows = {
         "total_qv": ("QV of the bearing", power),
         "residual_preload": ("residual preload", display("N")),
@@ -55,18 +57,16 @@ def wear_overlay_figure(studies: Sequence[xr.Dataset], friction: float) -> Figur
         for column, (name, state) in zip(panels.T, methods_of_study, strict=False):
             for panel, (quantity, (label, unit)) in zip(column, rows.items(), strict=True):
                 if quantity in state:  # no rate if nothing at all was solved
-                    lines(panel, state[quantity], "ball_diameter_loss", label, unit, **look)
+                    draw_lines(panel, state[quantity], "ball_diameter_loss", label, unit, **look)
                 failed |= mark_failed(panel, loss, state["status"], look["color"], number)
             column[0].set_title(name_in_words(name))
     label_edges(panels)
     for panel in panels.flat:
         start_at_zero(panel)
-    labels = scene_labels([scene_of(study) for study in studies])
+    labels = scene_labels([plain_scene(study) for study in studies])
     keys = [key(label, **look) for label, look in zip(labels, looks, strict=True)]
-    title = (
-        f"{', '.join(scene_of(study)['name'] for study in studies)} at {friction_text(friction)}: "
-        f"{_last_qv_phrase(studies, friction)}"
-    )
+    names = ", ".join(plain_scene(study)["name"] for study in studies)
+    title = f"{names} at {friction_text(friction)}: {_last_qv_phrase(studies, friction)}"
     frame(figure, title, [*keys, *failed_keys(failed)], columns=1)
     return figure
 
@@ -75,6 +75,8 @@ def _last_qv_phrase(studies: Sequence[xr.Dataset], friction: float) -> str:
     """Returns a phrase on QV with the last preload method at the last loss, relative to new.
 
     The range is that over the scenes of the studies.
+
+    friction: coefficient of the cases or lives drawn.
     """
     ratios = []
     for study in studies:
@@ -107,6 +109,7 @@ def life_overlay_figure(lives: Sequence[xr.Dataset], friction: float) -> Figure:
 
     It has a column for each preload method.
 
+    friction: coefficient of the cases or lives drawn.
     lives: wear lives of each scene.
     """
     figure, panels = new_figure(2, 2, 7.2, 5.6, sharex="row", sharey=True)
@@ -117,7 +120,7 @@ def life_overlay_figure(lives: Sequence[xr.Dataset], friction: float) -> Figure:
     ratio_texts = []
     unsolved = []
     for scene_lives, look in zip(lives, looks, strict=True):
-        scene_name = scene_of(scene_lives)["name"]
+        scene_name = plain_scene(scene_lives)["name"]
         methods_of_scene = methods(scene_lives.sel(friction=friction))
         ratios = []
         for column, (name, life) in zip(panels.T, methods_of_scene, strict=False):
@@ -135,7 +138,7 @@ def life_overlay_figure(lives: Sequence[xr.Dataset], friction: float) -> Figure:
             start_at_zero(panel)
     list_failed(panels[0, 0], unsolved)
     words = " and ".join(name_in_words(name) for name, _ in methods(lives[0]))
-    labels = scene_labels([scene_of(scene_lives) for scene_lives in lives])
+    labels = scene_labels([plain_scene(scene_lives) for scene_lives in lives])
     frame(
         figure,
         f"QV at end of life relative to new, {friction_text(friction)}, {words}: "
@@ -153,6 +156,7 @@ def _draw_life(
 
     Without a solved state, it draws nothing and returns NaN.
 
+    column: two panels.
     power: unit of QV.
     look: of the lines.
     """

@@ -12,7 +12,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import digits, display, span
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.grid.figures import quasistatic
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Grid
@@ -28,7 +28,10 @@ def case_plot(case: xr.Dataset) -> Figure:
 
 
 def _history_figure(case: xr.Dataset) -> Figure:
-    """Returns a figure of loads and slip of every ball, QV and preload over the simulated time."""
+    """Returns a figure of loads and slip of every ball, QV and preload over the simulated time.
+
+    case: dynamic case.
+    """
     load = case["history_contact_load"]
     slip = case["history_slip"]
     total_qv = case["history_contact_qv"].astype(float).sum(["ball", "race"], skipna=False)
@@ -50,7 +53,7 @@ def _history_figure(case: xr.Dataset) -> Figure:
         panel.set_ylabel(label)
     for panel in panels[-1]:
         panel.set_xlabel(time_unit.label("time"))
-    name = scene_of(case)["name"]
+    name = plain_scene(case)["name"]
     turns = digits(float(case["simulated_turns"]))
     frame(
         figure,
@@ -88,7 +91,7 @@ def life_plot(life: xr.Dataset) -> Figure:
         return history_figure(life)
     if "groove_depth" in life:
         return groove_figure(life)
-    scene = scene_of(life)
+    scene = plain_scene(life)
     method = scene["operation"]["preload_method"]
     friction = scene["friction"].get("ball_race")
     if friction is None:  # a film, whose friction depends on the pressure: its mean when new

@@ -20,11 +20,11 @@ from bearingwear.plotting.drawing import (
     Figure,
     dash_keys,
     dashes,
+    draw_lines,
     failed_keys,
     frame,
     key,
     label_edges,
-    lines,
     list_failed,
     method_keys,
     new_figure,
@@ -34,7 +34,7 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread_of
 from bearingwear.results.units import Display, Interval, Rough, display
-from bearingwear.results.words import friction_text, methods, percent, scene_of
+from bearingwear.results.words import friction_text, methods, percent, plain_scene
 
 WEAR_RATE = display("m3 s-1")
 
@@ -58,17 +58,19 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
     status = cases["status"]
     states = methods(cases)
     power = power_unit(cases)
-    lines(qv_panel, mean["qv"].sum("race", skipna=False), "friction", unit=power, **BALL_STYLE)
-    failed = lines(qv_panel, mean["qv"], "friction", "QV", power, status)
-    lines(load_panel, mean["contact_load"], "friction", "normal contact load", display("N"), status)
+    draw_lines(qv_panel, mean["qv"].sum("race", skipna=False), "friction", unit=power, **BALL_STYLE)
+    failed = draw_lines(qv_panel, mean["qv"], "friction", "QV", power, status)
+    draw_lines(
+        load_panel, mean["contact_load"], "friction", "normal contact load", display("N"), status
+    )
     start_at_zero(qv_panel)
     for panel in (qv_panel, load_panel):
         panel.set_xticks(study["friction"])
     frame(
         figure,
-        f"{scene_of(study)['name']}, {worn_in_words(loss_um)}: "
+        f"{plain_scene(study)['name']}, {worn_in_words(loss_um)}: "
         f"{_friction_message(study['friction'], states)}",
-        method_keys((name for name, _ in states), scene_of(study))
+        method_keys((name for name, _ in states), plain_scene(study))
         + race_keys()
         + failed_keys(failed),
         columns=5,
@@ -88,7 +90,7 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
     first, last = np.flatnonzero(solved)[[0, -1]]
     ratios = " and ".join(
         f"{percent(float(state['total_qv'][last] / state['total_qv'][first]))} "
-        f"({method_words(scene_of(state), name)})"
+        f"({method_words(plain_scene(state), name)})"
         for name, state in states
     )
     first_mu = friction_text(float(mu[first]))
@@ -107,7 +109,7 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
     cases: single cases with slip of each strip.
     """
     figure, panels = new_figure(2, 2, 7.2, 5.2, sharex=True, sharey="row")
-    scenes = [scene_of(case) for case in cases]
+    scenes = [plain_scene(case) for case in cases]
     styles = dashes(sorted({scene["friction"]["ball_race"] for scene in scenes}))
     largest_shares: dict[float, float] = {}
     unsolved = []
@@ -145,7 +147,10 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
 
 
 def _draw_slip(panels: np.ndarray, case: xr.Dataset, **look: str) -> None:
-    """Draws the slip of ball 1: a row of panels for each direction, a column for each race."""
+    """Draws the slip of ball 1: a row of panels for each direction, a column for each race.
+
+    case: single case with slip of each strip.
+    """
     for row, variable in zip(panels, ("rolling_slip", "gyroscopic_slip"), strict=True):
         for k, panel in enumerate(row):
             slip = case[variable].isel(ball=0, race=k)
@@ -172,7 +177,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
         ratio_text = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
         title = friction_text(mu)
         if columns > 1:
-            bearing_text = _bearing_text(scene_of(cases))
+            bearing_text = _bearing_text(plain_scene(cases))
             ratio_text += f" ({bearing_text}, {title})"
             title = f"{bearing_text}: {title}"
         column[0].set_title(title)
@@ -181,14 +186,14 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     for panel in panels[[0, 1, 3]].flat:
         start_at_zero(panel)
     names = [name for name, _ in methods(cases_of_columns[-1])]
-    scene = scene_of(cases_of_columns[-1])
+    scene = plain_scene(cases_of_columns[-1])
     loss = float(studies[0]["ball_diameter_loss"][-1])
     frame(
         figure,
         (f"{_bearing_text(scene)}: " if columns == 1 else "")
         + f"QV {'in a' if is_pair(scene) else 'with'} {method_words(scene, names[-1])} after "
         f"{loss:g} µm of wear, relative to new: {', '.join(ratio_texts)}",
-        method_keys(names, scene_of(studies[0]))
+        method_keys(names, plain_scene(studies[0]))
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],
         columns=2 if columns == 1 else 3,
@@ -233,7 +238,7 @@ def _draw_wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> 
     failed = False
     for line in lines_shown:
         status = None if line.look == BALL_STYLE else cases["status"]
-        failed |= lines(
+        failed |= draw_lines(
             column[line.panel],
             line.values,
             "ball_diameter_loss",
@@ -267,7 +272,7 @@ def life_figure(
     """
     figure, panels = new_figure(2, 1, 5.4, 5.4, sharex="col", sharey="row")
     column = panels[:, 0]
-    scene = scene_of(lives)
+    scene = plain_scene(lives)
     styles = dashes(frictions)
     flag_names = lives["end_criterion"].attrs["flag_meanings"].split()
     criteria_met: list[str] = []
@@ -307,7 +312,10 @@ def life_figure(
 
 
 def _is_interpolated(lives: xr.Dataset, frictions: Sequence[float]) -> bool:
-    """Whether any of the lives was interpolated between the cases of a study."""
+    """Whether any of the lives was interpolated between the cases of a study.
+
+    frictions: coefficients of the lives drawn.
+    """
     times = lives.get("interpolated_history_time")
     return times is not None and bool(times.sel(friction=frictions).notnull().any())
 
@@ -322,6 +330,7 @@ def _draw_life_column(
 ) -> None:
     """Draws a life in two panels, and the interpolated life as dots of the same colour.
 
+    column: two panels.
     look: of the lines.
     end_marker: of the end of life.
     """
@@ -349,8 +358,10 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     """Returns a phrase on the range of the lives [h] that have an end.
 
     A single one is named by its preload method and friction.
+
+    frictions: coefficients of the lives drawn.
     """
-    scene = scene_of(lives)
+    scene = plain_scene(lives)
     hours_by_condition: dict[str, float] = {}
     for name, method_lives in methods(lives):
         for mu in frictions:
@@ -373,9 +384,10 @@ def _spread_sentence(
 ) -> str:
     """Returns a sentence on the interval of the lives of bearings, or on why there is none.
 
+    frictions: coefficients of the lives drawn.
     uncertainties: datasets of the study of uncertainty.
     """
-    scene = scene_of(lives)
+    scene = plain_scene(lives)
     spreads = [
         spread_of(uncertainties, scene, name, mu) for name, _ in methods(lives) for mu in frictions
     ]
