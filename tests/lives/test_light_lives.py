@@ -104,6 +104,23 @@ def test_a_life_ends_where_slip_sets_in_at_once():
         assert max(state["gyroscopic_slip_share"].max() for state in beyond.states) < 0.5
 
 
+def test_a_search_past_a_fold_in_vain_changes_nothing(monkeypatch):
+    """The race jumps 3 approaches on, to the only state; a life without the search is the same."""
+    draw = LIGHT_LIVES.drawn(np.random.default_rng((7731, 46)))
+    scene = LIGHT_LIVES.drawn_scene(draw)
+    search, results = WornBearing._state_past_fold, []
+
+    def recorded(*args):
+        results.append(search(*args))
+        return results[-1]
+
+    monkeypatch.setattr(WornBearing, "_state_past_fold", recorded)
+    life = follow_grooves(Grooves(scene))
+    assert results == [None]
+    monkeypatch.setattr(WornBearing, "_state_past_fold", lambda *_: None)
+    assert (follow_grooves(Grooves(scene)).times == life.times).all()
+
+
 def test_depths_are_kept_as_far_as_a_light_contact_grows():
     """A groove worn to 17 times the gap at the edge of the new contact is six times as long.
 

@@ -342,16 +342,10 @@ class WornBearing:
             returned, whether or not the force falls before it [m].
         D: worn ball diameter [m].
         """
-        held = copy.copy(self)  # with buffers of its own
+        held = copy.copy(self)
         held.seat, held.u = start.seat, start.u
         held._take_cells(start)
-        held.races = tuple(
-            race._replace(
-                pressure=race.cells.fresh.copy(),
-                work=contact_buffers(*race.pressure.shape[::-1]),
-            )
-            for race in held.races
-        )
+        held.races = tuple(held._unworn_race(k) for k in range(2))
         held.state, held._work = state_work(), None
         left, step, has_fallen = 0.0, 0.0, False
         for _ in range(_MOST_FOLD_STEPS):
