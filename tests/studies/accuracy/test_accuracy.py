@@ -102,6 +102,7 @@ def invented_sweep(plan, scene, name, failed=()):
 
 @pytest.fixture(scope="module")
 def files(plan, tmp_path_factory):
+    """A file for each sweep of the plan; one point of gyro_fresh has failed."""
     folder = tmp_path_factory.mktemp("points")
     paths = []
     for scene, name in sweep_jobs(plan):
@@ -113,6 +114,7 @@ def files(plan, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def trade(files, tmp_path_factory):
+    """The file of all sweeps, gathered."""
     path = tmp_path_factory.mktemp("trade") / "accuracy.nc"
     assert step("gather.gathered_sweeps", path, paths=files) == 0
     return path
