@@ -134,3 +134,10 @@ def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, mon
     for part, name in (([], "mine-sweep.nc"), (["--part", "2/2"], "mine-sweep-2of2.nc")):
         assert main([*options, *part]) == 0
         assert f"{name}: written\n" in capsys.readouterr().err and (tmp_path / name).exists()
+
+
+def test_the_file_of_an_export_is_named_after_the_scene(tmp_path, monkeypatch, capsys):
+    (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "mine.yaml", "--speeds", "20000,30000"]) == 0
+    assert capsys.readouterr().out.startswith("mine-stiffness.csv: written")
