@@ -75,8 +75,8 @@ def with_lognormal(**factors):
 def test_intervals_of_sobol_samples_cover_the_quantiles(inputs):
     """Closed form: a life mu^-3 F^2 H/K_s, of lognormal mu, F and K_s, is lognormal.
 
-    More often than 95 %, because Sobol points are spread more evenly than random ones; medians of
-    the errors are below 3 %.
+    More often than 95 %, because Sobol points are spread more evenly than random ones; mean
+    errors are below 3 %.
     """
     scene = with_lognormal(ball_race=1.2, preload_N=1.1, wear_coefficient=3.0)
     deviation = np.hypot(3.0 * np.log(1.2), 2.0 * np.log(1.1))
