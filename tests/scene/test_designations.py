@@ -69,7 +69,7 @@ def test_every_suffix_of_an_angle_is_tested():
 
 @pytest.mark.parametrize(("suffix", "angle"), SUFFIXES.items())
 def test_a_suffix_gives_the_contact_angle(suffix, angle):
-    """E and A have another angle in some catalogues, so the rule is told."""
+    """E and A are not every maker's, so why the angle is assumed is told."""
     designation = designation_of(f"7210{suffix}")
     assert designation.angle == angle and bool(designation.angle_rule) == (suffix in ("E", "A"))
 
