@@ -210,9 +210,10 @@ class PreloadSearch:
     def _exact_preloads(self, line: PreloadLine) -> list[float]:
         """Returns preloads beside the best one, whose exact lives are solved.
 
-        Without any, those that show where it may be set, of the line with the longest life.
+        Without any, those at other edges where a life may be longer, and then those that show where
+        the best one may be set, of the line with the longest life.
         """
-        preloads = self._preloads_beside_best(line)
+        preloads = self._preloads_beside_best(line) or self._preloads_at_worn_edges(line)
         if preloads:
             return preloads
         bests = [other.best(self.limits) for other in self.lines]
@@ -276,7 +277,7 @@ class PreloadSearch:
         return preloads
 
     def _preloads_at_worn_edges(self, line: PreloadLine) -> list[float]:
-        """Returns preloads where worn bearings come to meet the requirements, for quick lives.
+        """Returns preloads where worn bearings come to meet the requirements, not beside the best.
 
         They lie between a life that is longer than the best but breaks requirements, and one that
         meets them: a narrow range between may be allowed, if another criterion soon ends the life.
