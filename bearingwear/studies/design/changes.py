@@ -5,6 +5,7 @@ Theory: docs/theory.md, section 14.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Callable, Sequence
@@ -21,6 +22,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.cases import cases_that_wear
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import Key
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
@@ -258,11 +260,22 @@ def _assumptions(scene: Scene, now: float) -> list[_Assumption]:
     if mu > 0.0:
         values = [mu * factor for factor in _FRICTION_FACTORS if mu * factor <= _highest(key)]
         assumptions.append(_Assumption(key, with_friction, mu, {mu: now}, values))
-    if scene.thermal is None:
-        assumptions.append(
-            _Assumption(WARMTH_KEY, with_warm_inner_ring, 0.0, {0.0: now}, _WARMINGS)
-        )
+    if scene.thermal is None and (values := _allowed_warmings(scene)):
+        assumptions.append(_Assumption(WARMTH_KEY, with_warm_inner_ring, 0.0, {0.0: now}, values))
     return assumptions
+
+
+def _allowed_warmings(scene: Scene) -> list[float]:
+    """Returns the warmings of the inner ring that a scene allows [K].
+
+    There are none if its materials differ and lack a thermal expansion.
+    """
+    allowed = []
+    for kelvin in _WARMINGS:
+        with contextlib.suppress(SceneError):
+            with_warm_inner_ring(kelvin, scene)
+            allowed.append(kelvin)
+    return allowed
 
 
 @dataclass(frozen=True)

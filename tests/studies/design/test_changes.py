@@ -70,3 +70,16 @@ def test_the_warmth_at_which_lives_are_equal(scene, chosen):
         moved = [item.with_({"temperature.inner_ring_C": 20.0 + kelvin}) for item in both]
         longest.append(int(np.argmax([quick_life(one)["life"] for one in moved])))
     assert longest == [1, 0]
+
+
+def test_no_warmth_is_tried_where_a_thermal_expansion_is_missing(scene):
+    """As for balls and races of different materials; the rest is tried without it."""
+    steel = vars(scene("gyro_s1").materials["bearing_steel"])
+    ceramic = {key: value for key, value in steel.items() if value is not None}
+    ceramic.pop("thermal_expansion_1_K", None)
+    hybrid = scene("gyro_s1").with_(
+        {"materials.ceramic": ceramic, "bearing.ball_material": "ceramic"}
+    )
+    limits = DesignLimits(**{STIFFNESS: 3.0}, at_speed_only=True)
+    tried = recommendation(hybrid, limits)["change"].attrs["flag_meanings"].split()
+    assert "friction.ball_race" in tried and WARMTH_KEY not in tried
