@@ -46,8 +46,17 @@ class InventedLives:
     preload method, which is left out without them.
     """
 
-    def __init__(self, scene, life, stiffness=lambda p: 1e9, practical=lambda p: True, other=None):
+    def __init__(
+        self,
+        scene,
+        life,
+        stiffness=lambda p: 1e9,
+        practical=lambda p: True,
+        other=None,
+        new_over_worn=1.0,
+    ):
         self.life, self.stiffness, self.practical, self.other = life, stiffness, practical, other
+        self.new_over_worn = new_over_worn  # stiffness
         self.count = {NEW_BEARING: 0, EXACT_LIFE: 0}
         self.search = PreloadSearch(scene, STIFF, self.answers_at)
         self.line = self.search.lines[0]
@@ -67,6 +76,8 @@ class InventedLives:
             return {"status": NOT_CONVERGED, "end_criterion": 12}
         is_quick = solved == QUICK_LIFE
         stiffness = result.stiffness(preload) * (0.98 if is_quick else 1.0)
+        if solved == NEW_BEARING:
+            stiffness *= result.new_over_worn
         values = dict.fromkeys(LIMITED["axial_stiffness_N_um"].extremes, stiffness)
         values |= {"status": OK, "end_criterion": int(result.life is peak and preload < 333.0)}
         if solved != NEW_BEARING:
@@ -141,6 +152,21 @@ def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
     lives = InventedLives(scene, falling, stiffness)
     assert lives.best_of_all() > 3.0
     assert lives.best_point().life > 0.99 * lives.best_of_all()
+
+
+def test_both_ends_of_an_allowed_range_are_found(scene):
+    """250 to 326 N are allowed worn. Both ends live longer than the middle, the lower one most."""
+
+    def valley(p):
+        return max((283.0 / p) ** 1.5, p / 283.0)
+
+    def stiffness(p):
+        return 20e6 * (p / 250.0) ** 0.5
+
+    lives = InventedLives(scene, valley, stiffness, lambda p: p <= 326.0, new_over_worn=2.0)
+    best = lives.best_point()
+    assert best.preload < 260.0 and best.life > 0.99 * lives.best_of_all()
+    assert lives.count[EXACT_LIFE] <= 20
 
 
 def test_a_preload_may_be_set_where_the_life_is_similar(scene):

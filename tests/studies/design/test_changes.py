@@ -88,3 +88,16 @@ def test_a_rigid_pair_is_better_up_to_a_warmth_and_a_spring_above(scene, recomme
 
     assert longest(0.9 * warmth.above) == RIGID
     assert longest(1.1 * warmth.above) == SPRING
+
+
+def test_no_warmth_is_tried_where_a_thermal_expansion_is_missing(scene):
+    """As for balls and races of different materials; the rest is tried without it."""
+    steel = vars(scene("gyro_s1").materials["bearing_steel"])
+    ceramic = {key: value for key, value in steel.items() if value is not None}
+    ceramic.pop("thermal_expansion_1_K", None)
+    hybrid = scene("gyro_s1").with_(
+        {"materials.ceramic": ceramic, "bearing.ball_material": "ceramic"}
+    )
+    limits = DesignLimits(**{STIFFNESS: 3.0}, at_speed_only=True)
+    tried = recommendation(hybrid, limits)["change"].attrs["flag_meanings"].split()
+    assert "friction.ball_race" in tried and WARMTH_KEY not in tried
