@@ -19,44 +19,57 @@ def read(*settings, name="gyro_s1"):
 
 
 def test_keys_of_the_second_bearing_change_it_alone():
-    """Keys may stand as one, or as blocks; what they leave alone is as in the first."""
-    flat = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}")
-    nested = read(
-        *RIGID, f"arrangement.second.{LOSS}=0.25", "arrangement.second.friction.ball_race=0.1"
-    )
-    assert flat == nested
-    first, second = flat.sides
+    """What they leave alone is as in the first."""
+    first, second = read(
+        *RIGID, f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}"
+    ).sides
     assert (first.friction.ball_race, second.friction.ball_race) == (0.08, 0.1)
     assert (first.wear.ball_diameter_loss_um, second.wear.ball_diameter_loss_um) == ((0,), (0.25,))
     assert first.pair is None and second.pair is None
     assert second.bearing == first.bearing
-    with_each_loss = read(
-        *RIGID, f"arrangement.second={{{LOSS}: [{', '.join(map(str, range(1, 10)))}]}}"
+
+
+def test_keys_of_the_second_bearing_may_stand_with_dots_or_as_blocks():
+    with_dots = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}")
+    as_blocks = read(
+        *RIGID, f"arrangement.second.{LOSS}=0.25", "arrangement.second.friction.ball_race=0.1"
     )
-    assert with_each_loss.sides[1].wear.ball_diameter_loss_um == tuple(range(1, 10))
+    assert with_dots == as_blocks
 
 
-def test_scene_of_a_pair_is_whole():
-    result = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25}}", "arrangement.span_mm=20")
-    assert as_scene(result.to_dict()) == result == as_scene(result)
-    assert pickle.loads(pickle.dumps(result)) == copy.deepcopy(result) == result
-    assert hash(result) == hash(as_scene(result.to_dict()))
-    assert hash(result) != hash(read(*RIGID))
-    assert result.sides[0].arrangement.span_mm == 20.0
+def test_the_second_bearing_may_have_a_loss_for_each_ball():
+    scene = read(*RIGID, f"arrangement.second={{{LOSS}: [1, 2, 3, 4, 5, 6, 7, 8, 9]}}")
+    assert scene.sides[1].wear.ball_diameter_loss_um == tuple(range(1, 10))
 
 
-def test_held_by_another_method():
+def test_a_scene_of_a_pair_is_a_value():
+    """Equal and hashed alike when read again, pickled or copied."""
+    scene = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25}}", "arrangement.span_mm=20")
+    assert as_scene(scene.to_dict()) == scene == as_scene(scene)
+    assert pickle.loads(pickle.dumps(scene)) == copy.deepcopy(scene) == scene
+    assert hash(scene) == hash(as_scene(scene.to_dict()))
+    assert hash(scene) != hash(read(*RIGID))
+    assert scene.sides[0].arrangement.span_mm == 20.0
+
+
+def test_a_rigid_pair_held_by_a_force_is_a_spring_pair():
     rigid = read(*RIGID, "arrangement.external_axial_N=2")
     spring = with_method(rigid, "constant_force", 9.0)
     assert spring.arrangement.kind == "spring_pair"
     assert spring.arrangement.external_axial_N == 2.0
     assert spring.operation.preload_N == 9.0
+
+
+def test_a_spring_pair_held_in_position_has_no_spring():
     soft = read("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=0.1")
     assert with_method(soft, "fixed_position").arrangement.spring_stiffness_N_um == 0.0
+
+
+def test_a_single_bearing_held_in_position_stays_single():
     assert with_method(read(), "fixed_position").arrangement is None
 
 
-def test_dynamic_cases_of_a_study_are_of_one_bearing():
-    assert single_bearing_scene(read(), "x").pair is None
+def test_a_pair_has_no_dynamic_cases_in_a_study():
+    assert single_bearing_scene(read(), "mine.yaml").pair is None
     with pytest.raises(SceneError, match="arrangement.kind: got rigid_pair"):
         single_bearing_scene(read(*RIGID), "mine.yaml")

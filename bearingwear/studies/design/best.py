@@ -223,10 +223,11 @@ class PreloadSearch:
     def _exact_preloads(self, line: PreloadLine) -> list[float]:
         """Returns preloads [N] beside the best one, whose exact lives are solved next.
 
-        Where there are none, they are those that show between which ones the best may be set, but
-        only on the line with the longest life.
+        Where there are none, they are those at other edges where a life may be longer. Then they
+        are those that show between which ones the best may be set, but only on the line with the
+        longest life.
         """
-        preloads = self._preloads_beside_best(line)
+        preloads = self._preloads_beside_best(line) or self._preloads_at_worn_edges(line)
         if preloads:
             return preloads
         bests = [other.best(self.limits) for other in self.lines]
@@ -296,10 +297,11 @@ class PreloadSearch:
         return preloads
 
     def _preloads_at_worn_edges(self, line: PreloadLine) -> list[float]:
-        """Returns preloads [N] where worn bearings come to meet the requirements, for quick lives.
+        """Returns preloads [N] where worn bearings come to meet the requirements.
 
         They lie between a life that is longer than the best but breaks requirements, and one that
         meets them: a narrow range between may be allowed, if another criterion soon ends the life.
+        Those beside the best one are left out.
         """
         best = line.best(self.limits)
         longest = best.life if best else 0.0

@@ -5,6 +5,7 @@ Theory: docs/theory.md, section 14.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Callable, Sequence
@@ -21,6 +22,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.cases import cases_that_wear
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import Key
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
@@ -296,17 +298,31 @@ def _assumptions(scene: Scene, advantage: float) -> list[_Assumption]:
                 wanted=[value for value in values if value <= _highest(key)],
             )
         )
-    if scene.thermal is None:
+    warmings = _allowed_warmings(scene)
+    if scene.thermal is None and warmings:
         assumptions.append(
             _Assumption(
                 name=WARMTH_KEY,
                 change=with_warm_inner_ring,
                 now=0.0,
                 advantages={0.0: advantage},
-                wanted=_WARMINGS,
+                wanted=warmings,
             )
         )
     return assumptions
+
+
+def _allowed_warmings(scene: Scene) -> list[float]:
+    """Returns the warmings of the inner ring that a scene allows [K].
+
+    There are none if its materials differ and lack a thermal expansion.
+    """
+    allowed = []
+    for kelvin in _WARMINGS:
+        with contextlib.suppress(SceneError):
+            with_warm_inner_ring(kelvin, scene)
+            allowed.append(kelvin)
+    return allowed
 
 
 @dataclass(frozen=True)
