@@ -80,7 +80,7 @@ def without_empty_rows(block: Block) -> Block:
 
 
 def _is_nan(value: Any) -> bool:
-    """Whether a cell is a number that was not computed."""
+    """Returns whether a cell is a number that was not computed."""
     return isinstance(value, float) and math.isnan(value)
 
 
@@ -194,7 +194,7 @@ class _Criterion(NamedTuple):
         return self.measure.file_limit(self.limit, self.preload_N)
 
     def is_violated(self, numbers: np.ndarray) -> bool:
-        """Whether the worst of the values of the variable [SI] is beyond the limit."""
+        """Returns whether the worst of the values of the variable [SI] is beyond the limit."""
         return self.measure.is_passed(self.measure.value(numbers, self.preload_N), self.limit)
 
 
