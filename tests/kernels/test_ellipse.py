@@ -76,8 +76,8 @@ def sums(c, points):
     four = np.empty(4), np.empty((4, 4))
     ellipse_slopes(CONTACT, c, MU, V_R, points, *four)
     assert (four[0] == gradient[:4]).all() and (four[1] == hessian[:4, :4]).all()
-    *alone, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
-    assert_allclose(alone, gradient, rtol=1e-12, atol=1e-14 * np.abs(gradient / SCALE).max())
+    *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
+    assert_allclose(forces, gradient, rtol=1e-12, atol=1e-14 * np.abs(gradient / SCALE).max())
     t, weight, h, width, across, share = points
     y = np.outer(width, across)
     v_2 = (c[0] * h[:, None] - c[3] * y) ** 2
@@ -116,8 +116,8 @@ def test_one_point_across_the_ellipse_gives_the_sums_along_a_line(c):
     h = np.empty(t.size)
     surface_height(CONTACT, R, t, h)
     points = Points(t, weight, h, np.zeros(t.size), np.zeros(1), np.ones(1))
-    *computed, along, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
-    assert_allclose(along, computed[0] / h.mean(), rtol=2e-3)
+    *computed, rolling_force, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
+    assert_allclose(rolling_force, computed[0] / h.mean(), rtol=2e-3)
     *line, line_qv = quick_strip_sums(CONTACT, c, MU, V_R, t, weight, h)
     gradient, hessian = np.empty((2, 4)), np.empty((2, 4, 4))
     traction(CONTACT, c, MU, V_R, points, gradient[0])
@@ -135,9 +135,11 @@ def test_an_opposite_gyroscopic_slip_gives_the_mirrored_friction(c, rule):
     """Its force changes sign, and nothing else changes."""
     mirrored = (-c[0], *c[1:])
     *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, points_of(rule, c))
-    *others, other_qv = ellipse_sums(CONTACT, mirrored, MU, V_R, points_of(rule, mirrored))
-    turned = np.array(others) * [-1.0, 1.0, 1.0, 1.0, -1.0]
-    assert_allclose([*turned, other_qv], [*forces, qv], rtol=1e-11, atol=1e-18)
+    *mirrored_forces, mirrored_qv = ellipse_sums(
+        CONTACT, mirrored, MU, V_R, points_of(rule, mirrored)
+    )
+    expected = np.array(mirrored_forces) * [-1.0, 1.0, 1.0, 1.0, -1.0]
+    assert_allclose([*expected, mirrored_qv], [*forces, qv], rtol=1e-11, atol=1e-18)
 
 
 @pytest.mark.parametrize("make", [chebyshev, chebyshev_halves])
@@ -217,7 +219,7 @@ def test_heathcote_slip_agrees_with_johnson():
     rule, v_r, c_h = ellipse_rule("split", 200), 1e-12, 1.0
     gradient = np.empty(4)
 
-    def along(c_0):
+    def net_force(c_0):
         c = (0.0, c_0, c_h, 0.0)
         t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, most_points(rule))))
         h = np.empty(t.size)
@@ -227,7 +229,7 @@ def test_heathcote_slip_agrees_with_johnson():
 
     ends = np.empty(2)
     surface_height(contact, R, np.array([0.0, 1.0]), ends)
-    c_0 = brentq(along, -c_h * ends[0], -c_h * ends[1], xtol=1e-18, rtol=1e-15)
+    c_0 = brentq(net_force, -c_h * ends[0], -c_h * ends[1], xtol=1e-18, rtol=1e-15)
     zero = brentq(lambda t: slip_at(contact, (0.0, c_0, c_h, 0.0), t), 0.0, 1.0)
     assert_allclose(zero, 0.34730, rtol=1e-3)
     moment = gradient[2] - ends[0] * gradient[1]
@@ -237,9 +239,9 @@ def test_heathcote_slip_agrees_with_johnson():
 def slip_at(contact, c, t):
     """Returns the slip along the rolling direction at a place t = x/a [m/s]."""
     h, v1, v2 = np.empty((3, 1))
-    at = np.array([t])
-    surface_height(contact, R, at, h)
-    slip_velocity(contact, c, at, h, v1, v2)
+    places = np.array([t])
+    surface_height(contact, R, places, h)
+    slip_velocity(contact, c, places, h, v1, v2)
     return v2[0]
 
 

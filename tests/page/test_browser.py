@@ -200,9 +200,9 @@ def test_the_navigation_leads_to_a_folded_part(opened):
 def test_the_slider_moves_the_cursor_of_all_charts(opened):
     """Its stops are the preloads of the map and the recommended ones; charts say their values."""
     page, _ = opened()
-    box = page.locator(".slider").first
-    slider, shown = box.locator("input"), box.locator("output")
-    charts = page.locator(f".chart[data-group='{box.get_attribute('data-group')}']")
+    control = page.locator(".slider").first
+    slider, output = control.locator("input"), control.locator("output")
+    charts = page.locator(f".chart[data-group='{control.get_attribute('data-group')}']")
     data = [
         json.loads(item)
         for item in charts.locator("svg[data-chart]").evaluate_all(
@@ -210,22 +210,22 @@ def test_the_slider_moves_the_cursor_of_all_charts(opened):
         )
     ]
     keys = charts.locator(".keys b")
-    before = keys.all_inner_texts()
+    initial_values = keys.all_inner_texts()
     stops = sorted({point[0] for line in data[0]["lines"] for point in line["points"]})
     stars = [line["star"][0] for line in data[0]["lines"] if line["star"]]
     assert set(stars) <= set(stops) and len(stops) > 2
     for k in (0, len(stops) - 1, *(stops.index(star) for star in stars)):
         slider.fill(str(k))
-        assert shown.inner_text().startswith(f"Values at {stops[k]:.4g} N")
-        assert ("recommended" in shown.inner_text()) == (stops[k] in stars)
+        assert output.inner_text().startswith(f"Values at {stops[k]:.4g} N")
+        assert ("recommended" in output.inner_text()) == (stops[k] in stars)
         texts = iter(keys.all_inner_texts())
         for chart in data:
             for line in chart["lines"]:
-                there = {point[0]: point[1] for point in line["points"]}
+                value_at = {point[0]: point[1] for point in line["points"]}
                 text = next(texts)
-                if stops[k] in there and there[stops[k]] is not None:
+                if stops[k] in value_at and value_at[stops[k]] is not None:
                     assert float(text.split()[0]) == pytest.approx(
-                        there[stops[k]], rel=6.0 * 10.0 ** -line["digits"]
+                        value_at[stops[k]], rel=6.0 * 10.0 ** -line["digits"]
                     )
         assert all(
             d.startswith("M")
@@ -236,9 +236,9 @@ def test_the_slider_moves_the_cursor_of_all_charts(opened):
     slider.focus()
     slider.fill(str(len(stops) - 1))
     page.keyboard.press("ArrowLeft")
-    assert shown.inner_text().startswith(f"Values at {stops[-2]:.4g} N")
-    box.locator("button").click()
-    assert keys.all_inner_texts() == before
+    assert output.inner_text().startswith(f"Values at {stops[-2]:.4g} N")
+    control.locator("button").click()
+    assert keys.all_inner_texts() == initial_values
 
 
 def test_a_chart_states_the_values_at_the_mouse(opened):
