@@ -96,6 +96,7 @@ def blocks_in_one_unit(blocks: Iterable[Block]) -> list[Block]:
         largest_units[key] = min(largest_units.get(key, unit), unit)
 
     def in_largest_unit(row: Row) -> Row:
+        """Returns a row in the largest unit of its quantity."""
         file_unit, factor = scale_of(row.unit)
         new_factor, new_unit = largest_units[row.name or row.label, file_unit]
         if new_unit == row.unit:
@@ -111,6 +112,7 @@ def _converted_row(row: Row, unit: str, factor: float, old_factor: float) -> Row
     """Returns a row in another unit; each factor is a unit's `scale_of`."""
 
     def converted(number: float | None) -> float | None:
+        """Returns a number in the new unit; None stays None."""
         return None if number is None else number * factor / old_factor
 
     return row._replace(
