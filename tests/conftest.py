@@ -57,6 +57,7 @@ def pytest_collection_modifyitems(items):
     rank = {ROOT / "tests" / name: k for k, name in enumerate(LONGEST_FIRST)}
 
     def folder_rank(item):
+        """Returns the place of the folder of a test in `LONGEST_FIRST`."""
         ranks = [rank[folder] for folder in item.path.parents if folder in rank]
         return min(ranks, default=len(LONGEST_FIRST))
 

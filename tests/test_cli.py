@@ -124,14 +124,14 @@ __main__.run_program()
 )
 def test_an_interrupted_import_or_write_leaves_no_trace(arguments, number, problem, tmp_path):
     """While numba is imported, or a file is half written; there is no traceback and no file."""
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, *arguments, str(int(number))],
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(SCENE.parents[2])},
         capture_output=True,
         text=True,
     )
-    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", problem)
+    assert (completed.returncode, completed.stdout, completed.stderr) == (128 + number, "", problem)
     assert os.listdir(tmp_path) == []
 
 
@@ -152,8 +152,8 @@ sys.exit(__main__.run_program())
 
 def test_an_interrupt_while_python_ends_keeps_the_exit_status():
     """The work is done, and its exit status stands."""
-    done = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (3, "late\n", "")
+    completed = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True)
+    assert (completed.returncode, completed.stdout, completed.stderr) == (3, "late\n", "")
 
 
 # life
@@ -449,25 +449,25 @@ def test_the_scene_itself_as_output_is_refused(tmp_path, capsys):
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
 def test_an_output_that_would_replace_another_file_is_refused(command, tmp_path, capsys):
-    other = tmp_path / "other.yaml"
-    other.write_text("name: another scene\n")
-    assert main([command, str(SCENE), "-o", str(other)]) == 2
+    scene_file = tmp_path / "other.yaml"
+    scene_file.write_text("name: another scene\n")
+    assert main([command, str(SCENE), "-o", str(scene_file)]) == 2
     assert "got an existing file that is not a result" in capsys.readouterr().err
-    assert other.read_text() == "name: another scene\n"
+    assert scene_file.read_text() == "name: another scene\n"
 
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
 def test_an_output_that_would_replace_a_read_only_file_is_refused(command, tmp_path, capsys):
     """Before anything is solved, and even for root, who could write to it."""
-    kept = tmp_path / "kept.nc"
-    assert run_solve(kept) == 0
-    before = kept.read_bytes()
-    kept.chmod(0o444)
+    result = tmp_path / "kept.nc"
+    assert run_solve(result) == 0
+    content = result.read_bytes()
+    result.chmod(0o444)
     capsys.readouterr()
-    assert main([command, str(SCENE), "-o", str(kept)]) == 2
-    problem = f"{kept}: got a read-only file, expected a different file name"
+    assert main([command, str(SCENE), "-o", str(result)]) == 2
+    problem = f"{result}: got a read-only file, expected a different file name"
     assert only_line(capsys).strip() == problem
-    assert kept.read_bytes() == before
+    assert result.read_bytes() == content
 
 
 def test_an_output_in_a_folder_without_write_permission_is_refused(tmp_path, capsys):
@@ -566,13 +566,13 @@ def test_more_than_one_new_folder_is_refused(words, tmp_path, monkeypatch, capsy
 
 def test_the_skid_ratio_has_the_same_sign_in_a_case_and_in_a_life(capsys):
     """It is a lag behind rolling; without drag, the balls lead."""
-    shown = []
+    ratios = []
     for command in ("solve", "life"):
         assert main([command, str(SCENE), "--json", "--set", "lubricant.drag_density_kg_m3=0"]) == 0
         rows = json.loads(capsys.readouterr().out)["quantities"]
         (row,) = [row for row in rows if row["name"] == "skid_ratio"]
-        shown.append(row["value"] if command == "solve" else row["values"]["start"])
-    assert shown[0] == pytest.approx(shown[1], rel=1e-6) and shown[0] < 0.0
+        ratios.append(row["value"] if command == "solve" else row["values"]["start"])
+    assert ratios[0] == pytest.approx(ratios[1], rel=1e-6) and ratios[0] < 0.0
 
 
 def test_uncertainty_without_a_solved_life_has_exit_status_3(tmp_path, capsys):
@@ -622,7 +622,7 @@ def test_recommend_refuses_in_one_line(capsys, arguments, problem):
 def test_every_exit_status_is_documented():
     text = (ROOT / "docs" / "quickstart.md").read_text(encoding="utf-8")
     documented = {int(status) for status in re.findall(r"^\| (\d+) \|", text, re.M)}
-    known = {console.SUCCESS, console.BAD_INPUT, console.NOT_SOLVED, console.INFEASIBLE}
-    assert documented == known | {cli.FULL_DISK, cli.INTERRUPTED}
+    statuses = {console.SUCCESS, console.BAD_INPUT, console.NOT_SOLVED, console.INFEASIBLE}
+    assert documented == statuses | {cli.FULL_DISK, cli.INTERRUPTED}
     epilog = command_parser().epilog
     assert all(re.search(rf"\b{status}\b", epilog) for status in documented)

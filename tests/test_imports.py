@@ -234,21 +234,23 @@ def test_files_and_folders_of_solvers_and_lives_are_small():
     crowded, folders = {}, Counter[Path]()
     for module in (m for m in source_paths() if part_of(m) in MOST_IMPORTS):
         folders[module.parent] += 1
-        own = {name for name in imported_names(module) if name.startswith("bearingwear.")}
-        own = {name for name in own if not name.startswith("bearingwear.kernels")}
-        if len(own) > MOST_IMPORTS[part_of(module)]:
-            crowded[str(module)] = len(own)
+        names = {name for name in imported_names(module) if name.startswith("bearingwear.")}
+        names = {name for name in names if not name.startswith("bearingwear.kernels")}
+        if len(names) > MOST_IMPORTS[part_of(module)]:
+            crowded[str(module)] = len(names)
     assert not crowded
     assert not {str(folder): n for folder, n in folders.items() if n > MOST_FILES}
 
 
 def is_independent(module: Path, name: str) -> bool:
     """Returns whether an import keeps a study independent of the others."""
-    own = module.parts[2]
+    study_of_module = module.parts[2]
     _, studies, study, *rest = [*name.split("."), "", "", ""][:5]
     if studies != "studies" or not study or not ROOT.joinpath(*name.split(".")[:3]).is_dir():
         return True
-    return study == own or f"{study}.{rest[0]}" in BETWEEN_STUDIES.get(own, set())
+    return study == study_of_module or f"{study}.{rest[0]}" in BETWEEN_STUDIES.get(
+        study_of_module, set()
+    )
 
 
 def is_free_of_studies(module: Path, name: str) -> bool:
@@ -279,18 +281,18 @@ def application_of(name: str) -> str:
 
 def is_public(module: Path, name: str) -> bool:
     """Returns whether an application may import a name: its own, a public one, or of a library."""
-    own = module.parts[2]
-    if not name.startswith("bearingwear.") or application_of(name) == own:
+    application = module.parts[2]
+    if not name.startswith("bearingwear.") or application_of(name) == application:
         return True
     public_names = set(bearingwear.__all__) - application_functions().keys()
-    allowed = INTERFACE | MODELS_OF_APPLICATIONS.get(own, set()) | public_names
+    allowed = INTERFACE | MODELS_OF_APPLICATIONS.get(application, set()) | public_names
     return name.removeprefix("bearingwear.") in allowed
 
 
 def is_free_of_applications(module: Path, name: str) -> bool:
     """Returns whether an import is of no application, or of the module's own."""
-    own = module.parts[2] if part_of(module) == "applications" else ""
-    return application_of(name) in ("", own)
+    application = module.parts[2] if part_of(module) == "applications" else ""
+    return application_of(name) in ("", application)
 
 
 def test_applications_import_only_the_public_interface():
@@ -342,9 +344,9 @@ def test_the_snakefile_imports_no_slow_library():
 def modules_loaded_by(code: str) -> set[str]:
     """Returns the top-level modules in a new interpreter after some code."""
     script = f"import sys\n{code}\nprint(*sorted({{m.partition('.')[0] for m in sys.modules}}))"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return set(done.stdout.split("\n")[-2].split())
+    completed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stderr
+    return set(completed.stdout.split("\n")[-2].split())
 
 
 SLOW = {
@@ -363,19 +365,21 @@ SLOW = {
 
 def test_help_imports_no_slow_library():
     code = "import bearingwear\nfrom bearingwear.cli import main\n"
-    for asked in (["--help"], ["solve", "--help"], ["--version"]):
-        code += f"assert main({asked}) == 0\n"
+    for words in (["--help"], ["solve", "--help"], ["--version"]):
+        code += f"assert main({words}) == 0\n"
     assert not modules_loaded_by(code) & SLOW
 
 
 def test_help_of_python_m_bearingwear_imports_no_slow_library():
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-X", "importtime", "-m", "bearingwear", "--help"],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0 and done.stdout.startswith("usage: bearingwear")
-    loaded = {line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.split("\n")}
+    assert completed.returncode == 0 and completed.stdout.startswith("usage: bearingwear")
+    loaded = {
+        line.rpartition("|")[2].strip().partition(".")[0] for line in completed.stderr.split("\n")
+    }
     assert "argparse" in loaded and not loaded & SLOW
 
 

@@ -37,14 +37,14 @@ def installed_python(tmp_path_factory):
     venv.create(environment, symlinks=True)
     setup = [sys.executable, "-c", "import setuptools; setuptools.setup()"]
     install = ["install", "--single-version-externally-managed", "--record", str(folder / "files")]
-    done = subprocess.run(
+    completed = subprocess.run(
         [*setup, *install, "--prefix", str(environment)],
         cwd=source,
         env=os.environ | {"PYTHONPATH": ""},
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr
+    assert completed.returncode == 0, completed.stderr
     (site,) = environment.glob("lib/python*/site-packages")
     (site / "libraries.pth").write_text(sysconfig.get_paths()["purelib"])
     return environment / "bin" / "python"

@@ -293,8 +293,8 @@ def test_a_case_that_violates_a_criterion_is_marked(name):
             row = row_of(variable, [value_at(measure, ratio)], variable_limits(file)[variable])
             assert [violation.note for violation in rows_with_violations([row], file)] == [note]
     end = measure.file_limit(LIMIT, PRELOAD)
-    held = criteria_of_case(scene_with_criterion(name), dict.fromkeys(measure.variables, end))
-    assert measure.margin(held[name][0], LIMIT) == pytest.approx(0.0)
+    criteria = criteria_of_case(scene_with_criterion(name), dict.fromkeys(measure.variables, end))
+    assert measure.margin(criteria[name][0], LIMIT) == pytest.approx(0.0)
 
 
 # what limits a design
@@ -343,10 +343,12 @@ def test_a_measure_of_a_pair_is_that_of_its_worse_bearing(measure, monkeypatch):
     lowest = lambda _, both: min(item["lowest_frequency"] for item in both)  # noqa: E731
     monkeypatch.setattr(many, "lowest_frequency", lowest)
     rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))
-    near, far = state_at(measure, 1.2), state_at(measure, 0.3)
-    for both in ((near, far), (far, near)):
+    critical_state, safe_state = state_at(measure, 1.2), state_at(measure, 0.3)
+    for both in ((critical_state, safe_state), (safe_state, critical_state)):
         (worse,) = many.worse_states(Life([Node(0.0, None, both, np.zeros(2))], None), rotor)
-        assert measure.critical(worse.__getitem__, 1.0) == measure.critical(near.__getitem__, 1.0)
+        assert measure.critical(worse.__getitem__, 1.0) == measure.critical(
+            critical_state.__getitem__, 1.0
+        )
 
 
 def test_a_measure_of_several_variables_is_the_worst_of_them_and_names_it():

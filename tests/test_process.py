@@ -93,28 +93,28 @@ def run_bearingwear(folder, *arguments, **environment):
 @pytest.mark.parametrize("backend", BACKENDS.values(), ids=BACKENDS)
 def test_figures_are_drawn_whatever_backend_of_matplotlib_is_set(backend, case_file, tmp_path):
     """Notebooks and scripts of users set backends that commands cannot use."""
-    done = run_bearingwear(
+    completed = run_bearingwear(
         tmp_path, "plot", case_file, "-o", "a.svg", MPLBACKEND=backend, DISPLAY=None
     )
-    assert done.returncode == 0 and not done.stderr, done.stderr
+    assert completed.returncode == 0 and not completed.stderr, completed.stderr
     assert (tmp_path / "a.svg").stat().st_size > 1000
 
 
 def test_a_backend_in_matplotlibrc_is_not_used(case_file, tmp_path):
     (tmp_path / "matplotlibrc").write_text("backend: tkagg\n")
-    done = run_bearingwear(
+    completed = run_bearingwear(
         tmp_path, "plot", case_file, "-o", "a.png", MPLBACKEND=None, DISPLAY=None
     )
-    assert done.returncode == 0 and (tmp_path / "a.png").exists(), done.stderr
+    assert completed.returncode == 0 and (tmp_path / "a.png").exists(), completed.stderr
 
 
 def test_the_library_leaves_the_backend_alone(case_file, tmp_path):
     script = "import bearingwear, matplotlib, os; bearingwear.plot({!r}); "
     script += "print(matplotlib.rcParams['backend'], os.environ['MPLBACKEND'])"
-    done = run_program(
+    completed = run_program(
         tmp_path, sys.executable, "-c", script.format(str(case_file)), MPLBACKEND="svg"
     )
-    assert done.stdout.split() == ["svg", "svg"], done.stderr
+    assert completed.stdout.split() == ["svg", "svg"], completed.stderr
 
 
 # files with the names of libraries
@@ -123,11 +123,11 @@ def test_the_library_leaves_the_backend_alone(case_file, tmp_path):
 def test_no_file_of_the_user_is_imported(folder_with_names_of_libraries):
     """Neither by a command nor by a job of a study."""
     scene = scene_file("gyro_s1")
-    done = run_bearingwear(folder_with_names_of_libraries, "solve", scene, "-o", "a.nc")
-    assert done.returncode == 0, done.stderr
+    completed = run_bearingwear(folder_with_names_of_libraries, "solve", scene, "-o", "a.nc")
+    assert completed.returncode == 0, completed.stderr
     job = process.python_command("bearingwear", "show", "a.nc")
-    done = run_program(folder_with_names_of_libraries, *job)
-    assert done.returncode == 0 and "contact load" in done.stdout, done.stderr
+    completed = run_program(folder_with_names_of_libraries, *job)
+    assert completed.returncode == 0 and "contact load" in completed.stdout, completed.stderr
     assert import_marks(folder_with_names_of_libraries) == []
 
 
@@ -145,10 +145,10 @@ def test_a_copy_of_a_checkout_runs_its_own_modules(tmp_path):
     (tmp_path / "bearingwear" / "where.py").write_text("print(__file__, __name__)\n")
     script = "from bearingwear.process import python_command as c; import json; "
     script += "print(json.dumps(c('bearingwear.where')))"
-    done = run_program(tmp_path, sys.executable, "-c", script, PYTHONSAFEPATH=None)
-    command = yaml.safe_load(done.stdout)
-    done = run_program(ROOT, *command)
-    assert done.stdout.split() == [str(tmp_path / "bearingwear" / "where.py"), "__main__"]
+    completed = run_program(tmp_path, sys.executable, "-c", script, PYTHONSAFEPATH=None)
+    command = yaml.safe_load(completed.stdout)
+    completed = run_program(ROOT, *command)
+    assert completed.stdout.split() == [str(tmp_path / "bearingwear" / "where.py"), "__main__"]
 
 
 # users without a home or a name
@@ -248,8 +248,8 @@ def test_a_study_runs_in_a_container_without_a_home(command, folder_with_names_o
         run_by, words = hide_user_names(), ["-P", "-m", "bearingwear", "study"]
     else:
         run_by, words = (), ["-P", "-m", "snakemake", "--snakefile", ROOT / "Snakefile"]
-    done = run_program(folder, *run_by, sys.executable, *words, "-j2", **environment)
-    output = done.stdout + done.stderr
-    assert done.returncode == 0 and "Traceback" not in output, output
+    completed = run_program(folder, *run_by, sys.executable, *words, "-j2", **environment)
+    output = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "Traceback" not in output, output
     assert list((folder / "results").rglob("*.svg"))
     assert import_marks(folder) == []

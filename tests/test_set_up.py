@@ -23,8 +23,8 @@ def tracked_files() -> list[str]:
     if shutil.which("git") is None:
         return []
     listing = ["git", "ls-files", "-co", "--exclude-standard"]
-    done = subprocess.run(listing, cwd=ROOT, capture_output=True, text=True)
-    return [name for name in done.stdout.split("\n") if name]
+    completed = subprocess.run(listing, cwd=ROOT, capture_output=True, text=True)
+    return [name for name in completed.stdout.split("\n") if name]
 
 
 class Clone:

@@ -125,11 +125,13 @@ class Document:
     rank: int = 0
 
     def __str__(self) -> str:
+        """Returns the document as text for a terminal."""
         from bearingwear.document.text import as_text
 
         return as_text(self)
 
     def _repr_html_(self) -> str:
+        """Returns the document as HTML, which a notebook shows."""
         from bearingwear.document.html import as_html
 
         return as_html(self)

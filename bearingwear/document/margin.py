@@ -19,7 +19,7 @@ def worst_corner(corners: Sequence[Corner]) -> Corner:
 
 
 def is_missing(corner: Corner) -> bool:
-    """Whether a corner was not computed."""
+    """Returns whether a corner was not computed."""
     return math.isnan(corner.torque)
 
 

@@ -35,6 +35,7 @@ class BearingView:
         self._file, self._k = file, k
 
     def __getattr__(self, name: str) -> Any:
+        """Returns an attribute of the file, which both bearings share."""
         return getattr(self._file, name)
 
     @property
@@ -45,6 +46,7 @@ class BearingView:
         return json.dumps(scene)
 
     def __getitem__(self, name: str) -> Any:
+        """Returns a variable; one along the bearings is reduced to this bearing."""
         variable = self._file[name]
         if variable.dimensions[:1] != (OF_BEARING,):
             return variable
@@ -58,9 +60,11 @@ class _VariableView:
         self._variable, self._k = variable, k
 
     def __getattr__(self, name: str) -> Any:
+        """Returns an attribute of the variable."""
         return getattr(self._variable, name)
 
     def __getitem__(self, index: Any) -> Any:
+        """Returns values of bearing k, indexed along the other dimensions."""
         return self._variable[self._k][index]
 
 

@@ -80,7 +80,7 @@ def without_empty_rows(block: Block) -> Block:
 
 
 def _is_nan(value: Any) -> bool:
-    """Whether a cell is a number that was not computed."""
+    """Returns whether a cell is a number that was not computed."""
     return isinstance(value, float) and math.isnan(value)
 
 
@@ -96,6 +96,7 @@ def blocks_in_one_unit(blocks: Iterable[Block]) -> list[Block]:
         largest_units[key] = min(largest_units.get(key, unit), unit)
 
     def in_largest_unit(row: Row) -> Row:
+        """Returns a row in the largest unit of its quantity."""
         file_unit, factor = scale_of(row.unit)
         new_factor, new_unit = largest_units[row.name or row.label, file_unit]
         if new_unit == row.unit:
@@ -111,6 +112,7 @@ def _converted_row(row: Row, unit: str, factor: float, old_factor: float) -> Row
     """Returns a row in another unit; each factor is a unit's `scale_of`."""
 
     def converted(number: float | None) -> float | None:
+        """Returns a number in the new unit; None stays None."""
         return None if number is None else number * factor / old_factor
 
     return row._replace(
@@ -194,7 +196,7 @@ class _Criterion(NamedTuple):
         return self.measure.file_limit(self.limit, self.preload_N)
 
     def is_violated(self, numbers: np.ndarray) -> bool:
-        """Whether the worst of the values of the variable [SI] is beyond the limit."""
+        """Returns whether the worst of the values of the variable [SI] is beyond the limit."""
         return self.measure.is_passed(self.measure.value(numbers, self.preload_N), self.limit)
 
 

@@ -48,6 +48,7 @@ def _quantity_lines(block: Block) -> list[str]:
     label_width = max([LABEL_WIDTH, *(len(row.label) + 2 for row in block.rows)])
 
     def line(label: str, unit: str, texts: Sequence[str], part: slice) -> str:
+        """Returns a line of the table with the texts of some columns, each in its width."""
         aligned = (
             f"{text:>{width}}" for text, width in zip(texts[part], widths[part], strict=False)
         )

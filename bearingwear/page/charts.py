@@ -213,6 +213,7 @@ def _svg_content(chart: Chart, size: tuple[float, float]) -> str:
     width, height = size[0] - _LEFT - _RIGHT, size[1] - _TOP - _BOTTOM
 
     def place(x: float, y: float) -> tuple[float, float]:
+        """Returns the position [px] of a point in the field of the lines."""
         return x_axis.share(x) * width, (1.0 - y_axis.share(y)) * height
 
     marks = [] if chart.limit is None else [_limit_area(chart, x_axis.low, place, width, height)]

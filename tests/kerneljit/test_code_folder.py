@@ -81,11 +81,11 @@ def test_an_unsafe_folder_is_replaced_by_one_among_temporary_files(choose_folder
     folder, _ = choose_folder()
     spoil(folder)
     assert not is_private(folder)
-    other, output = choose_folder()
-    assert other.parent == tmp_path / "tmp" and is_private(other)
+    replacement, output = choose_folder()
+    assert replacement.parent == tmp_path / "tmp" and is_private(replacement)
     assert len(output) == 1 and output[0].startswith(f"NUMBA_CACHE_DIR: {tmp_path / 'given'} ")
-    assert f" {other}" in output[0]
-    assert choose_folder()[0] == other  # kept from one process to the next
+    assert f" {replacement}" in output[0]
+    assert choose_folder()[0] == replacement  # kept from one process to the next
 
 
 def test_a_folder_in_a_sticky_one_of_all_users_is_safe(choose_folder):
@@ -110,9 +110,9 @@ def test_an_unsafe_folder_among_temporary_files_is_not_used(choose_folder, tmp_p
     assert folder.name.startswith(f"bearingwear-{os.geteuid()}-numba-")
     assert folder.parent == tmp_path / "tmp"
     spoil(folder)
-    other, _ = choose_folder()
-    assert other not in (folder, folder.resolve()) and is_private(other)
-    assert permissions(other) == 0o700
+    replacement, _ = choose_folder()
+    assert replacement not in (folder, folder.resolve()) and is_private(replacement)
+    assert permissions(replacement) == 0o700
 
 
 def test_only_a_checkout_has_its_code_beside_the_sources(choose_folder, tmp_path, monkeypatch):

@@ -78,15 +78,15 @@ def test_ctrl_c_ends_a_command_that_compiles_within_two_seconds(tmp_path):
 
 def test_one_process_compiles_and_the_others_wait(tmp_path):
     """Only the one with the lock compiles. If all code is on disk, nothing is printed."""
-    first = start_python(tmp_path, "-c", SMALL)
-    numbers, output = first.communicate(timeout=60)
+    compiling = start_python(tmp_path, "-c", SMALL)
+    numbers, output = compiling.communicate(timeout=60)
     assert output == LINE
     assert start_python(tmp_path, "-c", SMALL).communicate(timeout=60) == (numbers, "")
     (lock,) = tmp_path.rglob("*.lock")
     for file in tmp_path.rglob("*.nb?"):
         file.unlink()
-    with open(lock, "w") as held:
-        fcntl.flock(held, fcntl.LOCK_EX)
+    with open(lock, "w") as lock_file:
+        fcntl.flock(lock_file, fcntl.LOCK_EX)
         waiting = start_python(tmp_path, "-c", SMALL)
         assert waiting.stderr.readline() == LINE
     assert waiting.communicate(timeout=60) == (numbers, "")
@@ -112,7 +112,7 @@ def test_every_array_that_kernels_make_is_freed(fidelity):
     """Most kernels count no references; a wrong one would leak arrays, or free those in use."""
     scene = load_scene(GYRO, ["model.simulated_turns=0.1"])
 
-    def left():
+    def array_count():
         gc.collect()
         stats = rtsys.get_allocation_stats()
         return stats.mi_alloc - stats.mi_free
@@ -120,10 +120,10 @@ def test_every_array_that_kernels_make_is_freed(fidelity):
     solve(scene, fidelity)
     _nrt_python.memsys_enable_stats()
     try:
-        before = left()
+        initial_count = array_count()
         for _ in range(3):
             solve(scene, fidelity)
-        assert left() == before
+        assert array_count() == initial_count
     finally:
         _nrt_python.memsys_disable_stats()
 
@@ -149,11 +149,11 @@ def diameter_ratio(new, old):
 @jit
 def ratios(g, count, out):
     """Replaces a record in a loop while the replaced one is still used; writes ratios to `out`."""
-    before = g
+    previous = g
     for k in range(count):
-        old, before = before, g
+        old, previous = previous, g
         g = Geometry(*g[:1], 2.0 * g.D0, *g[2:])
-        out[k] = diameter_ratio(g, old) + diameter_ratio(before, g)
+        out[k] = diameter_ratio(g, old) + diameter_ratio(previous, g)
     return g
 
 

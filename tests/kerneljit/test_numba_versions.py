@@ -73,9 +73,9 @@ def test_a_kernel_gives_the_same_numbers_without_numbas_internals():
     assert isinstance(body_forces, Kernel)
     arguments = eval(ARGUMENTS, {"Geometry": Geometry, "BallLoad": BallLoad})
     numbers = list(body_forces(*arguments))
-    builds_on_internals, others = json.loads(program_output(KERNEL, **{SWITCH: "1"}))
+    builds_on_internals, public_numbers = json.loads(program_output(KERNEL, **{SWITCH: "1"}))
     assert not builds_on_internals and any(numbers)
-    np.testing.assert_allclose(others, numbers, rtol=1e-12)
+    np.testing.assert_allclose(public_numbers, numbers, rtol=1e-12)
 
 
 @pytest.mark.long
@@ -85,9 +85,9 @@ def test_the_public_interface_of_numba_gives_the_same_numbers(fidelity):
     scene = load_scene(scene_file("gyro_s1"))
     builds_on_internals, numbers = json.loads(program_output(*arguments, **{SWITCH: ""}))
     assert builds_on_internals
-    builds_on_internals, others = json.loads(program_output(*arguments, **{SWITCH: "1"}))
+    builds_on_internals, public_numbers = json.loads(program_output(*arguments, **{SWITCH: "1"}))
     assert not builds_on_internals
-    assert numbers.keys() == others.keys() and len(numbers) > 30
+    assert numbers.keys() == public_numbers.keys() and len(numbers) > 30
     # Friction of strips that slip either way nearly cancels in the torque. A sum of n terms has an
     # error of at most n times the rounding of what they come to without their signs, which is here
     # friction times load times half the pitch diameter.
@@ -96,7 +96,7 @@ def test_the_public_interface_of_numba_gives_the_same_numbers(fidelity):
     largest = mu * load * 0.5e-3 * bearing.pitch_diameter_mm
     torque_error = np.finfo(float).eps * numbers["strips"][1] * largest
     for name, (units, number) in numbers.items():
-        patched, public = np.array(number, float), np.array(others[name][1], float)
+        patched, public = np.array(number, float), np.array(public_numbers[name][1], float)
         # ratios may be as small as rounding, and are compared on a scale of at least one
         scale = np.nanmax(np.abs(patched), initial=1.0 if units == "1" else 0.0)
         # an error estimate is the difference of two solves with a looser tolerance

@@ -43,10 +43,10 @@ def touching_system(scene, guiding="outer", changes=None):
     for j in TOUCHING:
         for _ in range(6):  # down to DEPTH, ahead in the pocket
             slope = 1e-9
-            before = approach(system, j)
+            interference = approach(system, j)
             system.balls[j, PSI] += slope
-            rate = (approach(system, j) - before) / slope
-            system.balls[j, PSI] += (DEPTH - before) / rate - slope
+            rate = (approach(system, j) - interference) / slope
+            system.balls[j, PSI] += (DEPTH - interference) / rate - slope
     contacts(system)
     normal = system.buffers.cage.normal
     assert [j for j in range(9) if normal[j] > 0.0] == list(TOUCHING) and normal[9:].max() > 0.0

@@ -144,7 +144,7 @@ def cage_contacts(bearing, balls, cage, R, X, delta, laws):
 
 def unbalanced(bearing, balls, F, X, delta, contacts):
     """Returns the force (2 n + 3,) on ball centres (axial, radial) and on the inner race [N]."""
-    g, left, race = bearing.g, [], F + contacts.on_race
+    g, ball_forces, race = bearing.g, [], F + contacts.on_race
     for j, (_, _, _, Omega, psi) in enumerate(balls):
         s, c, D = math.sin(psi), math.cos(psi), bearing.D[j]
         A = np.array(
@@ -162,9 +162,9 @@ def unbalanced(bearing, balls, F, X, delta, contacts):
         centrifugal = bearing.mass[j] * (g.R_o + X[j, 1]) * Omega**2
         cage = contacts.on_balls[j]
         radial = cage[2] * c - cage[1] * s + centrifugal
-        left.append(pushed[0] + pushed[1] + [cage[0], radial])
+        ball_forces.append(pushed[0] + pushed[1] + [cage[0], radial])
         race = race - [pushed[0][0], -pushed[0][1] * s, pushed[0][1] * c]
-    return np.r_[np.ravel(left), race]
+    return np.r_[np.ravel(ball_forces), race]
 
 
 def solve(bearing, balls, cage, R, F, X, delta, laws):
@@ -183,8 +183,10 @@ def solve(bearing, balls, cage, R, F, X, delta, laws):
         return unbalanced(bearing, balls, F, X, delta, contacts)
 
     for _ in range(5):
-        left = residual(x)
-        slope = np.array([(residual(x + 1e-6 * e) - left) / 1e-6 for e in np.eye(x.size)]).T
-        x = x - np.linalg.solve(slope, left)
+        residual_here = residual(x)
+        slope = np.array(
+            [(residual(x + 1e-6 * e) - residual_here) / 1e-6 for e in np.eye(x.size)]
+        ).T
+        x = x - np.linalg.solve(slope, residual_here)
     X, delta = places(x)
     return cage_contacts(bearing, balls, cage, R, X, delta, laws), delta

@@ -22,11 +22,11 @@ MU, V_R = 0.3, 1e-3
 def difference(call, array, place, step):
     """Returns the central difference of `call()` by the number `array[place]`."""
     computed = []
-    before = array[place]
+    value = array[place]
     for sign in (1.0, -1.0):
-        array[place] = before + sign * step
+        array[place] = value + sign * step
         computed.append(np.array(call()))
-    array[place] = before
+    array[place] = value
     return (computed[0] - computed[1]) / (2.0 * step)
 
 

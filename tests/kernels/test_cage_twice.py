@@ -74,43 +74,43 @@ def test_the_plain_program_with_the_earlier_laws_gives_the_stored_numbers(system
     """To 1e-8 of the largest number of each kind."""
     stored = STATES["states"][name][k]
     rates = np.array(stored["dy"])
-    then, delta = solve(*set_state(systems(name, 0.0), np.array(stored["y"])), STORED)
+    contacts, delta = solve(*set_state(systems(name, 0.0), np.array(stored["y"])), STORED)
     # After QV: a power for each pocket, the land, heat of both, damping, torque of both.
     pockets = rates[POSE + 18 : POSE + 27]
-    land, *others = rates[POSE + 27 :]
-    assert_close(then.force, stored["f"], "force")
-    assert_close(then.moment, stored["t_cage"], "moment")
+    land, *sums = rates[POSE + 27 :]
+    assert_close(contacts.force, stored["f"], "force")
+    assert_close(contacts.moment, stored["t_cage"], "moment")
     assert_close(delta, stored["delta"], "displacement")
-    assert_close(then.pocket_power, pockets, "pockets")
-    assert_close(then.land_power, land, "land")
-    assert_close([*then.heat, then.damping], others[:3], "heat and damping")
-    assert_close(then.torque, others[3:], "torque")
+    assert_close(contacts.pocket_power, pockets, "pockets")
+    assert_close(contacts.land_power, land, "land")
+    assert_close([*contacts.heat, contacts.damping], sums[:3], "heat and damping")
+    assert_close(contacts.torque, sums[3:], "torque")
 
 
 @pytest.mark.parametrize(("name", "k"), CASES)
 def test_the_kernels_agree_with_the_plain_program(systems, name, k):
     """With the laws of today, to 1e-8 of the largest number of each kind."""
     system = systems(name, 5.0 if k else 0.0)
-    now, delta = solve(*set_state(system, np.array(STATES["states"][name][k]["y"])), TODAY)
+    expected, delta = solve(*set_state(system, np.array(STATES["states"][name][k]["y"])), TODAY)
     contacts, sums = system.buffers.cage, system.buffers.cage.sums
-    assert_close(contacts.force[:3], now.force, "force")
-    assert_close(contacts.force[3:], now.moment, "moment")
+    assert_close(contacts.force[:3], expected.force, "force")
+    assert_close(contacts.force[3:], expected.moment, "moment")
     assert_close(system.buffers.balls.delta, delta, "displacement")
-    assert_close(contacts.ball_moment, now.turning_balls, "moments on balls")
+    assert_close(contacts.ball_moment, expected.turning_balls, "moments on balls")
     psi = system.balls[:, PSI]
-    computed = contacts.ball_force
+    in_azimuth_axes = contacts.ball_force
     inertial = (
-        computed[:, 0],
-        computed[:, 1] * np.cos(psi) - computed[:, 2] * np.sin(psi),
-        computed[:, 1] * np.sin(psi) + computed[:, 2] * np.cos(psi),
+        in_azimuth_axes[:, 0],
+        in_azimuth_axes[:, 1] * np.cos(psi) - in_azimuth_axes[:, 2] * np.sin(psi),
+        in_azimuth_axes[:, 1] * np.sin(psi) + in_azimuth_axes[:, 2] * np.cos(psi),
     )
-    assert_close(np.transpose(inertial), now.on_balls, "forces on balls")
-    assert_close(contacts.power[:9], now.pocket_power, "pockets")
-    assert_close(contacts.power[9:].sum(), now.land_power, "land")
+    assert_close(np.transpose(inertial), expected.on_balls, "forces on balls")
+    assert_close(contacts.power[:9], expected.pocket_power, "pockets")
+    assert_close(contacts.power[9:].sum(), expected.land_power, "land")
     damping = sums[POCKET_DAMPING] + sums[LAND_DAMPING]
     heat = [sums[POCKET_HEAT], sums[LAND_HEAT], damping]
-    assert_close(heat, [*now.heat, now.damping], "heat and damping")
-    assert_close(sums[[POCKET_TORQUE, LAND_TORQUE]], now.torque, "torque")
+    assert_close(heat, [*expected.heat, expected.damping], "heat and damping")
+    assert_close(sums[[POCKET_TORQUE, LAND_TORQUE]], expected.torque, "torque")
 
 
 @pytest.mark.parametrize("name", STATES["paths_from_start"])

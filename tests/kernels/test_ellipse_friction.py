@@ -32,8 +32,8 @@ def friction(points, c, v_r=V_R, size=5, contact=CONTACT, even=False):
     gradient, hessian = np.zeros(size), np.zeros((size, size))
     args = points, contact, R, c, v_r, even
     sums = ellipse_friction(*args, False, places(points), gradient, hessian)
-    again = ellipse_friction(*args, True, places(points), gradient, hessian)
-    assert_allclose(again, sums, rtol=1e-12, atol=1e-15)
+    sums_with_slopes = ellipse_friction(*args, True, places(points), gradient, hessian)
+    assert_allclose(sums_with_slopes, sums, rtol=1e-12, atol=1e-15)
     assert_allclose(gradient, sums[:size], rtol=1e-12, atol=1e-15)
     return np.array(sums), hessian
 

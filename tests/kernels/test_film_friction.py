@@ -75,13 +75,13 @@ def test_the_moment_of_pure_spin_on_a_film_has_a_closed_form(kappa):
 @pytest.mark.parametrize("c", SLIPS)
 def test_film_friction_in_time_is_that_of_the_steady_state(c):
     """With many points of either rule; on a line their points are the same."""
-    many = ellipse_sums(FILM, c, MU_EVEN, V_R, film_points(ellipse_rule("split", 200, 64), c))
+    ellipse = ellipse_sums(FILM, c, MU_EVEN, V_R, film_points(ellipse_rule("split", 200, 64), c))
     computed, _ = friction(spread_ellipse(25, 32), c, contact=FILM, even=True)
-    assert_allclose(computed[:5] / SCALE, many[:5] / SCALE, atol=1e-5 * MU_EVEN * FILM.Q)
+    assert_allclose(computed[:5] / SCALE, ellipse[:5] / SCALE, atol=1e-5 * MU_EVEN * FILM.Q)
     line = ellipse_rule("split", 40)
-    along = ellipse_sums(FILM, c, MU_EVEN, V_R, film_points(line, c))
+    line_sums = ellipse_sums(FILM, c, MU_EVEN, V_R, film_points(line, c))
     computed, _ = friction(line_points(line), c, contact=FILM, even=True)
-    assert_allclose(computed[:5] / SCALE, along[:5] / SCALE, atol=1e-11 * MU_EVEN * FILM.Q)
+    assert_allclose(computed[:5] / SCALE, line_sums[:5] / SCALE, atol=1e-11 * MU_EVEN * FILM.Q)
 
 
 @pytest.mark.parametrize("c", SLIPS)
@@ -95,8 +95,8 @@ def test_slopes_of_film_friction_agree_with_differences(c):
     ellipse_slopes(FILM, c, MU_EVEN, V_R, points, gradient, hessian)
     scale = SCALE[:, None] * SCALE
 
-    def forces(moved):
-        return np.array(ellipse_sums(FILM, moved, MU_EVEN, V_R, points)[:5])
+    def forces(slip):
+        return np.array(ellipse_sums(FILM, slip, MU_EVEN, V_R, points)[:5])
 
     numerical = by_differences(forces, c, STEPS)
     size = np.abs(hessian / scale).max()
@@ -177,8 +177,8 @@ def test_the_check_rejects_film_friction_spread_as_the_pressure_of_hertz(film_pr
     _, problem = film_problem
     bearing, state, u, law = balance_with_mean_law(problem)
 
-    def left(op):
+    def residual(op):
         return friction_check(bearing.g, bearing.D, op, state, u[:4], problem.rule, True)[0]
 
-    assert left(law) < LARGEST_RESIDUAL
-    assert left(problem.op) > 1e3 * LARGEST_RESIDUAL
+    assert residual(law) < LARGEST_RESIDUAL
+    assert residual(problem.op) > 1e3 * LARGEST_RESIDUAL

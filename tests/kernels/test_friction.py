@@ -52,14 +52,14 @@ def sums(c):
     h = np.array([height(p, position) for position in x])
     gradient, hessian = np.empty(4), np.empty((4, 4))
     assert strip_slopes(CONTACT, c, MU, V_R, t, weight, h, gradient, hessian) == 0.0
-    *alone, none = strip_sums(CONTACT, c, MU, V_R, t, weight, h)
-    assert none == 0.0
-    assert_allclose(alone, gradient, rtol=1e-13, atol=1e-15 * np.abs(gradient).max())
-    *in_one_pass, qv = quick_strip_sums(CONTACT, c, MU, V_R, t, weight, h)
-    assert_allclose(in_one_pass, gradient, rtol=1e-12, atol=1e-15 * np.abs(gradient).max())
+    *forces, slip_sum = strip_sums(CONTACT, c, MU, V_R, t, weight, h)
+    assert slip_sum == 0.0
+    assert_allclose(forces, gradient, rtol=1e-13, atol=1e-15 * np.abs(gradient).max())
+    *quick_forces, qv = quick_strip_sums(CONTACT, c, MU, V_R, t, weight, h)
+    assert_allclose(quick_forces, gradient, rtol=1e-12, atol=1e-15 * np.abs(gradient).max())
     quick, slopes = np.empty(4), np.empty((4, 4))
     quick_qv = quick_strip_slopes(CONTACT, c, MU, V_R, t, weight, h, quick, slopes)
-    assert_allclose([*quick, quick_qv], [*in_one_pass, qv], rtol=1e-12, atol=1e-15 * qv)
+    assert_allclose([*quick, quick_qv], [*quick_forces, qv], rtol=1e-12, atol=1e-15 * qv)
     assert_allclose(slopes, hessian, rtol=1e-12, atol=1e-15 * np.abs(hessian).max())
     phi = 0.0
     for k in range(t.size):

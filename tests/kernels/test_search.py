@@ -59,13 +59,13 @@ def balance_at_share(problem, D, case, share, w=None, v_r=0.03):
 def test_each_orbit_rate_has_one_angular_velocity(scene, share):
     """Different starts lead to the same balance of moments."""
     problem, D, case = solved_problem(scene("gyro_s1"))
-    computed, u = balance_at_share(problem, D, case, share)
+    computed, motion = balance_at_share(problem, D, case, share)
     assert computed.status == code.OK
     for start in benchmark("search").unlike_starts(problem, 8):
-        again, v = balance_at_share(problem, D, case, share, start[:3])
-        assert again.status == code.OK
-        assert_allclose(again.F, computed.F, atol=1e-8)
-        assert_allclose(v, u, atol=1e-6 * np.abs(u).max())
+        repeated, repeated_motion = balance_at_share(problem, D, case, share, start[:3])
+        assert repeated.status == code.OK
+        assert_allclose(repeated.F, computed.F, atol=1e-8)
+        assert_allclose(repeated_motion, motion, atol=1e-6 * np.abs(motion).max())
 
 
 def test_the_force_on_the_orbit_changes_sign_at_the_steady_state(scene):
@@ -96,11 +96,11 @@ def test_without_gyroscopic_moment_the_force_on_the_orbit_only_falls(scene):
 def test_each_of_two_states_leads_to_the_other(scene):
     """The ratio of their orbit rates is golden, to the five digits of docs/verification.md."""
     problem, D, case = solved_problem(scene("gyro_s1", DRILL))
-    (other,) = problem.other_states(D, case, True, 4)
-    assert other.u[3] / case.u[3] == pytest.approx(1.18234, abs=1e-5)
-    assert problem.stable(D, case) and problem.stable(D, other)
-    (back,) = problem.other_states(D, other, True, 4)
-    assert not is_new(back.u, [case])
+    (second_case,) = problem.other_states(D, case, True, 4)
+    assert second_case.u[3] / case.u[3] == pytest.approx(1.18234, abs=1e-5)
+    assert problem.stable(D, case) and problem.stable(D, second_case)
+    (first_case,) = problem.other_states(D, second_case, True, 4)
+    assert not is_new(first_case.u, [case])
 
 
 def test_a_search_without_starts_finds_no_state(scene):

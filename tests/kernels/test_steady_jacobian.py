@@ -81,21 +81,24 @@ def test_the_jacobian_of_the_steady_balance_agrees_with_differences(solved_balan
     """The equilibrium of the ball is solved at each orbit rate."""
     p, seat, u = solved_balance
     assert full_jacobian(p, p.bearing.op.v_r, seat, u) == OK
-    copied = p.jacobian.copy()
-    assert_allclose(p.residual, balance_residual(p, seat, u), atol=1e-12 * np.abs(copied * u).max())
+    analytic = p.jacobian.copy()
+    assert_allclose(
+        p.residual, balance_residual(p, seat, u), atol=1e-12 * np.abs(analytic * u).max()
+    )
     # Slip changes by the step times a length: 1e-2 of v_r, as linear as the balance is.
     step = 1e-2 * p.bearing.op.v_r / (0.5 * p.bearing.D)
     J = np.empty((4, 4))
     for k in range(4):
-        moved = np.array([u + s * step * np.eye(4)[k] for s in (-1.0, 1.0)])
+        motions = np.array([u + s * step * np.eye(4)[k] for s in (-1.0, 1.0)])
         low, high = (
-            balance_residual(p, orbit_equilibrium(p.bearing, m[3], seat), m) for m in moved
+            balance_residual(p, orbit_equilibrium(p.bearing, motion[3], seat), motion)
+            for motion in motions
         )
         J[:, k] = (high - low) / (2.0 * step)
     # The third derivative of the law over a hundredth of its width: 1e-4/6 of the largest slope.
-    assert_allclose(copied, J, atol=1e-3 * np.abs(copied).max(axis=1, keepdims=True).max())
-    rows = np.abs(copied).max(axis=1)
-    assert np.abs((copied - J) / rows[:, None]).max() <= 1e-3
+    assert_allclose(analytic, J, atol=1e-3 * np.abs(analytic).max(axis=1, keepdims=True).max())
+    rows = np.abs(analytic).max(axis=1)
+    assert np.abs((analytic - J) / rows[:, None]).max() <= 1e-3
 
 
 def test_the_jacobian_of_inertia_and_drag_agrees_with_differences(solved_balance):

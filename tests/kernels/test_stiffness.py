@@ -95,8 +95,8 @@ def test_the_stiffness_matrix_agrees_with_differences_of_forces(g, F_x, Omega, p
 def test_the_stiffness_matrix_is_symmetric_and_positive_definite():
     """In 500 random bearings under thrust, speed and small loads."""
     random = np.random.default_rng(6)
-    solved = 0
-    while solved < 500:
+    count = 0
+    while count < 500:
         D, Z = 10.0 ** random.uniform(-3.3, -1.5), int(random.integers(5, 25))
         dm = D / math.sin(math.pi / Z) * random.uniform(1.05, 2.0)
         g = geometry(
@@ -115,7 +115,7 @@ def test_the_stiffness_matrix_is_symmetric_and_positive_definite():
         scale = np.sqrt(np.diag(K))
         assert_allclose(K, K.T, rtol=0, atol=0)
         assert np.linalg.eigvalsh(K / np.outer(scale, scale)).min() > 1e-6
-        solved += 1
+        count += 1
 
 
 @pytest.mark.parametrize("alpha0", [10.0, 20.0, 40.0])

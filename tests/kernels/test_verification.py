@@ -99,8 +99,8 @@ def polygon_error(p, state, delta_a):
 def test_a_wrong_load_or_angle_breaks_the_normal_balance(solved_case, changes):
     p, state, case = solved_case
     assert polygon_error(p, state, case.delta_a) <= LARGEST_RESIDUAL
-    wrong = state._replace(**changes(state))
-    assert polygon_error(p, wrong, case.delta_a) > LARGEST_RESIDUAL
+    changed_state = state._replace(**changes(state))
+    assert polygon_error(p, changed_state, case.delta_a) > LARGEST_RESIDUAL
 
 
 def test_an_open_polygon_breaks_the_normal_balance(solved_case):
@@ -113,10 +113,10 @@ GOOD = dict.fromkeys(Residuals._fields, 0.0)
 
 
 @pytest.mark.parametrize("name", ["equilibrium", "friction", "power"])
-@pytest.mark.parametrize("found", [1.1e-9, np.nan])
-def test_a_case_with_one_large_residual_is_unverified(name, found):
+@pytest.mark.parametrize("residual", [1.1 * LARGEST_RESIDUAL, np.nan])
+def test_a_case_with_one_large_residual_is_unverified(name, residual):
     assert case_status(Residuals(**GOOD)) == code.OK
-    assert case_status(Residuals(**GOOD | {name: found})) == code.UNVERIFIED
+    assert case_status(Residuals(**GOOD | {name: residual})) == code.UNVERIFIED
 
 
 def test_residuals_up_to_1e_5_may_be_explained_by_rounding():

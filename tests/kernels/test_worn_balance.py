@@ -91,13 +91,13 @@ def test_an_even_depth_only_shifts_the_approach(side):
     deep = 0.3 * APPROACH
     race, hertz = worn_race(side, lambda x: np.full_like(x, deep))
     y = place_of_ball(side, APPROACH + deep)
-    exact = worn_force(G, D, race, side, deep, *y)
-    assert exact.Q == pytest.approx(hertz.K * APPROACH**1.5, rel=1e-8)
+    force = worn_force(G, D, race, side, deep, *y)
+    assert force.Q == pytest.approx(hertz.K * APPROACH**1.5, rel=1e-8)
     assert np.abs(race.rise).max() < 1e-18  # and its surface stays where the ball is
     # The same from another reference: only the cells lie elsewhere
-    other = worn_force(G, D, race, side, 0.9 * deep, *y)
-    assert other.Q == pytest.approx(exact.Q, rel=1e-3)
-    assert other.peak == pytest.approx(exact.peak, rel=1e-2)
+    from_other_reference = worn_force(G, D, race, side, 0.9 * deep, *y)
+    assert from_other_reference.Q == pytest.approx(force.Q, rel=1e-3)
+    assert from_other_reference.peak == pytest.approx(force.peak, rel=1e-2)
 
 
 @SIDES

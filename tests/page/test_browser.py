@@ -9,6 +9,7 @@ import os
 import re
 import shutil
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -197,48 +198,79 @@ def test_the_navigation_leads_to_a_folded_part(opened):
     assert 0.0 <= place < DESK[1]
 
 
-def test_the_slider_moves_the_cursor_of_all_charts(opened):
-    """Its stops are the preloads of the map and the recommended ones; charts say their values."""
+class Slider(NamedTuple):
+    """The slider of the preload, and the charts whose cursor it moves."""
+
+    control: Any  # with the input, the words and a button
+    input: Any
+    words: Any
+    charts: Any
+    values: Any  # of all lines of all charts
+    chart_data: list[dict]
+    stops: list[float]  # preloads [N]
+    stars: list[float]  # recommended preloads [N]
+
+
+@pytest.fixture
+def slider(opened):
+    """Returns the first slider of the page."""
     page, _ = opened()
-    box = page.locator(".slider").first
-    slider, shown = box.locator("input"), box.locator("output")
-    charts = page.locator(f".chart[data-group='{box.get_attribute('data-group')}']")
-    data = [
-        json.loads(item)
-        for item in charts.locator("svg[data-chart]").evaluate_all(
-            "all => all.map((one) => one.dataset.chart)"
+    control = page.locator(".slider").first
+    charts = page.locator(f".chart[data-group='{control.get_attribute('data-group')}']")
+    texts = charts.locator("svg[data-chart]").evaluate_all(
+        "charts => charts.map((chart) => chart.dataset.chart)"
+    )
+    chart_data = [json.loads(text) for text in texts]
+    lines = chart_data[0]["lines"]
+    return Slider(
+        control=control,
+        input=control.locator("input"),
+        words=control.locator("output"),
+        charts=charts,
+        values=charts.locator(".keys b"),
+        chart_data=chart_data,
+        stops=sorted({point[0] for line in lines for point in line["points"]}),
+        stars=[line["star"][0] for line in lines if line["star"]],
+    )
+
+
+def test_the_slider_stops_at_the_preloads_of_the_map_and_the_recommended_ones(slider):
+    assert set(slider.stars) <= set(slider.stops) and len(slider.stops) > 2
+    for k, stop in enumerate(slider.stops):
+        slider.input.fill(str(k))
+        words = slider.words.inner_text()
+        assert words.startswith(f"Values at {stop:.4g} N")
+        assert ("recommended" in words) == (stop in slider.stars)
+
+
+def test_all_charts_state_their_values_at_the_slider_and_draw_a_cursor(slider):
+    """To as many digits as a line states; a line without a point there has any value."""
+    for k in (0, len(slider.stops) - 1, *(slider.stops.index(star) for star in slider.stars)):
+        slider.input.fill(str(k))
+        texts = iter(slider.values.all_inner_texts())
+        for line in (line for chart in slider.chart_data for line in chart["lines"]):
+            text, value = next(texts), dict(line["points"]).get(slider.stops[k])
+            if value is not None:
+                rounding = 6.0 * 10.0 ** -line["digits"]  # 5 is half of the last digit of a 1
+                assert float(text.split()[0]) == pytest.approx(value, rel=rounding)
+        cursors = slider.charts.locator(".cursor").evaluate_all(
+            "cursors => cursors.map((cursor) => cursor.getAttribute('d'))"
         )
-    ]
-    keys = charts.locator(".keys b")
-    before = keys.all_inner_texts()
-    stops = sorted({point[0] for line in data[0]["lines"] for point in line["points"]})
-    stars = [line["star"][0] for line in data[0]["lines"] if line["star"]]
-    assert set(stars) <= set(stops) and len(stops) > 2
-    for k in (0, len(stops) - 1, *(stops.index(star) for star in stars)):
-        slider.fill(str(k))
-        assert shown.inner_text().startswith(f"Values at {stops[k]:.4g} N")
-        assert ("recommended" in shown.inner_text()) == (stops[k] in stars)
-        texts = iter(keys.all_inner_texts())
-        for chart in data:
-            for line in chart["lines"]:
-                there = {point[0]: point[1] for point in line["points"]}
-                text = next(texts)
-                if stops[k] in there and there[stops[k]] is not None:
-                    assert float(text.split()[0]) == pytest.approx(
-                        there[stops[k]], rel=6.0 * 10.0 ** -line["digits"]
-                    )
-        assert all(
-            d.startswith("M")
-            for d in charts.locator(".cursor").evaluate_all(
-                "all => all.map((one) => one.getAttribute('d'))"
-            )
-        )
-    slider.focus()
-    slider.fill(str(len(stops) - 1))
-    page.keyboard.press("ArrowLeft")
-    assert shown.inner_text().startswith(f"Values at {stops[-2]:.4g} N")
-    box.locator("button").click()
-    assert keys.all_inner_texts() == before
+        assert all(path.startswith("M") for path in cursors)
+
+
+def test_an_arrow_key_moves_the_slider_by_one_stop(slider):
+    slider.input.focus()
+    slider.input.fill(str(len(slider.stops) - 1))
+    slider.input.press("ArrowLeft")
+    assert slider.words.inner_text().startswith(f"Values at {slider.stops[-2]:.4g} N")
+
+
+def test_a_button_shows_the_values_at_the_recommended_preloads_again(slider):
+    initial_values = slider.values.all_inner_texts()
+    slider.input.fill("0")
+    slider.control.locator("button").click()
+    assert slider.values.all_inner_texts() == initial_values
 
 
 def test_a_chart_states_the_values_at_the_mouse(opened):

@@ -372,14 +372,15 @@ def test_an_axis_has_a_few_ticks_and_a_margin(log, ends):
 
 
 @pytest.mark.parametrize("name", ["gyro_s1", "turbopump"])
-@pytest.mark.parametrize(("inner", "side"), [(True, -1.0), (False, 1.0)])
-def test_in_a_sketch_the_ball_touches_both_grooves_at_the_contact_angle(name, inner, side):
+@pytest.mark.parametrize(("ring_name", "side"), [("inner", -1.0), ("outer", 1.0)])
+def test_in_a_sketch_the_ball_touches_both_grooves_at_the_contact_angle(name, ring_name, side):
     section = section_of(yaml.safe_load(scene_file(name).read_text())["bearing"])
-    ball_radius, groove_radius = 0.5 * section.ball, section.grooves[not inner]
+    ring = getattr(section, ring_name)
+    ball_radius, groove_radius = 0.5 * section.ball, ring.groove
     x, z = section.normal
     ball_centre = 0.0, 0.5 * section.pitch
     contact = side * ball_radius * x, ball_centre[1] + side * ball_radius * z
-    centre = section.centre(inner)
+    centre = section.centre(ring)
     assert math.dist(contact, centre) == pytest.approx(groove_radius)
     # the contact is the point of the groove that is nearest to the centre of the ball
     assert math.dist(ball_centre, centre) == pytest.approx(groove_radius - ball_radius)

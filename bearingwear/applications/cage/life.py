@@ -346,6 +346,7 @@ def cage_results(
         ensembles: list[xr.Dataset] = []
 
         def ensemble_at(number: int, depth: np.ndarray) -> xr.Dataset:
+            """Returns the ensemble with a number along the life, and writes its file."""
             pocket_um, land_um = (1e6 * depth).tolist()
             worn_plan = replace(plan, worn_um=(pocket_um, land_um))
             if path is None:

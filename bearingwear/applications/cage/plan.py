@@ -47,6 +47,7 @@ class Ensemble:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Checks the numbers of turns. Raises SceneError."""
         for name in ("least_turns", "most_turns"):
             if (turns := getattr(self, name)) % STRETCH:
                 raise SceneError(name, f"got {turns}, expected a multiple of {STRETCH}")

@@ -75,9 +75,11 @@ def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
     noise = display("N m", motions["mean_torque_noise"].values[..., 0])
 
     def column(label: str, texts: list[str], unit: str = "") -> Row:
+        """Returns a property of the cages, which a page shows as a column."""
         return Row(label, unit, tuple(texts))
 
     def means(name: str, unit: object) -> list[str]:
+        """Returns the mean of a variable over the runs of each cage, with its interval."""
         return [
             mean_with_interval(
                 float(cage[f"mean_{name}"][0]), cage[f"mean_{name}_interval"].values[0], unit
@@ -86,6 +88,7 @@ def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
         ]
 
     def wear_rates(name: str) -> list[str]:
+        """Returns the wear rate of `pocket` or `land` of each cage."""
         return [wear.text(value) for value in rates[name].values.ravel()]
 
     return (

@@ -149,12 +149,7 @@ def calibration_by_tests(
     friction = _uncertain_friction(scene)
     tests = bearing_tests(path, scene)
     digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
-    if scene.calibrated and scene.calibrated.sha256 == digest:
-        raise CaseFileError(
-            f"{path}: got the tests used to calibrate the scene, expected different tests"
-        )
-    if not friction:
-        _refuse_torques(path, tests, scene)
+    _refuse_unusable_tests(path, tests, scene, friction, digest)
     prior = _prior(scene, friction)
     curve_of = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
     scene_curve = _curve_at(scene.name, curve_of, scene, _LIFE)
@@ -167,10 +162,9 @@ def calibration_by_tests(
         _observation(test, curve, row) for test, curve, row in zip(tests, curves, rows, strict=True)
     ]
     before, after = posterior(prior, []), posterior(prior, observations)
-    in_scene = [before.conformity(observation) for observation in observations]
     with_others = conformities(prior, observations)
     problems = (
-        _improbable_tests(tests, in_scene)
+        _improbable_tests(tests, [before.conformity(observation) for observation in observations])
         or _improbable_tests(tests, with_others)
         or _improbable_shifts(prior, after)
     )
@@ -196,10 +190,22 @@ def calibration_by_tests(
     return Calibration(new_scene, data)
 
 
-def _refuse_torques(path: str | Path, tests: Sequence[BearingTest], scene: Scene) -> None:
-    """Raises CaseFileError at the first torque, for a scene whose friction is not uncertain."""
+def _refuse_unusable_tests(
+    path: str | Path, tests: Sequence[BearingTest], scene: Scene, friction: str, digest: str
+) -> None:
+    """Raises CaseFileError for tests that cannot calibrate a scene.
+
+    They have calibrated it already, or are torques although its friction is not uncertain.
+
+    friction: name of the uncertain friction, empty without one.
+    digest: SHA-256 of the file of the tests.
+    """
+    if scene.calibrated and scene.calibrated.sha256 == digest:
+        raise CaseFileError(
+            f"{path}: got the tests used to calibrate the scene, expected different tests"
+        )
     for test in tests:
-        if test.seen == SEEN_TORQUE:
+        if test.seen == SEEN_TORQUE and not friction:
             key = FRICTION_KEYS[scene.friction.film is not None]
             raise CaseFileError(
                 f"{path}: row {test.row}: {SEEN_TORQUE}: got a result that would determine "

@@ -137,6 +137,8 @@ class Posterior:
         total = float(distribution(grid[-1]))
 
         def axis_quantile(probability: float) -> float:
+            """Returns the value below which a share of the distribution lies."""
+
             def excess(value: float) -> float:
                 return float(distribution(value)) - probability * total
 

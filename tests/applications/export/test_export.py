@@ -89,9 +89,9 @@ def test_stiffness_with_released_tilt_is_that_without_moments(over_speed):
 
 
 def test_released_tilt_softens_a_bearing_radially_but_not_axially(over_speed):
-    held, released = over_speed.ross_matrices(), over_speed.ross_matrices(tilt="released")
-    assert (released[:, 0, 0] < 0.6 * held[:, 0, 0]).all()
-    assert released[:, 2, 2] == pytest.approx(held[:, 2, 2])
+    K_held, K_released = over_speed.ross_matrices(), over_speed.ross_matrices(tilt="released")
+    assert (K_released[:, 0, 0] < 0.6 * K_held[:, 0, 0]).all()
+    assert K_released[:, 2, 2] == pytest.approx(K_held[:, 2, 2])
 
 
 def test_a_node_at_the_effective_arm_has_no_coupling(over_speed):
