@@ -97,7 +97,9 @@ def test_a_number_has_the_digits_that_its_error_leaves(value, error, text):
         (137.4003, 1e-9, "137.40"),
     ],
 )
-def test_an_estimate_has_the_digits_of_its_error_but_no_more_than_five(value, error, text):
+def test_an_estimate_has_the_digits_of_its_error_and_an_input_those_it_was_given(
+    value, error, text
+):
     assert Estimated.of(value, error).text == text
 
 
