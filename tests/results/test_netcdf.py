@@ -251,7 +251,7 @@ def test_a_file_with_other_contents_is_refused(reader, contents, problem, tmp_pa
 def test_a_missing_file_and_a_folder_are_refused(reader, tmp_path):
     refused(reader, tmp_path / "missing.nc", "cannot be read")
     (tmp_path / "folder.nc").mkdir()
-    refused(reader, tmp_path / "folder.nc", "cannot be read")
+    refused(reader, tmp_path / "folder.nc", "got a folder, expected a result file$")
 
 
 @pytest.mark.parametrize("reader", [load, sheet])

@@ -61,7 +61,7 @@ def test_every_study_is_planned(repository):
     # by config/config.yaml: two preload methods, five scenes with four frictions, three with one
     assert run.jobs["solve"] == 2 * (5 * 4 + 3 * 1)
     assert run.jobs["wear_life"] == 5 + 3
-    assert run.jobs["spread"] == 6  # one for each scene of config/uncertainty.yaml
+    assert run.jobs["spread"] == 6  # one for each scene of its uncertain_lives
     # two methods, two frictions and three states of wear, and one case of a turbine
     assert run.jobs["solve_dynamic"] == 2 * 2 * 3 + 1
 
