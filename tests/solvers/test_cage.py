@@ -87,7 +87,7 @@ def test_free_cage_keeps_its_momentum(scene, method):
         + np.cross(axis, start) * math.sin(angle)
         + axis * (axis @ start) * (1.0 - math.cos(angle))
     )
-    assert max(tilts) > half  # it has precessed
+    assert max(tilts) > half  # it has gone around
     assert_allclose(R[:, 0], exact, atol=2e-3 * half)  # the steps of 1e-5
 
 
