@@ -15,32 +15,38 @@ from bearingwear.studies.answers import PROBLEM, REFUSED, Workers, answers_at
 
 
 def square(x):
+    """Returns the square, and the process that computed it."""
     return {"square": x * x, "process": os.getpid()}
 
 
 def ratio_or_failure_at_two(x):
+    """Returns 1/x; raises a SceneError at 2, and a ZeroDivisionError at 0."""
     if x == 2:
         raise SceneError("operation.preload_N", "got -1, expected more")
     return {"status": 0, "ratio": 1 / x}
 
 
 def with_misspelt_attribute(x):
+    """Raises an AttributeError, as a fault of a program does."""
     return {"status": x.stat}
 
 
 def killed_at_one(x):
+    """Ends its own process at 1, as the system does when memory is short."""
     if x == 1:
         os.kill(os.getpid(), signal.SIGKILL)
     return {}
 
 
 def sleep(seconds):
+    """Returns its argument [s], after that time."""
     time.sleep(seconds)
     return {"seconds": seconds}
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_answers_stand_in_the_order_of_their_points(workers):
+    """Of no point, one, and many, in a list or an array."""
     with Workers(workers, progress=False) as pool:
         for points in ([], [3], list(range(50)), np.arange(5.0)):
             squares = [answer["square"] for answer in pool.answers_at(square, points)]
@@ -48,16 +54,21 @@ def test_answers_stand_in_the_order_of_their_points(workers):
 
 
 def test_rounds_share_their_processes():
+    """Four rounds by two workers use at most two processes beside this one.
+
+    This one evaluates the first point of the first round, before the others are forked from it.
+    """
     with Workers(2, progress=False) as pool:
         rounds = [list(pool.answers_at(square, range(20))) for _ in range(4)]
     processes = [{answer["process"] for answer in answers} for answers in rounds]
-    assert rounds[0][0]["process"] == os.getpid()  # the first answer says whether more are worth it
+    assert rounds[0][0]["process"] == os.getpid()
     assert len(set().union(*processes)) <= 1 + 2
     assert os.getpid() not in processes[1]
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_point_that_fails_leaves_the_others(workers):
+    """Its answer is the status `REFUSED` with the problem in words."""
     answers = list(answers_at(ratio_or_failure_at_two, [4, 2, 0, 1], workers, progress=False))
     problem = "scene: operation.preload_N: got -1, expected more"
     assert answers[0] == {"status": 0, "ratio": 0.25} and answers[3] == {"status": 0, "ratio": 1.0}
@@ -67,11 +78,13 @@ def test_a_point_that_fails_leaves_the_others(workers):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_fault_of_the_function_is_raised(workers):
+    """An AttributeError is no answer for a point, as every point would have it."""
     with pytest.raises(AttributeError, match="stat"):
         list(answers_at(with_misspelt_attribute, [1, 2, 3], workers, progress=False))
 
 
 def test_a_process_that_is_killed_is_named():
+    """The error names the command, by default `sweep`."""
     with pytest.raises(RuntimeError, match="sweep: a process ended unexpectedly"):
         list(answers_at(killed_at_one, [0, 1, 2], 2, progress=False))
 
@@ -99,6 +112,10 @@ def test_workers_are_at_least_one():
 
 
 def test_progress_has_a_line_every_few_seconds(monkeypatch):
+    """Of five points that take 2 s each: after 4 s and 8 s, with the seconds that are left.
+
+    The first answer, after 2 s, comes before a line is due; the last ends the progress.
+    """
     clock, lines = [0.0], []
     monkeypatch.setattr(module.time, "monotonic", lambda: clock[0])
 

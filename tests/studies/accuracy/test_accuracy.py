@@ -38,28 +38,33 @@ from workflow.studies.accuracy.plan import (
 from workflow.studies.accuracy.tables import SECTIONS, row_section
 
 PLAN_FILE = ROOT / ACCURACY_FILE
-NOT_CONVERGED = 1
+NOT_CONVERGED = 1  # status
 
 
 def step(run, *outputs, settings=None, **inputs):
+    """Runs a step of the study of accuracy, and returns its exit status; see `support.step`."""
     return run_step(f"studies.accuracy.{run}", *outputs, settings=settings, **inputs)
 
 
 @pytest.fixture(scope="module")
 def plan():
+    """Returns the plan of the project: scenes, sweeps, references, tables and cages."""
     return read_accuracy(PLAN_FILE)
 
 
 def invented_sweep(plan, scene, name, failed=()):
-    """A sweep of the plan, or a reference of it, whose k-th point has errors of 0.1^k.
+    """Returns a sweep of the plan on a scene, whose k-th point has relative errors of +0.1^k.
 
-    Inner QV errs three times as much; points whose labels are `failed` have no numbers.
+    The QV of the inner contact has errors of -3 times that. Points whose labels are in `failed`
+    have a status and no numbers. The first point of a reference is exact, and took 1 ms.
+
+    name: of a sweep, or of a reference: `steady`, or `short` or `long` runs, which have no life.
     """
     points = sweep_points(plan, name)
     n = len(points)
     sweep = plan["sweeps"].get(name)
     reference = reference_name(sweep) if sweep else name
-    if sweep is None:
+    if sweep is None:  # a reference: against its first point, the others err by 1e-4
         share = np.where(np.arange(n) == 0, 0.0, 1e-4)
     else:
         share = 0.1 ** np.arange(1.0, n + 1)
@@ -72,7 +77,7 @@ def invented_sweep(plan, scene, name, failed=()):
     sizes |= {"wear_rate": 1e-10, "life": 1.3, "cage_wear_rate": 1e-15}
     sizes |= {"end_qv": 0.7}
     numbers |= {key: size * (1.0 + share) for key, size in sizes.items()}
-    if scene == "bearing218":  # so that median and worst differ
+    if scene == "bearing218":  # so that the median over scenes is not the worst of them
         numbers["total_qv"] = sizes["total_qv"] * (1.0 + 2.0 * share)
     numbers["qv_inner"] = 0.01 * (1.0 - 3.0 * share)
     if reference in ("short", "long"):
@@ -102,7 +107,10 @@ def invented_sweep(plan, scene, name, failed=()):
 
 @pytest.fixture(scope="module")
 def files(plan, tmp_path_factory):
-    """A file for each sweep of the plan; one point of gyro_fresh has failed."""
+    """Returns the paths of all sweeps and references of the plan, one for each and its scene.
+
+    The first point of the sweep `gauss` on the scene gyro_fresh has failed.
+    """
     folder = tmp_path_factory.mktemp("points")
     paths = []
     for scene, name in sweep_jobs(plan):
@@ -114,7 +122,7 @@ def files(plan, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def trade(files, tmp_path_factory):
-    """The file of all sweeps, gathered."""
+    """Returns the path of the file that gathers them."""
     path = tmp_path_factory.mktemp("trade") / "accuracy.nc"
     assert step("gather.gathered_sweeps", path, paths=files) == 0
     return path
@@ -124,9 +132,10 @@ def trade(files, tmp_path_factory):
 
 
 def test_the_plan_reads_and_every_scene_of_it_is_valid(plan):
+    """With the settings of the first and the last point of each sweep."""
     for scene, sweep in sweep_jobs(plan):
         points = sweep_points(plan, sweep)
-        for point in points[:: max(1, len(points) - 1)]:
+        for point in points[:: max(1, len(points) - 1)]:  # first and last
             file = scene_file(plan["scenes"][scene]["file"])
             load_scene(file, point.overrides(scene_settings(plan, scene)))
     assert len(plan["scenes"]) >= 5 and set(PRESET_KEYS) == {"draft", "standard", "reference"}
@@ -155,6 +164,7 @@ def test_a_scene_has_the_sweeps_of_its_references(plan):
     ],
 )
 def test_a_broken_plan_is_refused_in_one_line(change, problem, tmp_path):
+    """Each change replaces a block of the project's plan."""
     data = yaml.safe_load(PLAN_FILE.read_text(encoding="utf-8")) | change
     (tmp_path / "scenes").symlink_to(ROOT / "config/scenes")
     file = tmp_path / "accuracy.yaml"
@@ -169,24 +179,30 @@ def test_a_broken_plan_is_refused_in_one_line(change, problem, tmp_path):
 
 @pytest.mark.long
 def test_errors_are_against_the_reference_of_the_scene(trade, plan):
+    """Signed and relative; of both contacts, `error_contact_qv` is the larger magnitude.
+
+    The errors are those of `invented_sweep`: 0.1^k for the k-th point of `gauss`, -3 times that at
+    the inner contact. Its first point failed: it keeps its status and has no errors.
+    """
     dataset = load(trade)
     assert dataset.sizes["point"] == sum(
         len(sweep_points(plan, name)) for _, name in sweep_jobs(plan)
     )
     is_gauss = (dataset["scene"].values == "gyro_fresh") & (dataset["sweep"].values == "gauss")
     gauss = dataset.isel(point=is_gauss)
-    error = 0.1 ** np.arange(2.0, 7.0)  # of the points but the first, which failed
+    error = 0.1 ** np.arange(2.0, gauss.sizes["point"] + 1.0)  # of the points but the first
     assert_allclose(gauss["error_total_qv"][1:], error, rtol=1e-9)
     assert_allclose(gauss["error_qv_inner"][1:], -3.0 * error, rtol=1e-9)
     assert_allclose(gauss["error_contact_qv"][1:], 3.0 * error, rtol=1e-9)
     assert_allclose(gauss["error_life"][1:], error, rtol=1e-9)
-    assert_allclose(gauss["reference_time"], 1e-3)
+    assert_allclose(gauss["reference_time"], 1e-3)  # s
     assert int(gauss["status"][0]) == NOT_CONVERGED
     assert np.isnan(gauss["error_total_qv"][0]) and np.isnan(gauss["error_contact_qv"][0])
 
 
 @pytest.mark.long
 def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
+    """Sweeps without their reference, files of different sources, and no file."""
     without = [path for path in files if path.name != "turbine-long.nc"]
     with pytest.raises(CaseFileError, match="turbine, .*: the reference long is missing"):
         gathered_sweeps(without)
@@ -220,7 +236,11 @@ def test_a_figure_is_the_same_bytes_twice(trade, tmp_path):
 
 @pytest.fixture
 def cages(plan, tmp_path):
-    """A file of ensembles, each with 0.9 times the wear of that before it."""
+    """Returns the path of gathered ensembles of runs, each with 0.9 times the wear of that before.
+
+    Work of the k-th run of the first is 1 + 0.1 k, times 1e-4 J; pockets have 0.8 of it, the land
+    0.2. In the k-th ensemble the first k runs move in another way (1) than the rest (0).
+    """
     paths, work = [], 1e-4 * (1.0 + 0.1 * np.arange(plan["cages"]["runs"]))
     for k, (name, row) in enumerate(plan["cages"]["ensembles"].items()):
         file = 0.9**k * work
@@ -236,30 +256,43 @@ def cages(plan, tmp_path):
 
 
 def test_ensembles_are_relative_to_the_first(cages, plan):
-    """Turns, work of cage, pockets and land, 90 % interval, and the share in another motion."""
+    """A row has turns, work of cage, pockets and land, each over that of the first ensemble.
+
+    Then the half-width of the 90 % interval of the work, and the share of runs in the same motion.
+    There are six ensembles of 20 runs.
+    """
     _, table = cages_part(load(cages), plan)
     first, second, *_, last = (row[1:] for row in table.rows)
     assert first == [1.0, 1.0, 1.0, 1.0, 0.0, 1.0]
-    # 1 + 0.1 k over their mean of 1.95; Student's t of 19 degrees of freedom at 95 %
+    # the work of run k is 1 + 0.1 k, with a mean of 1.95; run by run the second ensemble differs by
+    # a tenth of it. The 95 % point of Student's t with 19 degrees of freedom is 1.7291.
     interval = 0.1 * np.arange(20).std(ddof=1) / 1.95 * 1.7291 / math.sqrt(20)
     assert_allclose(second, [30 / 450, 0.9, 0.9, 0.9, 0.1 * interval, 0.95], rtol=1e-4)
-    assert last[1] == pytest.approx(0.9**5) and last[-1] == 0.75
+    assert last[1] == pytest.approx(0.9**5)
+    assert last[-1] == 0.75  # five of 20 runs move in another way
 
 
 def test_the_table_of_ensembles_is_written_into_the_docs(cages, plan, tmp_path):
+    """Between two marks: before, each line of the table is missing; afterwards nothing differs."""
     _, table = cages_part(load(cages), plan)
     docs = tmp_path / "accuracy.md"
     docs.write_text("<!-- cages: begin -->\n<!-- cages: end -->\n", encoding="utf-8")
     missing = differences(cages, PLAN_FILE, docs, "cages")
-    assert len(missing) == len(table.rows) + 2  # and the head
+    assert len(missing) == len(table.rows) + 2  # all rows, and two lines of the head
     inputs = {"plan": PLAN_FILE, "docs": docs, "trade": cages}
     assert step("docs.docs_with_part", docs, settings={"part": "cages"}, **inputs) == 0
     assert differences(cages, PLAN_FILE, docs, "cages") == []
+    # the third ensemble: 30 of 450 turns, and 0.9^2 of the work
     assert "| 30 turns | 0.067 | 0.81 |" in docs.read_text(encoding="utf-8")
 
 
 @pytest.mark.long
 def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
+    """Tables are written as files and into the docs; a check names each number that differs.
+
+    The docs have two parts between marks, as those of the project; other parts are added. Statuses:
+    0 done, 2 no such part, 3 differences.
+    """
     docs = tmp_path / "accuracy.md"
     parts = [f"<!-- {name}: begin -->\n<!-- {name}: end -->\n" for name in ("effects", "grooves")]
     docs.write_text("\n".join(["# Accuracy\n", *parts, "## Later\n"]), encoding="utf-8")
@@ -296,7 +329,7 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
     assert renew() == {0} and docs.read_text(encoding="utf-8") == once  # not a second time
     assert step("docs.docs_with_part", docs, settings={"part": "x"}, **inputs) == 2
 
-    # numbers of the docs that differ by more than the tolerance are named, one in a line
+    # a text of the docs, another in its place, and the line about it; none within the tolerance
     for old, new, difference in [
         (
             "| 50 equal strips | 5 | 0.01 ",
@@ -322,7 +355,7 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
         assert check() == (3 if difference else 0)
         lines = capsys.readouterr().err.splitlines()
         if difference:
-            line, count = lines
+            line, count = lines  # the second line has the number of differences
             assert re.search(difference, line) and numbers_in(count) == [1.0]
         else:
             assert lines == []
@@ -350,10 +383,12 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
     ],
 )  # fmt: skip
 def test_cells_agree_within_their_tolerance_either_way(agreement, old, new, is_met):
+    """Numbers below the floor or the bound of `< x` count as that; words and dashes must be equal."""
     assert agreement.is_met(old, new) == agreement.is_met(new, old) == is_met
 
 
 def test_the_docs_hold_every_row_of_the_plan(plan):
+    """By section and text of the row, with eight cells beside them."""
     cells = table_cells((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
     rows = {(SECTIONS[row_section(plan, row)], row["text"]) for row in plan["table"]}
     assert rows <= set(cells)
@@ -363,13 +398,17 @@ def test_the_docs_hold_every_row_of_the_plan(plan):
 @pytest.mark.long
 @pytest.mark.parametrize("part", DOCS_PARTS)
 def test_the_docs_hold_every_row_of_a_run(trade, cages, part):
-    """Each row, on each scene, though the numbers invented here are not those of the docs."""
+    """Invented numbers differ from those of the docs, but no row is missing there."""
     file = cages if part == "cages" else trade
     lines = differences(file, PLAN_FILE, ROOT / "docs" / "accuracy.md", part)
     assert lines and not [line for line in lines if line.endswith("missing")]
 
 
 def test_table_cells_have_only_significant_digits():
+    """Three digits of a number, two of a `Rough` one; below 0.001 % only that; a dash for NaN.
+
+    The first two items of the row are its axes, which are no cells.
+    """
     row = ["a", "b", 1.23456, 0.0, math.nan, Rough(1.2345), Rough(7.77), 0.00012, "yes"]
     units = ["", "", "", "", "", "%", ""]
     columns = {f"{k}": Agreement(unit=unit) for k, unit in enumerate(units)}

@@ -23,6 +23,7 @@ from workflow.studies.accuracy.scenes import (
     scene_with_growth,
 )
 
+# settings of a dynamic run: four turns, without a history
 MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
 
 
@@ -31,7 +32,9 @@ def test_the_fit_is_within_the_percents_its_authors_state(ratio):
     """Brewe and Hamrock: ellipticity and integrals each within 3 to 4 %, over 1 to 100.
 
     The stiffness takes K^-3/2 E^1/2 kappa of them, so at a round contact, where all are at their
-    worst, it is 8.7 % off.
+    worst, it is 8.7 % off. Here K is the stiffness, c_a and c_b scale the half-axes of the ellipse.
+
+    ratio: of the curvatures, in 1/m; E_star is the contact modulus of steel [Pa].
     """
     A, E_star = 20.0, 1.1e11
     exact = point_contact(A, ratio * A, E_star, math.nan)
@@ -39,10 +42,11 @@ def test_the_fit_is_within_the_percents_its_authors_state(ratio):
     assert_allclose(c_a / c_b, exact.c_a / exact.c_b, rtol=0.04)
     assert_allclose([c_a, c_b], [exact.c_a, exact.c_b], rtol=0.035)
     assert_allclose(K, exact.K, rtol=0.09)
-    assert abs(c_a / exact.c_a - 1.0) > 1e-6  # and it is a fit
+    assert abs(c_a / exact.c_a - 1.0) > 1e-6  # it is the fit, and not the exact formula
 
 
 def test_static_displacement_with_the_fit_is_within_2_percent(scene):
+    """The axial displacement of gyro_s1 under its preload of 7 N."""
     g = parameters.geometry(scene("gyro_s1"))
     exact = static_displacement(g, 7.0)
     assert_allclose(fitted_displacement(g, 7.0), exact, rtol=0.02)
@@ -50,7 +54,10 @@ def test_static_displacement_with_the_fit_is_within_2_percent(scene):
 
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 def test_under_thrust_three_balls_stand_for_all(scene, method):
-    """They start in the steady state and stay there, to the tolerance of a step."""
+    """A run with three balls in place of nine starts in the steady state and stays there, to 1e-6.
+
+    Sums over balls are scaled to nine; the steady state has the same QV at each ball.
+    """
     s = scene("gyro_s1", MODEL | {"operation.preload_method": method})
     few, values = three_balls(s), solve(s, "steady").values
     for name in ("total_qv", "residual_preload"):
@@ -61,19 +68,21 @@ def test_under_thrust_three_balls_stand_for_all(scene, method):
 
 @pytest.mark.parametrize("start", ["race_control", "kinematic"])
 def test_runs_from_other_starts_end_in_the_steady_state(scene, start):
-    """After 12 turns, to 1e-4 of QV."""
+    """After 12 turns, to 1e-4 of QV. The kinematic start rolls as outer race control would have it."""
     s = replace(scene("gyro_s1", MODEL | {"model.simulated_turns": 12}), cage=None)
     steady = solve(s, "steady").values["total_qv"]
     assert_allclose(dynamic_values(s, start, False)["total_qv"], steady, rtol=1e-4)
 
 
 def test_the_kinematic_start_is_not_the_steady_state(scene):
+    """The component w_x of the rotation of a ball, the first of four, differs by over 1e-4."""
     s = replace(scene("gyro_s1", MODEL), cage=None)
     steady, kinematic = (first_motion(s, start) for start in ("steady", "kinematic"))
     assert np.abs(kinematic / np.broadcast_to(steady, 4) - 1.0)[0] > 1e-4
 
 
 def test_the_fit_changes_qv_by_less_than_3_percent(scene):
+    """But by more than 1e-5, as it is used; under a constant force the preload stays."""
     s = replace(scene("gyro_s1", MODEL | {"model.simulated_turns": 12}), cage=None)
     exact, fit = dynamic_values(s, "steady", False), dynamic_values(s, "steady", True)
     assert fit["status"] == 0
@@ -83,7 +92,10 @@ def test_the_fit_changes_qv_by_less_than_3_percent(scene):
 
 @pytest.mark.parametrize("method", ["fixed_position", "constant_force"])
 def test_scenes_of_each_machine_on_the_rotor(scene, method):
-    """One bearing; a symmetric pair; one under half of its preload; one with a worn bearing."""
+    """One bearing; a symmetric pair; a pair pushed by half of its preload; a pair, one worn.
+
+    The preload is 7 N; the second bearing has lost 0.04 um of ball diameter.
+    """
     held = scene("gyro_s1", {"operation.preload_method": method})
     alone, alike, pushed, unlike = (scene_on_rotor(held, machine) for machine in MACHINES)
     assert alone is held and alike.pair.is_symmetric and pushed.pair.external_axial_N == 0.5 * 7.0
@@ -92,12 +104,16 @@ def test_scenes_of_each_machine_on_the_rotor(scene, method):
 
 @pytest.mark.parametrize("method", ["fixed_position", "constant_force"])
 def test_loads_and_unequal_wear_shorten_the_life_on_the_rotor(scene, method):
+    """A push of half the preload by a fifth or more; unequal wear by any amount.
+
+    A symmetric pair has QV and life of the bearing alone, as they are given for one bearing.
+    """
     held = scene("gyro_s1", {"operation.preload_method": method})
 
     def values(machine):
         point = SweepPoint(label=machine, value=0.0, fidelity="steady", machine=machine,
                            settings=(), text=machine)  # fmt: skip
-        return point_values(held, point, 1, 1.0)
+        return point_values(held, point, 1, 1.0)  # one repeat: times do not matter here
 
     alone, alike, pushed, unlike = map(values, MACHINES)
     assert alike["total_qv"] == alone["total_qv"] and alike["life"] == alone["life"]
@@ -106,7 +122,10 @@ def test_loads_and_unequal_wear_shorten_the_life_on_the_rotor(scene, method):
 
 
 def test_each_kind_of_growth_raises_the_preload(scene):
-    """By speed, more by a warm ring, and by a network that hardly warms about as by speed alone."""
+    """By speed alone; by more with a ring that is 5 K warmer.
+
+    By a thermal network that hardly warms, it is that of speed alone to 0.1 N.
+    """
     held = scene("gyro_s1", {"operation.preload_method": "fixed_position"})
     mounted, turning, warm, network = (scene_with_growth(held, warmth) for warmth in WARMTHS)
     assert mounted is held and turning.bearing.bore_mm == pytest.approx(4.0)
@@ -118,6 +137,10 @@ def test_each_kind_of_growth_raises_the_preload(scene):
 
 
 def test_a_life_ends_at_so_many_gaps_with_the_cells_asked_for(scene):
+    """Wear at the end is 0.05 times the gap beside the contact, to 1e-12.
+
+    A point with 32 x 8 cells and steps of 0.02 has the instants of that life.
+    """
     s = scene("gyro_s1", {"model.contact": "worn", "cage": None})
     point = SweepPoint(label="", value=0.0, fidelity="steady", settings=(), text="", cells="32 x 8")
     small = scene_with_end(s, "0.05")

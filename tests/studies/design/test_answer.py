@@ -25,13 +25,18 @@ from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_
 from bearingwear.studies.design.map import design_point
 
 PLACE = "initial_axial_displacement"
+"""Approach of the rings of a bearing under its preload when mounted [m], in values of a solve."""
 
 POWER, STIFFNESS = "friction_power_W", "system_axial_stiffness_N_um"
 
 
 @pytest.fixture(scope="module")
 def files(small_project):
-    """Paths of the map (`design`) and of the `recommendation` of a small study."""
+    """Returns the paths of the map (`design`) and of the `recommendation` of the small study.
+
+    tests/small_study.py has its limits: 3 N/um and a gyroscopic slip share of 0.25. Preload methods
+    are constant force (0) and fixed position (1).
+    """
     names = ("design", "recommendation")
     return {name: small_project / CHOICE / f"{name}.nc" for name in names}
 
@@ -53,7 +58,11 @@ def rows_of(table) -> dict[str, Row]:
 
 
 def test_the_answer_has_the_numbers_of_the_files(files, tmp_path):
-    """In its title, the sentences, and the tables of the recommendation and of what changes it."""
+    """In its title, the sentences, and three tables by their places on the page.
+
+    Table `open` is the recommendation, `lead` what would change the choice of method, `charted` the
+    points of the map. The small study recommends a constant force.
+    """
     path = tmp_path / "answer.json"
     assert step("studies.design.document.sheets.design_answer", path, **files) == 0
     answer, dataset = load_document(path), load(files["recommendation"])
@@ -78,16 +87,18 @@ def test_the_answer_has_the_numbers_of_the_files(files, tmp_path):
 
 
 def test_the_answer_has_three_sentences_at_most(files, tmp_path):
-    """Beside the strip of assumptions."""
+    """The strip of assumptions does not count."""
     answer = preload_document(load(files["recommendation"]), load(files["design"]))
     lines = [line for block in answer.blocks if block.place != "strip" for line in block.lines]
     assert 0 < len(lines) <= 3
 
 
 def test_each_point_of_the_table_names_the_requirements_that_it_violates(files):
+    """The last cell of a row has the word stiffness exactly where 3 N/um are not reached."""
     design = load(files["design"])
     answer = preload_document(load(files["recommendation"]), design)
     for row in tables_of(answer)["charted"].table[1]:
+        # a row starts with preload and method
         point = design.sel(preload=float(row[0])).isel(friction=0, shaft_speed=0)
         point = point.isel(preload_method=int(row[1] == "fixed position"))
         is_soft = float(point["system_axial_stiffness"]) < 3.0e6
@@ -95,6 +106,7 @@ def test_each_point_of_the_table_names_the_requirements_that_it_violates(files):
 
 
 def test_the_table_has_the_units_of_the_requirements_and_says_why_a_life_is_zero(files):
+    """Of lives of zero, and of powers of more than a kilowatt, which stay in W as in their key."""
     design = load(files["design"])
     design["life"][...] = 0.0
     design["friction_power"][...] *= 1e6
@@ -106,12 +118,16 @@ def test_the_table_has_the_units_of_the_requirements_and_says_why_a_life_is_zero
 
 
 def plain_title(dataset, design):
+    """Returns the headline of a recommendation and its map, with plain spaces."""
     return preload_document(dataset, design).title.replace("\N{NO-BREAK SPACE}", " ")
 
 
 @pytest.fixture
 def design_and_its_least_preload(files):
-    """The map, and a recommendation of the least preload of its range."""
+    """Returns the map, and a recommendation of its least preload, which the range alone limits.
+
+    Requirements and end of life would allow less.
+    """
     design, dataset = load(files["design"]), load(files["recommendation"])
     limits = dataset.active_limit.attrs["flag_meanings"].split()
     dataset["active_limit"][...] = limits.index("end_of_range")
@@ -125,6 +141,7 @@ def test_the_headline_says_that_less_preload_would_live_longer(design_and_its_le
 
 
 def test_the_headline_says_how_little_less_preload_would_gain(design_and_its_least_preload):
+    """Beyond the range, 0.1 N would have a life that is longer by 4 %."""
     design, dataset = design_and_its_least_preload
     dataset["beyond_preload"][...], dataset["beyond_life"][...] = 0.1, 1.04 * dataset["life"]
     title = plain_title(dataset, design)
@@ -133,6 +150,10 @@ def test_the_headline_says_how_little_less_preload_would_gain(design_and_its_lea
 
 
 def test_the_headline_without_a_requirement_is_an_advice(files):
+    """As a rule, less preload gives a longer life; `AS_LITTLE` is that sentence.
+
+    Such a recommendation has no limits, no life, and for each method the reason `NO_LIMIT`.
+    """
     design, dataset = load(files["design"]), load(files["recommendation"])
     dataset["life"][...] = np.nan
     dataset.attrs |= {"limits": "{}", NONE_BECAUSE: json.dumps({"fixed_position": NO_LIMIT})}
@@ -140,9 +161,13 @@ def test_the_headline_without_a_requirement_is_an_advice(files):
 
 
 def test_a_fixed_position_is_set_by_an_offset(files):
-    """Both bearings of the pair approach under the preload; at speed it is another."""
+    """The offset [um] is twice the approach of the rings of one bearing under its preload.
+
+    The answer also says that its life ends with 40 % of the preload left, and the preload at speed
+    in brackets where that differs.
+    """
     design, dataset = load(files["design"]), load(files["recommendation"])
-    dataset["life"][1] = 2.0 * float(dataset["life"][0])
+    dataset["life"][1] = 2.0 * float(dataset["life"][0])  # so that a fixed position is better
     answer, preload = preload_document(dataset, design), float(dataset["preload"][1])
     sentences = sentences_of(answer)
     scene = scene_from_dict(json.loads(dataset.attrs["scene"]))
@@ -156,9 +181,10 @@ def test_a_fixed_position_is_set_by_an_offset(files):
 
 
 def test_the_preload_of_a_set_is_that_of_a_side_and_of_which_pair(files):
-    """Two bearings against one are matched as a pair with 1/1.36 of the preload of the side.
+    """Two bearings against one are matched as a pair with 1/1.36 of the preload of a side.
 
-    That of a spring, the first method, is matched to nothing.
+    The factor is that of `set_preload_ratio`; makers print 1.35 or 1.36. Bearings under a spring,
+    the first method, are not matched.
     """
     dataset = load(files["recommendation"])
     scene = json.loads(dataset.attrs["scene"])
@@ -176,6 +202,7 @@ def test_the_preload_of_a_set_is_that_of_a_side_and_of_which_pair(files):
 
 
 def test_achieved_values_have_no_power_of_ten(files, tmp_path):
+    """A power of 1234 W is 1230 W on the page, in three digits, and not 1.23e+03 W."""
     dataset, changed = load(files["recommendation"]), tmp_path / "changed.nc"
     dataset["friction_power"][...] = 1234.0
     dataset.attrs["limits"] = json.dumps(json.loads(dataset.attrs["limits"]) | {POWER: 2000.0})
@@ -183,10 +210,11 @@ def test_achieved_values_have_no_power_of_ten(files, tmp_path):
     design = load(files["design"])
     design.assign_attrs(limits=dataset.attrs["limits"]).to_netcdf(tmp_path / "design.nc")
     question = json.loads(design_charts(tmp_path / "design.nc", changed))["question"]
-    assert "1230 W" in question.replace("\N{NO-BREAK SPACE}", " ")  # and not 1.23e+03
+    assert "1230 W" in question.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def test_a_method_without_a_preload_has_no_groove_model(files):
+    """Its cell in the row `groove` is empty; that of the other method is not."""
     dataset = load(files["recommendation"])
     dataset["life"][1] = np.nan
     (table,) = [b for b in preload_document(dataset).blocks if b.title == "recommended"]
@@ -195,7 +223,11 @@ def test_a_method_without_a_preload_has_no_groove_model(files):
 
 
 def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(files):
-    """Title and sentence have the recommended preload; both ends are solved once more."""
+    """At both ends of the tolerance, solved here, requirements hold and lives are similar.
+
+    Similar is `SIMILAR` times the longest. The title has the preload, the sentence in place `lead`
+    preload, plus, minus, least and greatest preload [N], and the share of the life [%].
+    """
     dataset = load(files["recommendation"])
     name, best, life = recommended_points(dataset)[0]
     low, high = float(best["least_preload"]), float(best["most_preload"])
@@ -215,7 +247,10 @@ def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(f
 
 
 def test_a_spacer_that_is_off_by_its_tolerance_stays_within_the_range(files):
-    """Of a fixed position from its recommended preload to half as much again."""
+    """A fixed position may have its recommended preload up to 1.5 times that.
+
+    In offsets [um], the tolerance is minus zero, plus 90 to 100 % of the room: it is rounded down.
+    """
     dataset = load(files["recommendation"])
     scene = scene_from_dict(json.loads(dataset.attrs["scene"]))
     dataset["life"][1] = 2.0 * float(dataset["life"][0])
@@ -233,12 +268,15 @@ def test_a_spacer_that_is_off_by_its_tolerance_stays_within_the_range(files):
 
 
 def test_hours_of_a_calibrated_scene_are_stated(files):
-    """With the interval that the tests leave; hours of another scene only compare designs."""
+    """Hours of a scene calibrated by tests are stated without the advice only to compare designs.
+
+    Both have the interval of the wear coefficient: 90 % of a lognormal distribution of factor 1.5.
+    """
     design, dataset = load(files["design"]), load(files["recommendation"])
     scene = json.loads(dataset.attrs["scene"])
     scene["uncertainty"] = {"wear_coefficient": {"distribution": "lognormal", "factor": 1.5}}
     life = float(dataset["life"].max())
-    ends = [Rough(life * 1.5**z).text for z in (-1.6449, 1.6449)]  # 90 % of a lognormal
+    ends = [Rough(life * 1.5**z).text for z in (-1.6449, 1.6449)]  # 5 and 95 % points
     calibration = {"calibrated": {"tests": "mine.csv", "sha256": 64 * "0", "rows": 2}}
     for is_calibrated, block in ((False, {}), (True, calibration)):
         dataset.attrs["scene"] = json.dumps(scene | block)
@@ -249,12 +287,12 @@ def test_hours_of_a_calibrated_scene_are_stated(files):
 
 
 SAMPLING = {"samples": 16, "seed": 1}
-QUANTILES = "studies.uncertainty.quantiles"
+QUANTILES = "studies.uncertainty.quantiles"  # module of steps
 
 
 @pytest.fixture(scope="module")
 def spread_file(files, small_project, tmp_path_factory):
-    """File of the spread of lives at the recommended preloads."""
+    """Returns the path of the spread of lives at the recommended preloads."""
     path = tmp_path_factory.mktemp("spread") / "spread.nc"
     inputs = {"scene": small_project / "mine.yaml", "recommendation": files["recommendation"]}
     run = f"{QUANTILES}.recommended_life_quantiles"
@@ -263,7 +301,7 @@ def spread_file(files, small_project, tmp_path_factory):
 
 
 def median_life(dataset):
-    """Of the first method, all inputs uncertain."""
+    """Returns the median life [h] of the first method, with all inputs uncertain."""
     quantiles = dataset["life_quantile"].isel(uncertain_inputs=0, preload_method=0)
     return float(quantiles.sel(probability=0.5).squeeze())
 
@@ -278,11 +316,12 @@ def test_the_spread_is_that_of_the_recommended_preload(files, spread_file, small
     assert preloads == dataset["preload"].values.tolist()
     nominal = spread["nominal_life"].values.ravel()
     assert nominal == pytest.approx(dataset["life"].values, rel=0.02)  # sampled lives are quick
-    # 4.1 N in place of 7 N: half as long again
+    # at 4.1 N in place of the scene's 7 N, about half as long again
     assert median_life(spread) > 1.3 * median_life(load(own))
 
 
 def test_the_answer_has_the_spread_of_its_file(files, spread_file, tmp_path):
+    """A row of the table `open` for each quantile that the file has, and none for another."""
     answer = tmp_path / "answer.json"
     run = "studies.design.document.sheets.design_answer"
     assert step(run, answer, **files, spread=spread_file) == 0

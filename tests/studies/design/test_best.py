@@ -29,21 +29,26 @@ from bearingwear.studies.design.plan import DesignLimits, round_number
 from bearingwear.studies.design.recommend import recommendation
 
 STIFF = DesignLimits(axial_stiffness_N_um=20.0, at_speed_only=True)
+"""The requirement of the searches on invented lives: 20 N/um at the full speed."""
 NOT_CONVERGED = STATUS_NAMES.index("not_converged")
 FIRST, LAST = 100.0, 1600.0
-"""Preloads between which lives are written down as they are; both lie far inside the grid."""
+"""Preloads [N] between which the best of an invented life is computed by brute force.
+
+The grid of the search goes from an eighth to 32 times the scene's 283 N, and contains both."""
 
 
 @pytest.fixture(scope="module")
 def scene():
+    """Returns a bearing whose own preload sets the grid of the search; it is not solved."""
     return bearingwear.new(designation="7008C", speed=18000.0, preload=283.0)
 
 
 class InventedLives:
-    """Lives over preload that cost nothing; quick ones are 1 % short, and 2 % off in stiffness.
+    """A search for the best preload by invented lives; quick ones are 1 % short, 2 % less stiff.
 
-    life, stiffness and practical are functions of the preload [N]; `other` has those of the other
-    preload method, which is left out without them.
+    life, stiffness [N/m] and practical (a bool) are functions of the preload [N]; a life of NaN is
+    one that was not solved. `other` has those of the other preload method, which is left out if it
+    is None. `count` has the number of solves of each kind. new_over_worn: ratio of stiffnesses.
     """
 
     def __init__(
@@ -56,7 +61,7 @@ class InventedLives:
         new_over_worn=1.0,
     ):
         self.life, self.stiffness, self.practical, self.other = life, stiffness, practical, other
-        self.new_over_worn = new_over_worn  # stiffness
+        self.new_over_worn = new_over_worn
         self.count = {NEW_BEARING: 0, EXACT_LIFE: 0}
         self.search = PreloadSearch(scene, STIFF, self.answers_at)
         self.line = self.search.lines[0]
@@ -64,21 +69,24 @@ class InventedLives:
             self.search.lines = [self.line]
 
     def answers_at(self, _, jobs):
+        """Stands in for `Workers.answers_at`: a job is a scene, limits, and a kind of solve."""
         return [self.values(scene.operation, solved) for scene, _, solved in jobs]
 
     def values(self, operation, solved):
+        """Returns the values of a design point for a kind of solve."""
         self.count[solved] = self.count.get(solved, 0) + 1
         preload, result = operation.preload_N, self
         if operation.preload_method != "constant_force":
             result = self.other
         life = result.life(preload)
         if math.isnan(life):
-            return {"status": NOT_CONVERGED, "end_criterion": 12}
+            return {"status": NOT_CONVERGED, "end_criterion": len(ENDS)}  # none
         is_quick = solved == QUICK_LIFE
         stiffness = result.stiffness(preload) * (0.98 if is_quick else 1.0)
         if solved == NEW_BEARING:
             stiffness *= result.new_over_worn
         values = dict.fromkeys(LIMITED["axial_stiffness_N_um"].extremes, stiffness)
+        # two criteria, 0 and 1, of which the second ends the lives of `peak` at low preloads
         values |= {"status": OK, "end_criterion": int(result.life is peak and preload < 333.0)}
         if solved != NEW_BEARING:
             values |= {"life": life * (0.99 if is_quick else 1.0)}
@@ -86,17 +94,22 @@ class InventedLives:
         return values
 
     def best_point(self):
+        """Runs the search; returns the best point of the first method, or None."""
         self.search.run()
         return self.line.best(STIFF)
 
     def best_of_all(self):
-        """The longest life within the limits, at preloads 0.1 % apart."""
+        """Returns the longest life within the limits, at 2773 preloads that are 0.1 % apart."""
         every = np.geomspace(FIRST, LAST, 2773)
         allowed = [p for p in every if self.stiffness(p) >= 20e6]
         return np.nanmax([self.life(p) for p in allowed if self.practical(p)])
 
 
+# Lives over a preload p [N], in arbitrary units.
+
+
 def falling(p):
+    """A life inverse to the preload, but of nothing up to 100 N."""
     return 1000.0 / p if p > FIRST else 0.0
 
 
@@ -111,11 +124,12 @@ def nothing(p):
 
 
 def unsolved(p):
+    """No state below 427 N."""
     return math.nan if p < 427.0 else falling(p)
 
 
 def peak(p):
-    """Two criteria, of which the first to be met ends the life."""
+    """Two criteria, of which the first to be met ends the life; they meet at 333 N."""
     return min(falling(p), 1000.0 / 333.0 * (p / 333.0) ** 1.2)
 
 
@@ -130,6 +144,11 @@ def peak(p):
     ],
 )
 def test_no_allowed_preload_is_better_by_one_per_cent(scene, life, stiffness, held_by_what):
+    """The best of the search, by an exact life, is compared with brute force.
+
+    held_by_what: name in `ACTIVE` of what forbids the longer lives beside it. 381.6 and 427 N lie
+    between preloads of the grid, which are 19 % apart.
+    """
     lives = InventedLives(scene, life, stiffness)
     best = lives.best_point()
     assert best.solved == EXACT_LIFE and best.is_allowed(STIFF)
@@ -137,25 +156,29 @@ def test_no_allowed_preload_is_better_by_one_per_cent(scene, life, stiffness, he
     assert best.life == life(best.preload) > 0.0
     assert best.preload == float(f"{best.preload:.4g}")
     assert ACTIVE[lives.search.active_limit(lives.line, best)] == held_by_what
-    assert lives.count[EXACT_LIFE] <= 16  # a sweep, and three rounds beside the best
+    assert lives.count[EXACT_LIFE] <= 16  # they take seconds; quick lives of a sweep take less
 
 
 def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
     """A stiffness that is enough from 322 to 338 N and again from 700 N on.
 
-    With lives of 1000/p the better of the two ranges is the narrow one.
+    With lives of 1000/p the better of the two ranges is the narrow one. By quick lives, 2 % less
+    stiff, no preload of the grid is stiff enough there.
     """
 
     def stiffness(p):
         return 20e6 * max(1.08 - abs(math.log(p / 330.0)) * 3.33, (p / 700.0) ** 0.5)
 
     lives = InventedLives(scene, falling, stiffness)
-    assert lives.best_of_all() > 3.0
+    assert lives.best_of_all() > 3.0  # of 1000/322; from 700 N on at most 1.4
     assert lives.best_point().life > 0.99 * lives.best_of_all()
 
 
 def test_both_ends_of_an_allowed_range_are_found(scene):
-    """250 to 326 N are allowed worn. Both ends live longer than the middle, the lower one most."""
+    """250 to 326 N are allowed worn. Both ends live longer than the middle, the lower one most.
+
+    The lower end is given by the stiffness, which new is twice as high; the upper one is practical.
+    """
 
     def valley(p):
         return max((283.0 / p) ** 1.5, p / 283.0)
@@ -166,10 +189,14 @@ def test_both_ends_of_an_allowed_range_are_found(scene):
     lives = InventedLives(scene, valley, stiffness, lambda p: p <= 326.0, new_over_worn=2.0)
     best = lives.best_point()
     assert best.preload < 260.0 and best.life > 0.99 * lives.best_of_all()
-    assert lives.count[EXACT_LIFE] <= 20
+    assert lives.count[EXACT_LIFE] <= 20  # somewhat more than with one end
 
 
 def test_a_preload_may_be_set_where_the_life_is_similar(scene):
+    """Settable points go from the cliff at 427 N up to lives of `SIMILAR` times the best.
+
+    They contain preloads more than 5 % above the best one.
+    """
     lives = InventedLives(scene, cliff)
     best = lives.best_point()
     similar = [item.preload for item in lives.search.settable_points(lives.line)]
@@ -178,6 +205,7 @@ def test_a_preload_may_be_set_where_the_life_is_similar(scene):
 
 
 def test_an_impractical_preload_is_not_recommended(scene):
+    """Up to 251.3 N lives are longer but impractical: the best is at most 1 % above."""
     lives = InventedLives(scene, falling, practical=lambda p: p > 251.3)
     best = lives.best_point()
     assert 251.3 < best.preload < 1.01 * 251.3
@@ -202,6 +230,10 @@ def test_an_impractical_preload_is_not_recommended(scene):
 def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
     scene, life, stiffness, preload, held_by_what, has_point_beyond
 ):
+    """preload: expected best one [N], to 1 %.
+
+    has_point_beyond: whether a preload beyond the range lives longer than that at its end.
+    """
     lives = InventedLives(scene, life, stiffness)
     best = lives.best_point()
     assert best.preload == pytest.approx(preload, rel=0.01)
@@ -210,19 +242,20 @@ def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
 
 
 def why_no_preload(lives):
-    """Why a search has found no preload."""
+    """Returns the text that says why a search has found no preload, which must be so."""
     assert lives.best_point() is None
     return infeasibility_text(lives.line.points(STIFF), STIFF, has_cases=False)
 
 
 def test_the_best_stiffness_is_named_where_none_is_enough(scene):
-    """p^0.3 N/um at the end of the range, 32 times the scene's 283 N."""
+    """It is p^0.3 N/um, with p in N: 15.4 at the end of the range, 32 times the scene's 283 N."""
     why = why_no_preload(InventedLives(scene, falling, lambda p: 1e6 * p**0.3))
     assert why.startswith("axial stiffness of one bearing")
     assert numbers_in(why)[:3] == [20, 15.4, 9060]  # N/um required, N/um at best, N
 
 
 def test_a_criterion_met_when_new_is_named_where_no_preload_lives(scene):
+    """All lives are zero; the words are those of a criterion that is met by new bearings."""
     why = why_no_preload(InventedLives(scene, lambda p: 0.0))
     assert "criterion" in why and "new" in why
 
@@ -233,6 +266,10 @@ def test_no_computed_life_is_named(scene):
 
 
 def test_requirements_that_cannot_be_met_together_are_named():
+    """At k N the stiffness is k N/um and the power 0.1 k W: 3.5 N/um need 4 N, 0.33 W at most 3 N.
+
+    Each of the two requirements can be met without the other.
+    """
     limits = DesignLimits(axial_stiffness_N_um=3.5, friction_power_W=0.33, at_speed_only=True)
     stiffness = LIMITED["axial_stiffness_N_um"].extremes
 
@@ -246,7 +283,10 @@ def test_requirements_that_cannot_be_met_together_are_named():
 
 
 def test_a_criterion_that_rules_out_what_the_requirements_allow_is_named():
-    """A pressure of 2 GPa is exceeded at 5 N by little, and slip ends each life below."""
+    """At 5 N the pressure is 2.001 GPa, above its limit of 2 GPa, and 0.4 GPa less for each N less.
+
+    Lives at 2 to 4 N, which have less pressure, are zero by slip of new bearings.
+    """
     limits = DesignLimits(maximum_pressure_GPa=2.0, at_speed_only=True)
     slip = [*ENDS].index("gyroscopic_slip_share")
 
@@ -262,7 +302,11 @@ def test_a_criterion_that_rules_out_what_the_requirements_allow_is_named():
 
 
 def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
-    """New bearings of 3 N all but meet the requirements; the others meet them until they wear."""
+    """A bearing at 3 N, solved when new, has 3 of 3.01 N/um and keeps 90 % of its preload.
+
+    Those at 4 and 5 N are stiff enough, but worn keep 30 and 20 % of the 50 % that are required.
+    The text is to name the preload kept, and not the stiffness that is so nearly enough at 3 N.
+    """
     limits = DesignLimits(axial_stiffness_N_um=3.01, preload_kept=0.5, at_speed_only=True)
     stiffness = LIMITED["axial_stiffness_N_um"].extremes
     kept = LIMITED["preload_kept"].extremes
@@ -279,9 +323,10 @@ def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
 
 
 def test_the_stiffness_at_which_the_other_method_is_better(scene):
-    """Lives 9e6 p^-1.9 and 800 p^-0.4, at the stiffness p that is required, are equal at 500.
+    """Lives are 9e6 p^-1.9 and 800 p^-0.4, the stiffness of both p N/um at p N.
 
-    To 3 %, between values that were tried from half to twice the requirement.
+    Each method takes the least preload, so that both live equally long if 502 N/um are required.
+    This is found to 3 % between values that were tried, from half to twice the present 300 N/um.
     """
     equal = (9e6 / 800.0) ** (1.0 / 1.5)
     limits = DesignLimits(axial_stiffness_N_um=300.0, at_speed_only=True)
@@ -295,6 +340,7 @@ def test_the_stiffness_at_which_the_other_method_is_better(scene):
 
 
 def test_numbers_have_as_few_digits_as_fit_between_two():
+    """But three at least."""
     assert round_number(381.62, 280.0, 396.0) == 382.0
     assert round_number(381.62, 381.0, 382.0) == 381.6
     assert round_number(1019.57, 990.0, 1100.0) == 1020.0
@@ -305,7 +351,7 @@ def test_numbers_have_as_few_digits_as_fit_between_two():
 
 
 def test_the_recommendation_is_at_the_end_of_a_steep_rise():
-    """No preload from 106 to 114 N, where slip ends lives soon below, lasts 1 % longer."""
+    """No preload from 106 to 114 N lasts 1 % longer; somewhat below, slip soon ends lives."""
     warm = {"inner_ring_C": 30.0, "balls_C": 30.0, "outer_ring_C": 20.0}
     scene = bearingwear.new(designation="7202AC", speed=24000.0).with_(
         {"model.contact": "hertz"} | {f"temperature.{key}": C for key, C in warm.items()}
@@ -321,7 +367,10 @@ def test_the_recommendation_is_at_the_end_of_a_steep_rise():
 
 
 def test_a_narrow_range_within_the_requirements_is_found_where_slip_ends_lives_above_it():
-    """48 to 52 N live 0.73 h; worn, less is too soft, and more slips. Above 120 N: 0.35 h."""
+    """48 to 52 N live 0.73 h: with less, worn bearings are too soft, with more, they slip.
+
+    Above 120 N slip ends no life, but lives are 0.35 h.
+    """
     warm = {"inner_ring_C": 30.0, "balls_C": 30.0, "outer_ring_C": 20.0}
     scene = bearingwear.new(designation="7202AC", speed=26400.0).with_(
         {"model.contact": "hertz"} | {f"temperature.{key}": C for key, C in warm.items()}
@@ -330,11 +379,11 @@ def test_a_narrow_range_within_the_requirements_is_found_where_slip_ends_lives_a
     point = recommendation(scene, limits).isel(preload_method=0)
     in_range = design_point(with_method(scene, PRELOAD_METHODS[0], 48.75), limits)
     assert min(limit_margins(in_range, limits)) > 0.0
-    assert float(point["life"]) > 0.99 * in_range["life"] / 3600.0 > 0.7
+    assert float(point["life"]) > 0.99 * in_range["life"] / 3600.0 > 0.7  # h
 
 
 def test_a_required_life_that_no_preload_has_is_named():
-    """10 000 h, where it is 1.4 h at best with the stiffness that is required."""
+    """10 000 h, where 1.4 h is the best with the required stiffness; both methods say why not."""
     scene = bearingwear.new(designation="7008C", speed=18000.0).with_({"model.contact": "hertz"})
     recommended = recommendation(scene, DesignLimits(system_axial_stiffness_N_um=20.0, life_h=1e4))
     assert recommended["life"].isnull().all()
@@ -345,7 +394,10 @@ def test_a_required_life_that_no_preload_has_is_named():
 
 @pytest.mark.parametrize("bearings", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_the_recommended_life_of_a_film_is_that_of_life(bearings):
-    """Worn through within it, of a single bearing and a pair; 2 % less preload is too soft."""
+    """The film of a race is worn through within that life, of a single bearing and of a pair.
+
+    With 2 % less preload a requirement is violated, so that the preload is the least.
+    """
     keys = {"shear_strength_MPa": 30.0, "pressure_coefficient": 0.02, "thickness_um": 0.2}
     keys |= {"wear_coefficient": 1e-7, "bare_ball_race": 0.2}
     kind = {"arrangement.kind": "spring_pair"} if bearings == 2 else {}

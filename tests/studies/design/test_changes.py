@@ -19,7 +19,7 @@ STIFFNESS = "system_axial_stiffness_N_um"
 
 
 class Change(NamedTuple):
-    """A value now, and the values below and above which the other method is better."""
+    """A value now, and those below and above which the other method is better (NaN: none tried)."""
 
     below: float
     now: float
@@ -27,7 +27,7 @@ class Change(NamedTuple):
 
 
 def change_in(recommended, name):
-    """The change of a recommendation that has this name."""
+    """Returns the values of a recommendation for the change of an input or a requirement."""
     k = recommended["change"].attrs["flag_meanings"].split().index(name)
     columns = ("other_better_below", "value_now", "other_better_above")
     return Change(*(float(recommended[column][k]) for column in columns))
@@ -38,7 +38,7 @@ SPRING, RIGID = range(2)  # preload methods
 
 @pytest.fixture(scope="module")
 def recommended_at(scene):
-    """Function of a required system stiffness [N/um] -> the recommendation of gyro_s1."""
+    """Returns a function of a required system stiffness [N/um]: the recommendation for gyro_s1."""
     gyro = scene("gyro_s1")
     return lambda limit: recommendation(
         gyro, DesignLimits(**{STIFFNESS: limit}, at_speed_only=True)
@@ -46,14 +46,17 @@ def recommended_at(scene):
 
 
 def test_both_machines_are_as_stiff_as_required(recommended_at):
-    """In three digits of preload, on the side that keeps to the limit."""
+    """Stiffness exceeds 3 N/um by 1 % at most, as preloads of three digits are rounded up."""
     lesser = LIMITED[STIFFNESS].worst(recommended_at(3.0))
     assert_allclose(lesser, 3e6, rtol=1e-2)
     assert (lesser >= 3e6).all()
 
 
 def test_a_spring_is_better_up_to_a_stiffness_and_a_rigid_pair_above(recommended_at):
-    """4.8 N/um, a regression value; just below and above it the choice is that which is said."""
+    """It is 4.8 N/um, a regression value; recommendations for 4 % less and more bear it out.
+
+    best_method: index of the method with the longer life.
+    """
     soft = recommended_at(3.0)
     assert best_method(soft) == SPRING
     stiffness = change_in(soft, LIMIT_KEY + STIFFNESS)
@@ -64,7 +67,10 @@ def test_a_spring_is_better_up_to_a_stiffness_and_a_rigid_pair_above(recommended
 
 @pytest.mark.parametrize("name", ["torque_margin", "gap_um"])
 def test_a_requirement_of_zero_is_not_varied(name):
-    """Other values are tried as factors of the present one: zero (`--torque-margin 0`) stays."""
+    """Other values are tried as factors of the present one, which leave zero as it is.
+
+    The search has no spring pair within its limits; its rigid pair needs nothing but a life.
+    """
     limits = DesignLimits(**{name: 0.0})
     search = SimpleNamespace(limits=limits, lines=["spring pair", "rigid pair"])
     no_spring_pair, rigid_pair = None, SimpleNamespace(life=1.0)
@@ -72,13 +78,17 @@ def test_a_requirement_of_zero_is_not_varied(name):
 
 
 def test_a_rigid_pair_is_better_up_to_a_warmth_and_a_spring_above(scene, recommended_at):
-    """At the recommended preloads; the inner ring is 10 % less warm, and 10 % warmer."""
+    """Lives at the recommended preloads, 10 % below and above the warmth that is found.
+
+    Warmth is the temperature of the inner ring above the rest at 20 degC [K].
+    """
     recommended = recommended_at(5.0)
     assert best_method(recommended) == RIGID
     warmth = change_in(recommended, WARMTH_KEY)
     assert math.isnan(warmth.below) and warmth.now == 0.0
 
     def longest(kelvin):
+        """Returns the index of the method that lives longest with a warmer inner ring."""
         lives = []
         for k, method in enumerate(PRELOAD_METHODS):
             held = with_method(scene("gyro_s1"), method, float(recommended["preload"][k]))
@@ -91,7 +101,7 @@ def test_a_rigid_pair_is_better_up_to_a_warmth_and_a_spring_above(scene, recomme
 
 
 def test_no_warmth_is_tried_where_a_thermal_expansion_is_missing(scene):
-    """As for balls and races of different materials; the rest is tried without it."""
+    """Warmth of a hybrid needs the thermal expansion of both materials; friction is still tried."""
     steel = vars(scene("gyro_s1").materials["bearing_steel"])
     ceramic = {key: value for key, value in steel.items() if value is not None}
     ceramic.pop("thermal_expansion_1_K", None)

@@ -44,22 +44,31 @@ from bearingwear.studies.design.recommend import recommendation
 STIFFNESS = "system_axial_stiffness"
 STIFF = DesignLimits(system_axial_stiffness_N_um=20.0)
 SPEEDS = (0.0, 100.0, 3000.0, 9000.0, 18000.0)
+"""Speeds [r/min] from rest to that of `spindle`, at which a plain solve looks."""
 
 
 def bearing_at(designation, speed, **changes):
-    """A bearing at a speed [r/min], whose grooves stay as they are unless the changes say more."""
+    """Returns a bearing of the catalogue at a speed [r/min], with changes by dotted keys.
+
+    Contacts are Hertzian by default: grooves do not change their shape as they wear.
+    """
     plain = bearingwear.new(designation=designation, speed=speed)
     return plain.with_({"model.contact": "hertz", **changes})
 
 
 @pytest.fixture(scope="module")
 def spindle():
-    """The bearing of the README, whose grooves stay as they are."""
+    """Returns the bearing of the README at 18000 r/min, with Hertzian contacts."""
     return bearing_at("7008C", 18000.0)
 
 
 def stiffness_by_solve(scene, method, preload, speed):
-    """Stiffness [N/um] of the bearings that a method holds, by a plain solve."""
+    """Returns the axial stiffness [N/um] of all bearings that a method holds, by a plain solve.
+
+    They share the load of a rotor, so that it is a multiple of that of a bearing, which is in N/m.
+
+    preload [N]; speed [r/min].
+    """
     held = with_method(scene, method, preload).with_({"operation.shaft_speed_rpm": speed})
     result = solve(held)
     assert result.status == "ok"
@@ -67,8 +76,13 @@ def stiffness_by_solve(scene, method, preload, speed):
 
 
 def test_the_recommended_preload_is_stiff_enough_at_every_speed(spindle):
-    recommended = recommendation(spindle, replace(STIFF, life_h=0.2))
-    assert float(recommended["life"].max()) > 0.2
+    """It has 20 N/um at every one of SPEEDS, by either method, and at least the life required.
+
+    The least stiffness over the speed is only found to `SPEED_FOUND_TO`, so that much may lack.
+    """
+    required_life = 0.2  # h; low enough for the stiffness to decide: without it, lives reach 1.4 h
+    recommended = recommendation(spindle, replace(STIFF, life_h=required_life))
+    assert (recommended["life"] >= required_life).all()
     for k, method in enumerate(PRELOAD_METHODS):
         preload = float(recommended["preload"][k])
         by_speed = [stiffness_by_solve(spindle, method, preload, speed) for speed in SPEEDS]
@@ -81,12 +95,16 @@ PEAKED = {
         dict(bore=40, outside=68, contact_angle=15, balls=16, ball_diameter=7.938), 244.0
     ),
 }  # fmt: skip
-"""Bearings whose slip peaks worn, and their preloads [N]; of the second, the higher of two peaks
-lies between eighths of the speed."""
+"""Bearings whose gyroscopic slip, worn, peaks below their full speed, and their preloads [N].
+
+Slip of the second has two peaks; the higher of them lies between eighths of the full speed."""
 
 
 def slip_by_share(scene, shares):
-    """Largest gyroscopic slip share at the end of life, by shares of the speed."""
+    """Returns the largest gyroscopic slip share of all contacts at the end of life, by speed.
+
+    shares: of the full speed, which are the keys. Speeds that are not solved are left out.
+    """
     worn = worn_states(worn_life_with_stiffness(scene, quick=False))
     states = {share: worn(at_speed_share(scene, share))[0] for share in shares}
     return {
@@ -98,19 +116,22 @@ def slip_by_share(scene, shares):
 
 @pytest.mark.parametrize("bearing, preload", PEAKED.values(), ids=PEAKED)
 def test_slip_that_peaks_between_rest_and_speed_is_found_worn(bearing, preload):
-    """At 0.46 of the speed, just before control goes over to the other race.
+    """Both peak at 0.46 of the speed, just before control goes over to the other race.
 
-    To 2 % of the highest at 50 speeds.
+    A requirement of 0.36 finds the peak to 2 % of the highest of 50 speeds.
     """
     held = with_method(bearingwear.new(**bearing, speed=18000.0), "fixed_position", preload)
     point = design_point(held, DesignLimits(gyroscopic_slip_share=0.36))
     highest = max(slip_by_share(held, np.linspace(0.02, 1.0, 50).tolist()).values())
-    assert highest > 0.365  # beyond the limit, which it is at the full speed
+    assert highest > 0.365  # beyond the limit of 0.36
     assert point["gyroscopic_slip_share"] == pytest.approx(highest, rel=0.02)
 
 
 def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
-    """Worn, slip has a hump at 0.6 of the speed and a higher, narrow peak at 0.46."""
+    """Worn, slip has a hump at 0.6 of the speed and a higher, narrow peak at 0.46.
+
+    The peak is found to 0.5 %: as the highest of the plain solves at the speeds below.
+    """
     plain = bearingwear.new(
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
         speed=18000.0, preload=120.0,
@@ -119,12 +140,15 @@ def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
     point = design_point(held, DesignLimits(gyroscopic_slip_share=0.36))
     shares = (0.375, 0.44, 0.45, 0.46, 0.47, 0.48, 0.5, 0.6)
     highest = max(slip_by_share(held, shares).values())
-    assert highest > 0.355
+    assert highest > 0.355  # so that there is a peak near the limit; a regression value
     assert point["gyroscopic_slip_share"] == pytest.approx(highest, rel=5e-3)
 
 
 def test_a_steep_peak_of_slip_that_begins_below_the_highest_known_speed_is_found():
-    """At 0.404 of the speed, between two sixteenths with less slip than a hump at 0.58."""
+    """At 0.404 of the speed, between two sixteenths with less slip than a hump at 0.58.
+
+    Of sixteenths alone, the hump would be the highest.
+    """
     plain = bearingwear.new(designation="7006C", speed=20000.0)
     held = with_method(plain.with_({"cage": None}), "constant_force", 33.1)
     point = design_point(held, DesignLimits(gyroscopic_slip_share=0.3351))
@@ -134,7 +158,11 @@ def test_a_steep_peak_of_slip_that_begins_below_the_highest_known_speed_is_found
 
 
 def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
-    """By more than a tenth of the requirement either way; a solve at 3000 r/min confirms it."""
+    """By more than a tenth of the 20 N/um either way; a solve at 3000 r/min confirms it.
+
+    Margins are shares of the limit; the least of all requirements counts, new. 17.5 N lie between
+    the preload that is enough at 18000 r/min and that which is enough below.
+    """
     held = with_method(spindle, "fixed_position", 17.5)
     at_speed_only = replace(STIFF, at_speed_only=True)
     assert min(limit_margins(new_point(held, at_speed_only), at_speed_only)) > 0.1
@@ -143,7 +171,11 @@ def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
 
 
 def test_the_deciding_condition_is_the_worst_one(spindle):
-    """Against speeds 1 % apart, new; a solve at the speed that it names has its value."""
+    """New, stiffness at the speed named is as low as at any of 101 speeds, 1 % apart.
+
+    A plain solve at that speed has the value. Between
+    the speeds of a grid the worst one is only looked for near a limit, here 36 N/um.
+    """
     held = with_method(spindle, "fixed_position", 60.0)
     point = new_point(held, DesignLimits(system_axial_stiffness_N_um=36.0))
     where = point[DECIDING][STIFFNESS]
@@ -158,9 +190,10 @@ def test_the_deciding_condition_is_the_worst_one(spindle):
 
 
 def test_worn_grooves_are_solved_at_other_speeds():
-    """At the speed of the life, the bearing is that of its end.
+    """Worn, states at other speeds are solved though balls run beside the middle of their tracks.
 
-    To 2 and 3 %; slower, the balls run beside the middle of what they have worn.
+    At the full speed, the state is the last one of the life: pressure to 2 %, stiffness to 3 %, the
+    errors of a quick life.
     """
     scene = bearing_at("7008C", 18000.0, **{"model.contact": "auto"})
     held = with_method(scene, "constant_force", 400.0)
@@ -175,7 +208,11 @@ def test_worn_grooves_are_solved_at_other_speeds():
 
 
 def test_a_worn_pair_that_keeps_its_preload_slow_keeps_it_at_rest():
-    """The rotor starts where it stood: where even wear puts it, bearing 2 carries nothing."""
+    """At a sixteenth of the speed and at rest, as mounted: preloads differ by 2 % at most.
+
+    A solve must start from where the rotor stood before: from the place that even wear would give,
+    it ends with bearing 2 unloaded.
+    """
     plain = bearingwear.new(
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
         speed=18000.0, preload=120.0, preload_method="fixed_position",
@@ -193,7 +230,10 @@ def test_a_worn_pair_that_keeps_its_preload_slow_keeps_it_at_rest():
 
 @pytest.fixture(scope="module")
 def pair():
-    """Two bearings under a force that lifts one off at rest, not at speed."""
+    """Returns a rigid pair under 150 N, which at 15 N of preload lifts one bearing off at rest.
+
+    At 24000 r/min warm rings and centrifugal force keep both loaded.
+    """
     plain = bearingwear.new(
         designation="71910C", speed=24000.0, ball_material="silicon_nitride",
         preload_method="fixed_position",
@@ -205,6 +245,10 @@ def pair():
 
 
 def test_a_bearing_that_lifts_off_somewhere_is_refused(pair):
+    """At rest, as mounted, less than 1 % of the preload is left (`LEAST_KEPT`): a negative margin.
+
+    At the full speed alone it keeps more than its initial preload.
+    """
     limits = DesignLimits(system_axial_stiffness_N_um=60.0)
     point = new_point(with_method(pair, "fixed_position", 15.0), limits)
     where = point[DECIDING]["preload_kept"]
@@ -219,10 +263,15 @@ def test_a_bearing_that_lifts_off_somewhere_is_refused(pair):
 
 @pytest.fixture(scope="module")
 def recommended_pair(pair):
+    """Returns the recommendation for the pair with 60 N/um at all speeds."""
     return recommendation(pair, DesignLimits(system_axial_stiffness_N_um=60.0))
 
 
 def test_a_pair_is_stiff_enough_and_carries_load_cold_and_slow(pair, recommended_pair):
+    """By plain solves at six speeds: 60 N/um, and both bearings keep 1 % of the preload or more.
+
+    Below 3000 r/min also with the temperatures of mounting, as rings have not warmed by then.
+    """
     k = PRELOAD_METHODS.index("fixed_position")
     preload = float(recommended_pair["preload"][k])
     assert preload > 100.0  # many times what it takes at speed
@@ -236,7 +285,7 @@ def test_a_pair_is_stiff_enough_and_carries_load_cold_and_slow(pair, recommended
 
 
 def test_a_recommendation_lists_its_conditions(recommended_pair):
-    """At rest warm and as mounted, and at speed warm alone."""
+    """At rest both with running and with mounting temperatures, at full speed only with running."""
     conditions = [
         (item["speed_rpm"], item["temperature"])
         for item in json.loads(recommended_pair.attrs[CONDITIONS])
@@ -248,7 +297,10 @@ def test_a_recommendation_lists_its_conditions(recommended_pair):
 
 
 def test_a_case_at_standstill_changes_no_life(spindle):
-    """Nothing wears in it, and its stiffness is looked at anyway."""
+    """Nothing wears at standstill; its stiffness is that of the nominal case at rest anyway.
+
+    A recommendation with such a case has a finite preload, life and error estimate.
+    """
     scene = spindle.with_({"cases": {"rest": {"operation.shaft_speed_rpm": 0.0}}})
     held = with_method(scene, "constant_force", 400.0)
     point, alone = (
@@ -262,18 +314,23 @@ def test_a_case_at_standstill_changes_no_life(spindle):
 
 
 def test_the_case_that_forbids_every_preload_is_named(spindle):
-    """Hot enough for no fixed position, in one case alone."""
+    """A hot outer ring unloads every fixed position, in the case `hot` alone.
+
+    A constant force has no preload that reaches 4000 N/um; its reason names a case, too.
+    """
     hot = {"temperature.inner_ring_C": 20.0, "temperature.outer_ring_C": 120.0}
     scene = spindle.with_({"cases": {"hot": {**hot, "temperature.balls_C": 20.0}}})
     recommended = recommendation(scene, DesignLimits(system_axial_stiffness_N_um=4000.0))
-    why = json.loads(recommended.attrs["none_because"])
+    why = json.loads(recommended.attrs["none_because"])  # by methods without a preload
     assert "case hot" in why["fixed_position"]
     assert "case" in why["constant_force"]
 
 
 def test_requirements_at_the_speed_alone_see_nothing_else(spindle):
-    limits = DesignLimits(system_axial_stiffness_N_um=20.0, at_speed_only=True)
-    assert limits.effective == limits.given and STIFF.effective["preload_kept"] == LEAST_KEPT
+    """Neither lower speeds, nor the mounting temperature, nor that no bearing lifts off."""
+    limits = replace(STIFF, at_speed_only=True)
+    assert limits.effective == {"system_axial_stiffness_N_um": 20.0}
+    assert STIFF.effective == limits.effective | {"preload_kept": LEAST_KEPT}
     point = design_point(with_method(spindle, "fixed_position", 20.0), limits)
     assert {item["speed_rpm"] for item in point[DECIDING].values()} == {18000.0}
     assert conditions_of(spindle, at_speed_only=True) == [
@@ -282,6 +339,11 @@ def test_requirements_at_the_speed_alone_see_nothing_else(spindle):
 
 
 def test_the_lowest_speed_ends_the_range(spindle):
+    """With a lowest speed of 9000 r/min, five conditions or more lie from that to the full speed.
+
+    A preload of 20 N is softest below it, so that its least stiffness is higher than from rest on.
+    A lowest speed above the full one is refused.
+    """
     scene = spindle.with_({"operation.lowest_speed_rpm": 9000.0})
     speeds = [item["speed_rpm"] for item in conditions_of(scene)]
     assert min(speeds) == 9000.0 and max(speeds) == 18000.0 and len(speeds) >= 5
@@ -294,6 +356,10 @@ def test_the_lowest_speed_ends_the_range(spindle):
 
 
 def test_a_condition_that_is_not_solved_is_named(spindle):
+    """All other conditions fail with status 1, `not_converged`; the first of them is at rest.
+
+    `State.unsolved(1, 0.0)` is such a state, at a ball diameter loss of zero.
+    """
     other_conditions = OtherConditions(spindle, STIFF.effective, quick=True)
     where = OperatingCondition(spindle).where(wear="new")
     own = state_extremes(spindle, new_states(spindle), where)
@@ -306,7 +372,10 @@ def test_a_condition_that_is_not_solved_is_named(spindle):
 
 @pytest.mark.parametrize("contact", ["hertz", pytest.param("auto", marks=pytest.mark.long)])
 def test_a_preload_that_must_be_kept_may_decide(contact):
-    """It is a share of the initial preload, in files by its own name."""
+    """The limit of the recommendation says residual preload and 80 %.
+
+    Grooves that are followed (`auto`) take longer.
+    """
     scene = bearing_at("7004B", 8000.0, **{"model.contact": contact})
     recommended = recommendation(scene, DesignLimits(preload_kept=0.8))
     (limit,) = preload_document(recommended).facts["limits"]
@@ -314,6 +383,10 @@ def test_a_preload_that_must_be_kept_may_decide(contact):
 
 
 def test_a_rotor_whose_stiffness_is_not_known_has_no_frequency():
+    """The answer is None where the stiffness matrix of one bearing is NaN, as it may be worn.
+
+    1e7 N/m is the axial stiffness of both.
+    """
     scene = bearingwear.new(designation="7001C", speed=600.0, preload_method="fixed_position")
     pair = scene.with_(
         {"arrangement.kind": "rigid_pair", "arrangement.rotor_mass_kg": 0.5}
@@ -325,6 +398,7 @@ def test_a_rotor_whose_stiffness_is_not_known_has_no_frequency():
 
 
 def test_lives_with_hertzian_contacts_end_worn_at_other_speeds(spindle):
+    """A worn state at a quarter of the speed is that of a solve with the ball loss at the end."""
     held = with_method(spindle, "fixed_position", 300.0)
     life = HertzianLives(held)(held)
     (state,) = worn_states(life)(at_speed_share(held, 0.25))
@@ -335,7 +409,10 @@ def test_lives_with_hertzian_contacts_end_worn_at_other_speeds(spindle):
 
 
 def test_worn_bearings_far_from_the_last_speed_are_not_taken_for_unloaded():
-    """A jump between speeds must not lose the contacts: a third of the preload is left."""
+    """At the worst condition of 55 N at 60000 r/min a third of the preload is left, not nothing.
+
+    A solve that starts from the state at a far speed must not lose the contacts.
+    """
     scene = bearingwear.new(
         designation="7004C", speed=60000, preload_method="fixed_position", preload=55
     )
@@ -345,7 +422,8 @@ def test_worn_bearings_far_from_the_last_speed_are_not_taken_for_unloaded():
 
 
 def test_the_worst_speed_may_be_just_below_the_full_one():
+    """Slip of gyro_s1 at 2.48 N exceeds its limit of 0.3 there."""
     scene = with_method(bearingwear.load("config/scenes/gyro_s1.yaml"), "constant_force", 2.48)
     worst = design_point(scene, DesignLimits(gyroscopic_slip_share=0.3))[DECIDING]
-    # a regression value; it is 0.300 at full speed
+    # a regression value; at the full speed the slip share is 0.300
     assert worst["gyroscopic_slip_share"]["value"] == pytest.approx(0.3065, rel=5e-3)

@@ -32,6 +32,7 @@ from bearingwear.studies.uncertainty.quantiles import quantiles_and_indices
 
 NOT_CONVERGED, BEYOND_GROOVE = (STATUS_NAMES.index(n) for n in ("not_converged", "beyond_groove"))
 METHODS = ("constant_force", "fixed_position")
+# requirements of the study in `folder`: a recommendation has 3 N/um
 LIMITS = {
     "gyroscopic_slip_share": 0.25,
     "axial_stiffness_N_um": 3.0,
@@ -44,6 +45,7 @@ FILES = ("design", "recommendation", "uncertainty")
 
 @pytest.fixture
 def scene():
+    """Returns gyro_s1, here in place of the fixture of tests/conftest.py."""
     return load_scene(scene_file("gyro_s1"))
 
 
@@ -51,7 +53,11 @@ def scene():
 
 
 def invented_line(lives, stiffness, status=None):
-    """A line of a map of one method: preloads 1, 2, ... N; stiffness in N/um."""
+    """Returns a line of a map of one method, at preloads of 1, 2, ... N and powers of 0.1 W per N.
+
+    lives: in any unit, NaN where the status is not zero. stiffness [N/um], of one bearing and of
+    the system. status: all zero if omitted.
+    """
     n = len(lives)
     status = np.zeros(n, dtype=np.int8) if status is None else np.array(status, dtype=np.int8)
     lives = np.where(status == 0, lives, np.nan)
@@ -69,10 +75,8 @@ def invented_line(lives, stiffness, status=None):
 
 
 STIFF = DesignLimits(axial_stiffness_N_um=2.5, at_speed_only=True)
-
-
-UP, DOWN = [1, 2, 3, 4], [9, 8, 7, 6]
 POWER = DesignLimits(friction_power_W=0.25, at_speed_only=True)
+UP, DOWN = [1, 2, 3, 4], [9, 8, 7, 6]  # lives or stiffnesses along a line
 
 
 @pytest.mark.parametrize(
@@ -98,13 +102,18 @@ POWER = DesignLimits(friction_power_W=0.25, at_speed_only=True)
     ],
 )
 def test_the_best_point_of_a_line_and_what_forbids_its_neighbour(line, limits, index, active):
-    """The index is -1 where no preload is within the limits."""
+    """index: of the best point, -1 where no preload is within the limits.
+
+    active: name in `ACTIVE` of what its neighbour with a longer life violates; `none` if both
+    neighbours are worse, and `end_of_range` where there is no neighbour on that side.
+    """
     best, limit = best_within(line, limits)
     assert int(best) == index
     assert ACTIVE[int(limit)] == active
 
 
 def test_the_pareto_front_omits_dominated_and_unsolved_points():
+    """Of life and stiffness: the third point is softer than the second and lives shorter."""
     line = invented_line([9, 8, 7, 6, 5], [1, 3, 2, 4, 5], [0, 0, 0, NOT_CONVERGED, 0])
     assert pareto_front(line).values.tolist() == [True, True, False, False, True]
 
@@ -114,7 +123,10 @@ def test_the_pareto_front_omits_dominated_and_unsolved_points():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A design study of gyro_s1 at five preloads: its parts, map, recommendation and spread."""
+    """Returns the folder of a design study of gyro_s1 at five preloads, at its full speed alone.
+
+    Its files are a part of the map for each method, the map, the recommendation and the spread.
+    """
     folder = tmp_path_factory.mktemp("design")
     scene = scene_file("gyro_s1")
     design, recommendation = folder / "design.nc", folder / "recommendation.nc"
@@ -133,11 +145,12 @@ def folder(tmp_path_factory):
 
 
 def files_in(folder):
+    """Returns the paths of map, recommendation and spread, by the arguments of steps."""
     return {name: folder / f"{name}.nc" for name in FILES}
 
 
 def test_a_method_without_a_preload_has_no_status_of_a_solve(folder, tmp_path):
-    """Its status is -1, which must not be read as the last of the names."""
+    """With 40 N/um required there is none: its status is -1, and not the last one of the names."""
     design, file = tmp_path / "design.nc", tmp_path / "recommendation.nc"
     parts = [folder / f"{method}.nc" for method in METHODS]
     write_dataset(design_map(parts, LIMITS | {"axial_stiffness_N_um": 40.0}), design)
@@ -149,7 +162,7 @@ def test_a_method_without_a_preload_has_no_status_of_a_solve(folder, tmp_path):
 
 @pytest.mark.parametrize("name", ["constant_force", "recommendation", "uncertainty"])
 def test_single_files_are_drawn(folder, name, tmp_path):
-    """A part of a map stands for the whole."""
+    """A part of a map is drawn as a map."""
     figure = tmp_path / f"{name}.svg"
     assert main(["plot", str(folder / f"{name}.nc"), "-o", str(figure)]) == 0
     assert "<path" in figure.read_text(encoding="utf-8")
@@ -157,7 +170,10 @@ def test_single_files_are_drawn(folder, name, tmp_path):
 
 @pytest.mark.parametrize("k", range(2))
 def test_the_recommended_preload_just_meets_its_limit(folder, scene, k):
-    """In four digits, of which the third cannot be lower."""
+    """Stiffness is at most 1 % above its limit; with one less in the third digit it is below.
+
+    The preload has four digits. Other requirements hold as well.
+    """
     point = load(folder / "recommendation.nc").isel(preload_method=k)
     assert int(point["status"]) == 0
     assert ACTIVE[int(point["active_limit"])] == "axial_stiffness_N_um"
@@ -172,6 +188,7 @@ def test_the_recommended_preload_just_meets_its_limit(folder, scene, k):
 
 
 def test_no_preload_of_the_map_within_the_limits_lives_longer_than_the_recommended(folder):
+    """`recommended_life` of the map is the longest among its own preloads, for each method."""
     dataset, design = load(folder / "recommendation.nc"), load(folder / "design.nc")
     assert np.all(dataset["life"].values >= design["recommended_life"].values[:, 0, 0])
 
@@ -186,19 +203,21 @@ DRAW, TABLES = "studies.design.figures.draw", "studies.design.document.sheets.ta
 
 
 def test_figures_and_tables_are_drawn(folder, tmp_path):
+    """A figure with curves, and tables with a row for each point of the map."""
     files = files_in(folder)
     out = tmp_path / "design.svg"
     assert step(f"{DRAW}.draw_design", out, **files) == 0
-    assert out.stat().st_size > 10_000  # more than empty axes
+    assert out.stat().st_size > 10_000  # bytes; empty axes have fewer
     tables = [tmp_path / "map.csv", tmp_path / "design.md"]
     assert step(TABLES, *tables, **files) == 0
     text = (tmp_path / "design.md").read_text()
-    assert text.count("\n| ") > 20 and "nan" not in text
+    assert text.count("\n| ") > 20 and "nan" not in text  # rows of all its tables
     # a head, and five preloads by two methods
     assert len((tmp_path / "map.csv").read_text().splitlines()) == 1 + 5 * 2
 
 
 def test_figures_and_tables_of_wrong_files_are_refused(folder, tmp_path):
+    """By status 2: a figure of no such name, files in the wrong order, a spread as a map."""
     files = files_in(folder)
     tables = [tmp_path / "map.csv", tmp_path / "design.md"]
     assert step(f"{DRAW}.other", tmp_path / "x.svg", **files) == 2
@@ -208,7 +227,10 @@ def test_figures_and_tables_of_wrong_files_are_refused(folder, tmp_path):
 
 
 def with_values(path, target, **values):
-    """Path of a copy of a case file with another status, or with numbers times these values."""
+    """Writes a copy of a case file with changed values, and returns its path as text.
+
+    values: a new status, or factors of numbers, by the names of variables.
+    """
     case = load(path)
     for name, value in values.items():
         case[name] = case[name] * 0 + value if name == "status" else case[name] * value
@@ -221,7 +243,10 @@ TIMES = ("0.80", "1.25")
 
 
 def checking_scene_text(folder, path, times):
-    """The data of the scene that checks a recommendation at so many times its preload."""
+    """Writes the scene that checks a recommendation at a multiple of its preload; returns its data.
+
+    times: the factor, as text.
+    """
     files = {"scene": scene_file("gyro_s1"), "recommendation": folder / "recommendation.nc"}
     run = "studies.design.dynamic_check.check_scene_text"
     assert step(run, path, settings={"times": float(times)}, **files) == 0
@@ -230,7 +255,7 @@ def checking_scene_text(folder, path, times):
 
 @pytest.mark.parametrize("times", TIMES)
 def test_the_scene_that_checks_a_recommendation_has_its_preload_and_method(folder, times, tmp_path):
-    """Of the method with the longer life, and with a cage."""
+    """It has the method with the longer life, and a cage, which the dynamic model solves."""
     dataset, path = load(folder / "recommendation.nc"), tmp_path / "check.yaml"
     longest = int(np.argmax(dataset["life"].values))
     operation = checking_scene_text(folder, path, times)["operation"]
@@ -242,7 +267,10 @@ def test_the_scene_that_checks_a_recommendation_has_its_preload_and_method(folde
 
 @pytest.fixture(scope="module")
 def checking_cases(folder, tmp_path_factory):
-    """Paths of steady and dynamic cases that check the recommendation, without a cage."""
+    """Returns the paths of cases that check the recommendation, without a cage.
+
+    They alternate: steady and dynamic at the first of TIMES, and at the second.
+    """
     cases, there = [], tmp_path_factory.mktemp("cases")
     for times in TIMES:
         path = there / f"{times}.yaml"
@@ -255,13 +283,13 @@ def checking_cases(folder, tmp_path_factory):
 
 
 def check_table(folder, out, cases):
-    """Status of the step that compares steady and dynamic cases."""
+    """Writes the table that compares steady and dynamic cases; returns the status of the step."""
     inputs = {"recommendation": folder / "recommendation.nc", "cases": list(cases)}
     return step("studies.design.document.check_table.check_table", out, **inputs)
 
 
 def test_dynamic_cases_without_a_cage_stay_in_the_steady_state(folder, checking_cases, tmp_path):
-    """The table of the check says no difference of QV and preload, at both factors."""
+    """QV agrees to 1e-9; the table marks no difference of QV and preload, at both factors."""
     for steady, dynamic in zip(checking_cases[::2], checking_cases[1::2], strict=True):
         assert_allclose(load(dynamic)["total_qv"], load(steady)["total_qv"], rtol=1e-9)
     out = tmp_path / "check.md"
@@ -270,7 +298,7 @@ def test_dynamic_cases_without_a_cage_stay_in_the_steady_state(folder, checking_
 
 
 def test_a_dynamic_case_with_another_qv_is_marked(folder, checking_cases, tmp_path):
-    """Beyond the estimated errors of both."""
+    """QV of one dynamic case is raised by 1 % more than twice the error estimate of a steady one."""
     *others, last = checking_cases
     beyond = 1.0 + 2.0 * float(load(checking_cases[0])["qv_error_estimate"]) + 0.01
     changed, out = with_values(last, tmp_path / "qv.nc", total_qv=beyond), tmp_path / "check.md"
@@ -280,6 +308,7 @@ def test_a_dynamic_case_with_another_qv_is_marked(folder, checking_cases, tmp_pa
 
 
 def test_an_unsolved_dynamic_case_is_named_in_the_check(folder, checking_cases, tmp_path):
+    """The step still succeeds; the table has the words of its status."""
     *others, last = checking_cases
     unsolved = with_values(last, tmp_path / "unsolved.nc", status=NOT_CONVERGED)
     assert check_table(folder, tmp_path / "check.md", [*others, unsolved]) == 0
@@ -289,7 +318,7 @@ def test_an_unsolved_dynamic_case_is_named_in_the_check(folder, checking_cases, 
 def test_cases_that_check_no_recommendation_are_refused_in_one_line(
     folder, checking_cases, tmp_path, capsys
 ):
-    """One too few, none, and a map among them."""
+    """One too few, a recommendation in place of cases, and a map among them."""
     recommendation, design = folder / "recommendation.nc", folder / "design.nc"
     capsys.readouterr()
     for wrong in (checking_cases[:-1], [recommendation], [*checking_cases, design]):
@@ -298,6 +327,7 @@ def test_cases_that_check_no_recommendation_are_refused_in_one_line(
 
 
 def test_nothing_recommended_is_checked_at_the_scene_s_own_preload(scene, folder):
+    """Without a recommended preload, the scene of the check has 0.8 times that of the study."""
     none = load(folder / "recommendation.nc")
     none["life"] *= math.nan
     none["preload"] *= math.nan
@@ -307,12 +337,13 @@ def test_nothing_recommended_is_checked_at_the_scene_s_own_preload(scene, folder
 
 
 def test_a_map_counts_the_solves_of_each_life(folder):
+    """A life takes five solves at least: its states of wear; none of them needs to fail."""
     design = load(folder / "design.nc")
     assert int(design["solves"].min()) >= 5 and int(design["failed_solves"].min()) >= 0
 
 
 def test_every_status_is_in_the_table(folder, tmp_path):
-    """Lives that were not solved keep their status in the CSV."""
+    """Two of ten lives are marked as not solved; the CSV has their statuses by name."""
     design = load(folder / "design.nc")
     design["status"].values[0, 0, 0, :2] = NOT_CONVERGED, BEYOND_GROOVE
     design.to_netcdf(tmp_path / "design.nc")
@@ -324,6 +355,11 @@ def test_every_status_is_in_the_table(folder, tmp_path):
 
 
 def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
+    """Five times with status 2 and one line each; the right parts are taken.
+
+    Wrong are other kinds of files, parts for another slip limit, and, for a recommendation and a
+    spread, a scene that is not that of the map, or a map in place of a recommendation.
+    """
     design, out = folder / "design.nc", tmp_path / "out.nc"
     gather = "studies.design.choice.design_map"
     recommend = "studies.design.recommend.recommendation_of"
@@ -338,11 +374,16 @@ def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
     for other in (design, folder / "recommendation.nc"):
         assert step(quantiles, out, recommendation=other, **inputs) == 2
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 5 and "recommendation file" in lines[3] and "another scene" in lines[4]
+    assert len(lines) == 5
+    assert "recommendation file" in lines[3]
+    assert "another scene" in lines[4]
 
 
 def test_a_limit_can_be_changed_without_another_map(folder):
-    """The best of five preloads, by constant force and fixed position, on the same lives."""
+    """Best of the five preloads [N] by either method: with 3 N/um 5 and 11, with 4 N/um 7 and none.
+
+    The lives of the map stay the same.
+    """
     parts = [folder / f"{method}.nc" for method in METHODS]
     dataset = load(folder / "design.nc")
     stiffer = design_map(parts, LIMITS | {"axial_stiffness_N_um": 4.0})
@@ -356,12 +397,14 @@ def test_a_limit_can_be_changed_without_another_map(folder):
 
 
 def axes(preloads, friction=0.08):
+    """Returns the axes of a map of both methods at the speed of gyro_s1."""
     return MapAxes(
         preload_method=METHODS, friction=(friction,), shaft_speed_rpm=(30000.0,), preload_N=preloads
     )
 
 
 def test_a_small_map_has_what_the_parts_of_a_large_one_have(scene, folder):
+    """Values and attributes of the whole, bit for bit; attributes of variables may differ."""
     limits = DesignLimits(**LIMITS, at_speed_only=True)
     design = preload_map(scene, axes((3.0, 5.0, 7.0, 9.0, 11.0)), limits)
     dataset = load(folder / "design.nc")
@@ -370,7 +413,11 @@ def test_a_small_map_has_what_the_parts_of_a_large_one_have(scene, folder):
 
 
 def test_the_limit_that_is_met_first_holds(scene):
-    """At 3 N the slip share misses its limit by more than the stiffness, which is met sooner."""
+    """With less preload the limit of the slip share is met first, then that of the stiffness.
+
+    So the stiffness decides, with a slip share below its limit of 0.2, though at 3 N it is the slip
+    share that violates its limit by more.
+    """
     limits = DesignLimits(axial_stiffness_N_um=3.0, gyroscopic_slip_share=0.2, at_speed_only=True)
     point = recommendation(scene, limits).isel(preload_method=0)
     assert 3.0e6 <= float(LIMITED["axial_stiffness_N_um"].worst(point)) < 3.0e6 * 1.01
@@ -380,7 +427,10 @@ def test_the_limit_that_is_met_first_holds(scene):
 
 @pytest.mark.parametrize(("life", "drawn"), [(0.0, "map"), (np.nan, "design")])
 def test_figures_of_a_map_without_any_life(life, drawn, folder, tmp_path):
-    """Each over a limit when new, or none solved: there is no axis of life to be logarithmic."""
+    """Of lives that are all zero, or all unsolved (NaN): an axis of life cannot be logarithmic.
+
+    drawn: a map alone, or with its recommendation.
+    """
     files = {name: tmp_path / f"{name}.nc" for name in ("design", "recommendation")}
     for name, file in files.items():
         dataset = load(folder / f"{name}.nc")

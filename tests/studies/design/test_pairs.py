@@ -18,6 +18,7 @@ from bearingwear.studies.design.map import life_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import recommendation
 
+# a rotor of 30 g on bearings 20 mm apart; under 1 N; and with two bearings on one side
 ROTOR = {"arrangement.rotor_mass_kg": 0.03, "arrangement.span_mm": 20.0}
 PUSHED = {"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0} | ROTOR
 METHODS = ("constant_force", "fixed_position")
@@ -27,7 +28,10 @@ UNLIKE = PUSHED | {"arrangement.tandem": [2, 1]}
 @pytest.mark.parametrize("changes", [ROTOR | {"arrangement.kind": "spring_pair"}, PUSHED, UNLIKE])
 @pytest.mark.parametrize("method", METHODS)
 def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
-    """New, the lowest of what a case of the pair has; a state of alike bearings stands for both."""
+    """New, it is the lowest of the frequencies of a solved case, to 1e-5; along the life, no higher.
+
+    States of unlike bearings have it; a state that stands for both of a symmetric pair has NaN.
+    """
     held = with_method(scene("gyro_s1", changes), method)
     new = HertzianLives(held)(held).states[0]
     frequency = new["lowest_frequency"]
@@ -39,7 +43,7 @@ def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
 
 
 def test_a_point_of_the_map_has_the_worst_values_along_a_life(scene):
-    """Of the worse bearing of an unlike pair."""
+    """They are the extremes over the history of `life`, and over both bearings, which are unlike."""
     rigid = with_method(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
     point, values = life_point(rigid, None), life(rigid).values
     expected = {
@@ -55,7 +59,10 @@ def test_a_point_of_the_map_has_the_worst_values_along_a_life(scene):
 
 @pytest.fixture(scope="module")
 def recommended(scene):
-    """Recommendation for a pair whose rotor shall have no frequency below 2100 Hz."""
+    """Returns the recommendation for a pair whose rotor has no frequency below 2100 Hz.
+
+    The other two limits are so wide that the frequency decides.
+    """
     limits = DesignLimits(
         lowest_frequency_Hz=2100.0, rotor_shift_um=3.0, preload_kept=0.3, at_speed_only=True
     )
@@ -63,6 +70,7 @@ def recommended(scene):
 
 
 def test_the_required_frequency_limits_spring_and_rigid_pair(scene, recommended):
+    """Both have 2100 Hz or more, but for rounding, and the life of their preload on a map."""
     assert (recommended["lowest_frequency"] >= 2100.0 * (1.0 - 1e-6)).all()
     names = recommended["active_limit"].attrs["flag_meanings"].split()
     limits = [names[int(k)] for k in recommended["active_limit"].values]
@@ -74,6 +82,7 @@ def test_the_required_frequency_limits_spring_and_rigid_pair(scene, recommended)
 
 
 def test_the_sheet_names_spring_and_rigid_pair_and_the_required_frequency(recommended, tmp_path):
+    """The columns of its first table are the pairs, not the preload methods."""
     recommended.to_netcdf(tmp_path / "recommendation.nc")
     with open_result(tmp_path / "recommendation.nc") as file:
         sheet = recommendation_sheet(file)
@@ -85,6 +94,7 @@ def test_the_sheet_names_spring_and_rigid_pair_and_the_required_frequency(recomm
 
 @pytest.mark.parametrize("missing", ["arrangement.rotor_mass_kg", "arrangement.span_mm"])
 def test_a_required_frequency_needs_mass_and_span(scene, missing, capsys):
+    """The error names the key that is missing, in Python and in one line of the command."""
     rotor = {key: value for key, value in ROTOR.items() if key != missing}
     with pytest.raises(SceneError, match=missing):
         DesignLimits(lowest_frequency_Hz=1e3).check(scene("gyro_s1", rotor), "scene")

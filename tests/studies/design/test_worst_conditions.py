@@ -25,6 +25,7 @@ CASES = {
     "fast": {"operation.shaft_speed_rpm": 24000.0, "temperature.inner_ring_C": 40.0},
 }
 METHODS = {"flag_values": [0, 1], "flag_meanings": "constant_force fixed_position"}
+# warnings of a scene
 COLD = {"id": "temperature_left_out", "sentence": "temperature is neglected", "advice": "set it"}
 HIGH = {"id": "high", "sentence": "it is high", "advice": "mind it"}
 
@@ -35,9 +36,12 @@ def scene():
 
 
 def recommended_for(scene, limits=None, active=STIFFNESS, **values):
-    """A recommendation of one method, with just what words are made of.
+    """Returns a recommendation of a fixed position, with no more than what words are made of.
 
     Everything is decided in the case `fast`, by the second bearing, new, at 3000 r/min.
+
+    limits: requirements by key; 20 N/um of the system if omitted. active: name in `ACTIVE` of what
+    forbids a longer life. values: of other variables.
     """
     where = {"case": "fast", "speed_rpm": 3000.0, "temperature": "running", "bearing": 2,
              "wear": "new", "value": 20.0e6}  # fmt: skip
@@ -63,7 +67,10 @@ def recommended_for(scene, limits=None, active=STIFFNESS, **values):
 
 
 def test_the_first_lines_name_cases_and_speeds(scene):
-    """From rest to the speed of the scene; of cases, their number and names, and the top speed."""
+    """From rest to the 18000 r/min of the scene.
+
+    With two cases beside the nominal one, their number and names and the highest of all speeds.
+    """
     words = conditions_words(recommended_for(scene))
     assert "rest" in words and numbers_in(words) == [18000.0]
     words = conditions_words(recommended_for(scene.with_({"cases": CASES})))
@@ -76,16 +83,19 @@ def test_the_first_lines_name_the_lowest_speed_in_place_of_rest(scene):
 
 
 def test_the_first_lines_name_speeds_of_cases_where_nothing_else_was_looked_at(scene):
+    """With requirements at the speed of each case alone, the lowest and the highest of these."""
     limits = {STIFFNESS: 20.0, "at_speed_only": True}
     words = conditions_words(recommended_for(scene.with_({"cases": CASES}), limits=limits))
     assert numbers_in(words)[-2:] == [500.0, 24000.0] and "rest" not in words
 
 
 def limit_words(recommended):
+    """Returns the words of the headline for the limit that the recommended preload meets."""
     return limit_met_words(recommended, recommended.isel(preload_method=0))
 
 
 def test_the_headline_names_where_a_requirement_is_just_met(scene):
+    """Speed, wear and bearing; the case if there are several."""
     words = limit_words(recommended_for(scene))
     assert numbers_in(words) == [20.0, 3000.0, 2.0] and "new" in words  # N/um, r/min, bearing
     assert "case" not in words
@@ -93,11 +103,13 @@ def test_the_headline_names_where_a_requirement_is_just_met(scene):
 
 
 def test_the_headline_names_a_limit_that_is_not_just_met_without_its_place(scene):
+    """A stiffness of 21 in place of 20.01 N/um, of the 20 that are required."""
     words = limit_words(recommended_for(scene, system_axial_stiffness=21e6))
     assert words.startswith("limited by 20")
 
 
 def test_the_headline_names_no_limit_where_none_is_met(scene):
+    """The words are empty if nothing forbids a longer life."""
     assert limit_words(recommended_for(scene, active=ACTIVE[UNLIMITED])) == ""
 
 
@@ -107,17 +119,19 @@ def test_the_headline_names_the_bearing_that_lifts_off(scene):
 
 
 def test_a_life_names_the_speed_and_the_case_in_which_it_is_the_shortest(scene):
+    """3000 r/min; the case `fast`, and that it is one of three, if there are several."""
     of_scene = recommended_for(scene)
-    best = of_scene.isel(preload_method=0)
+    best = of_scene.isel(preload_method=0)  # the only method
     assert numbers_in(life_condition_words(of_scene, best))[0] == 3000.0
     words = life_condition_words(recommended_for(scene.with_({"cases": CASES})), best)
     assert "case fast" in words and 3.0 in numbers_in(words)  # of three cases
 
 
 def test_warnings_are_those_of_the_cases_that_have_them(scene):
+    """A warning of temperatures left out, in the nominal case, and another one in both cases."""
     cold, high = stated_warnings(recommended_for(scene.with_({"cases": CASES})))
     assert cold["id"] == "temperature_left_out"
-    assert cold["sentence"].startswith("case nominal: ")  # another one has temperatures
+    assert cold["sentence"].startswith("case nominal: ")  # `fast` has temperatures
     assert high["id"] == "high" and "slow, fast" in high["sentence"]
 
 
@@ -126,7 +140,7 @@ def test_warnings_of_a_scene_without_cases_name_none(scene):
 
 
 def test_neglected_temperatures_are_said_of_the_cases_without_any(scene):
-    """And of none by name, where no case has temperatures."""
+    """Where no case has temperatures, the warning stays as it is, without names."""
     warning = warning_with_cases(COLD, scene.with_({"cases": CASES}).to_dict())
     assert warning["sentence"].startswith("cases nominal, slow: ")
     all_cold = scene.with_({"cases": {"slow": CASES["slow"]}}).to_dict()
@@ -134,6 +148,7 @@ def test_neglected_temperatures_are_said_of_the_cases_without_any(scene):
 
 
 def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
+    """By the lowest and the highest speed of cases and their names; without cases, by its speed."""
     data = scene.with_({"cases": CASES}).to_dict()
     line = bearing_line(data)
     assert "500 to 24000 r/min" in line and line.endswith("nominal, slow, fast")
@@ -146,6 +161,7 @@ def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
 
 
 def test_a_method_without_a_preload_is_named_in_its_heading(scene):
+    """But in a heading for no method at all it is not: a life of NaN, and then of 1 h."""
     recommended = recommended_for(scene, active=ACTIVE[NO_PRELOAD])
     recommended = recommended.assign(life=("preload_method", [np.nan]))
     recommended.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "x"})

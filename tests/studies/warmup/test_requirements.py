@@ -23,15 +23,19 @@ from bearingwear.studies.design.recommend import preload_map, recommendation
 
 @pytest.fixture(scope="module")
 def spindle():
-    """A rigid pair of 7008C whose housing warms more slowly than its bearings."""
+    """Returns a rigid pair of 7008C, mounted with 140 N, for 12000 r/min, as `warm_spindle` has it.
+
+    Its housing warms more slowly than its bearings.
+    """
     return warm_spindle().with_(SLOW_HOUSING)
 
 
 @pytest.mark.parametrize("point", [new_point, design_point])
 def test_the_required_thermal_margin_of_a_point_is_that_of_the_case(spindle, point):
+    """To 1e-3, of a new bearing and along a life; it is the least when new, at the full speed."""
     limits = DesignLimits(thermal_margin=1.5)
     values = point(spindle, limits)
-    with pytest.warns(UserWarning, match="no interference fit"):
+    with pytest.warns(UserWarning, match="no interference fit"):  # `solve` warns of it here
         case = bearingwear.solve(spindle)
     where = values[DECIDING]["thermal_margin"]
     assert where["speed_rpm"] == 12000.0 and where["wear"] == "new"
@@ -39,7 +43,7 @@ def test_the_required_thermal_margin_of_a_point_is_that_of_the_case(spindle, poi
 
 
 def test_the_thermal_margin_along_a_quick_life_is_right_to_half_a_percent(spindle):
-    """It balances its heat roughly, which a difference over a millikelvin would feel."""
+    """A quick life balances heat only roughly; a margin by differences over 1 mK would be wrong."""
     limits = DesignLimits(thermal_margin=1.5, at_speed_only=True)
     quick, exact = (design_point(spindle, limits, is_quick) for is_quick in (True, False))
     assert_allclose(quick["thermal_margin"], exact["thermal_margin"], rtol=5e-3)
@@ -53,8 +57,11 @@ STIFF_TO_THE_END = {
 
 
 def test_the_thermal_margin_falls_evenly_with_the_preload():
-    """Within 0.5 % of a straight line. Computed heat jumps by 3e-4 at some preloads, which margins
-    by small differences would show as factors of 1.6 to 2.8."""
+    """It is within 0.5 % of a straight line.
+
+    Computed heat jumps by 3e-4 of itself at some preloads: margins by differences over these would
+    be wrong by factors of 1.6 to 2.8, which were seen.
+    """
     scene = warm_spindle().with_(STIFF_TO_THE_END)
     limits = DesignLimits(thermal_margin=1.5, at_speed_only=True)
     preloads = (180.0, 190.0, 200.0, 220.0, 240.0, 260.0)
@@ -68,24 +75,24 @@ def test_the_thermal_margin_falls_evenly_with_the_preload():
 
 
 REQUIRED = 6.25
-"""Margin that the pair has at a preload somewhat above its own."""
+"""Thermal margin that the rigid pair has at a preload somewhat above the 140 N of the scene."""
 
 
 def flag_name(values):
-    """The name of a flag's code."""
+    """Returns the name of the flag whose code a variable has."""
     return values.attrs["flag_meanings"].split()[int(values)]
 
 
 def test_a_required_thermal_margin_limits_the_preload():
-    """With 5 % more preload the pair would live longer, but without the required margin."""
+    """With 5 % more preload the pair would live longer, but with less than the required margin."""
     scene = warm_spindle().with_(STIFF_TO_THE_END)
     limits = DesignLimits(thermal_margin=REQUIRED, at_speed_only=True)
     rigid = PRELOAD_METHODS.index("fixed_position")
     recommended = recommendation(scene, limits).sel(preload_method=rigid)
     assert flag_name(recommended["active_limit"]) == "thermal_margin"
-    # met to 1 %, in the few digits of the preload
+    # met to 1 %, as a recommended preload has three digits
     assert REQUIRED <= float(recommended["thermal_margin"]) < 1.01 * REQUIRED
-    life_s = 3600.0 * float(recommended["life"])
+    life_s = 3600.0 * float(recommended["life"])  # files have hours, points have seconds
     preload = 1.05 * float(recommended["preload"])
     more_preloaded = design_point(with_method(scene, "fixed_position", preload), limits)
     assert more_preloaded["life"] > life_s
@@ -111,13 +118,16 @@ def test_a_map_contains_the_thermal_margin_if_it_is_required():
 
 
 def test_the_thermal_margin_is_unknown_where_it_is_not_required(spindle):
-    """It would take solves."""
+    """It is NaN, as it would take further solves."""
     point = new_point(spindle, DesignLimits(maximum_pressure_GPa=2.0))
     assert math.isnan(point["thermal_margin"])
 
 
 def test_a_required_thermal_margin_does_not_end_the_life(spindle):
-    """Even one that the pair misses by far; states are started from others nearby."""
+    """Not even a margin of 1000, which the pair misses by far.
+
+    Lives agree to 1e-5: the solves of the margin change where those of the life start.
+    """
     without, with_margin = (
         design_point(spindle, limits)["life"]
         for limits in (DesignLimits(), DesignLimits(thermal_margin=1e3))
@@ -126,7 +136,10 @@ def test_a_required_thermal_margin_does_not_end_the_life(spindle):
 
 
 def test_requirements_on_the_way_see_the_peaks_of_the_warm_up(spindle):
-    """The pressure to 1 %, its time to 20 %: a peak is flat."""
+    """The warm-up itself has the same peak pressure to 1 %, at a time to 20 %, as a peak is flat.
+
+    It is more than 5 % above that of the warm bearings.
+    """
     limits = DesignLimits(maximum_pressure_GPa=2.0, at_speed_only=True)
     warm, warming = (
         new_point(spindle, replace(limits, warmup_s=seconds)) for seconds in (None, 10.0)
@@ -141,6 +154,7 @@ def test_requirements_on_the_way_see_the_peaks_of_the_warm_up(spindle):
 
 
 def test_no_warm_up_is_computed_where_a_requirement_is_broken_without_it(spindle, monkeypatch):
+    """A pressure of 0.1 GPa, which warm bearings exceed; a call of None would raise a TypeError."""
     monkeypatch.setattr(design_map, "warm_up_extremes", None)
     limits = DesignLimits(maximum_pressure_GPa=0.1, warmup_s=10.0, at_speed_only=True)
     point = new_point(spindle, limits)
@@ -148,7 +162,10 @@ def test_no_warm_up_is_computed_where_a_requirement_is_broken_without_it(spindle
 
 
 def spring_pair(spindle, **arrangement):
-    """Two bearings 200 mm apart on a shaft that is warm at once, in a housing that is so later."""
+    """Returns a spring pair, 200 mm apart, on a shaft that warms within 5 s in a housing of 600 s.
+
+    arrangement: other values of that block.
+    """
     spring = {"kind": "spring_pair", "span_mm": 200.0, "spring_stiffness_N_um": 0.1} | arrangement
     warm = {"shaft_C": 60.0, "shaft_time_constant_s": 5.0, "housing_C": 60.0}
     network = {f"thermal.{key}": value for key, value in warm.items()}
@@ -158,16 +175,22 @@ def spring_pair(spindle, **arrangement):
 
 
 def test_the_sliding_ring_needs_more_room_on_the_way_than_in_the_end(spindle):
-    """Face to face, the warm shaft pushes the bearings apart: 11.5e-6/K over 200 mm."""
+    """Face to face, the shaft compresses the spring while it is warmer than the housing.
+
+    Steel expands by 11.5e-6/K: 40 K over 200 mm are 92 um. A negative travel is a compression.
+    """
     pair = spring_pair(spindle, orientation="face_to_face")
     warmed = bearingwear.warmup(pair, seconds=10.0)
     travel = warmed["spring_travel"].values
-    assert travel.min() < -1e-4 and abs(travel[-1]) < 3e-5  # [m]
+    assert travel.min() < -1e-4  # [m]; with the growth of the bearings, above 92 um
+    assert abs(travel[-1]) < 3e-5  # [m]
     assert_allclose(float(warmed["peak_spring_compression"]), -travel.min())
+    # 140 N as mounted; 0.1 N/um
     by_its_force = (140.0 - warmed["residual_preload"].isel(side=1).values) / 0.1e6
     assert_allclose(travel, by_its_force, atol=1e-9)
     limits = DesignLimits(spring_travel_um=100.0, at_speed_only=True)
     warm, warming = (new_point(pair, replace(limits, warmup_s=s)) for s in (None, 10.0))
+    # a margin is 1 - travel/limit: less than half of 100 um warm, more than 150 um on the way
     assert LIMITED["spring_travel_um"].margins(warm, 100.0) > 0.5
     assert LIMITED["spring_travel_um"].margins(warming, 100.0) < -0.5
     where = warming[DECIDING]["spring_travel"]
@@ -176,6 +199,7 @@ def test_the_sliding_ring_needs_more_room_on_the_way_than_in_the_end(spindle):
 
 
 def test_a_stop_that_the_spring_reaches_is_named(spindle):
+    """In the sheet of a warm-up, with its time; a stop at 200 um is not reached, nor named."""
     pair = spring_pair(spindle, orientation="face_to_face", stop_um=100.0)
     warmed = bearingwear.warmup(pair, seconds=10.0)
     text = str(bearingwear.show(warmed))
@@ -186,6 +210,7 @@ def test_a_stop_that_the_spring_reaches_is_named(spindle):
 
 
 def test_a_rigid_pair_has_no_spring_that_travels(spindle):
+    """Its warm-up has no such variable; at a point of the map its travel is zero."""
     warmed = bearingwear.warmup(spindle, seconds=10.0, duration=20.0)
     assert "spring_travel" not in warmed and "peak_spring_extension" not in warmed
     limits = DesignLimits(spring_travel_um=1.0, at_speed_only=True)
@@ -193,7 +218,10 @@ def test_a_rigid_pair_has_no_spring_that_travels(spindle):
 
 
 def test_a_bearing_that_lifts_off_on_the_way_breaks_the_requirement_that_none_does(spindle):
-    """Back to back, the warm shaft lets a stiff spring go slack."""
+    """Back to back, the warm shaft lets a stiff spring go slack: less than 1 % of preload is left.
+
+    That every bearing keeps 1 % is a requirement by itself wherever a warm-up counts.
+    """
     pair = spring_pair(spindle, span_mm=800.0, spring_stiffness_N_um=3.0)
     limits = DesignLimits(maximum_pressure_GPa=2.0, at_speed_only=True)
     assert new_point(pair, limits)["preload_kept"] > 0.5
@@ -205,7 +233,10 @@ def test_a_bearing_that_lifts_off_on_the_way_breaks_the_requirement_that_none_do
 
 
 def test_a_runaway_on_the_way_is_named(spindle):
-    """A housing that stays cold for long: the network has a steady state, the way to it none."""
+    """In a housing that stays cold for long, the preload grows until no heat balance is left.
+
+    The steady state, with a warm housing, has one. The point says when the last balance is lost.
+    """
     late = spindle.with_(
         {
             "thermal.conductance_W_K": {
@@ -224,6 +255,7 @@ def test_a_runaway_on_the_way_is_named(spindle):
 
 
 def test_a_warm_up_is_refused_without_heat_capacities(spindle):
+    """And a required thermal margin without a thermal network; the first check must not raise."""
     limits = DesignLimits(warmup_s=10.0)
     limits.check(spindle, "mine.yaml")
     with pytest.raises(SceneError, match="heat_capacity_J_K"):
@@ -233,6 +265,7 @@ def test_a_warm_up_is_refused_without_heat_capacities(spindle):
 
 
 def test_a_warm_up_in_python_follows_its_course_to_its_duration(spindle):
+    """From rest to 12000 r/min in 5 s, at that speed until 20 s; the inner ring never cools."""
     warmed = bearingwear.warmup(spindle, course=[(0.0, 0.0), (5.0, 12000.0)], duration=20.0)
     assert warmed["ending"].item() == "duration" and float(warmed["end_time"]) == 20.0
     peak = warmed["residual_preload"].max()

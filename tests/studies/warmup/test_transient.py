@@ -23,15 +23,19 @@ from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
 
 @pytest.fixture(scope="module")
 def spindle():
-    """A rigid pair of 7008C with a thermal network, as one of two alike bearings."""
+    """Returns a rigid pair of 7008C with a thermal network; one bearing stands for both.
+
+    `warm_spindle` has its conductances [W/K] and capacities [J/K], and 12000 r/min, 140 N, 20 degC.
+    """
     return warm_spindle()
 
 
 SMALL_STEPS = {"duration": 40.0, "tolerance": 1e-12}
+"""Arguments of a warm-up of 40 s that is exact to 1e-6 at least."""
 
 
 def set_constant_heat(monkeypatch, heat):
-    """Let each bearing have this heat whatever its temperatures."""
+    """Replaces the heat of each bearing by this `HeatFlow`, whatever its temperatures."""
     heats_of = transient.heats_of
     monkeypatch.setattr(
         transient, "heats_of", lambda *inputs: tuple(heat for _ in heats_of(*inputs))
@@ -39,20 +43,25 @@ def set_constant_heat(monkeypatch, heat):
 
 
 def test_one_node_of_constant_heat_warms_exponentially(spindle, monkeypatch):
-    """The outer ring: T = T_0 + P/G (1 - exp(-t G/C))."""
+    """The outer ring, with the other parts all but cut off: T = T_0 + P/G (1 - exp(-t G/C)).
+
+    It has 8 W, 4 W/K to the housing and 40 J/K, the latter by `warm_spindle`; T_0 is 20 degC.
+    """
     P, G, C = 8.0, 4.0, 40.0
     set_constant_heat(monkeypatch, HeatFlow(inner=0.0, outer=0.0, drag=P))
     alone = spindle.with_({"thermal.conductance_W_K.ball_race": 1e-6})
     instants = warm_up(alone, ramp(0.0), **SMALL_STEPS).instants[1:]
+    # parts: inner ring, balls, outer ring
     rises = [instant.temperatures[0, 2] - 20.0 for instant in instants]
     times = np.array([instant.time for instant in instants])
     assert_allclose(rises, P / G * (1.0 - np.exp(-times * G / C)), rtol=1e-6)
 
 
 def test_three_nodes_of_constant_heat_warm_by_the_matrix_exponential(spindle, monkeypatch):
-    """From heats and conductances that are written out here.
+    """Rises of inner ring, balls and outer ring: steady - exp(-t G/C) steady, by SciPy.
 
-    Half of the heat of a contact goes into its ring, half into the balls; drag into the outer ring.
+    G [W/K] and C [J/K] are those of `warm_spindle` as matrices. Half of the heat of a contact goes
+    into its ring, half into the balls; drag heats the outer ring.
     """
     set_constant_heat(monkeypatch, HeatFlow(inner=8.0, outer=4.0, drag=1.0))
     G = np.array([[3.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 5.0]])
@@ -65,6 +74,7 @@ def test_three_nodes_of_constant_heat_warm_by_the_matrix_exponential(spindle, mo
 
 @pytest.mark.parametrize("changes", [{}, SLOW_HOUSING])
 def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
+    """Temperatures as near to the steady solve as a warm-up must be to end; the preload to 1 %."""
     scene = spindle.with_(changes)
     warming = warm_up(scene, ramp(20.0))
     states = solver_of(scene)
@@ -78,9 +88,10 @@ def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
 
 
 def test_a_bearing_that_runs_away_alone_does_not_with_the_other():
-    """Held at the first place of the rotor, the first bearing has no balance of its heat.
+    """Where the rotor is held at its first place, the first bearing alone has no heat balance.
 
-    Trial 147 of `benchmarks/random_warmups.py`, seed 1.
+    On the free rotor both have one, and the warm-up ends there. The numbers are those of trial 147
+    of `benchmarks/random_warmups.py`, seed 1, which failed.
     """
     scene = bearingwear.new(
         bore=40, outside=68, contact_angle=25, speed=0.495e6 / 54, preload_method="fixed_position"
@@ -100,6 +111,7 @@ def test_a_bearing_that_runs_away_alone_does_not_with_the_other():
 
 
 def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
+    """Over 2e5 s, with time constants below a minute; three or four of its instants are solved."""
     course = ramp(2e5)
     warming = warm_up(spindle, course, duration=2e5)
     rise = np.abs(warming.instants[-1].temperatures - 20.0).max()
@@ -110,6 +122,7 @@ def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
         assert_allclose(instant.temperatures[0] - 20.0, expected, atol=1e-3 * rise)
 
 
+# the housing warms in 30 s, so that it matters within the 30 s that are compared
 WARMED_FAST = SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0}
 
 
@@ -132,15 +145,17 @@ WARMED_FAST = SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0}
     ],
 )
 def test_a_warm_up_agrees_with_a_plain_program(spindle, changes, seconds):
-    """Temperatures, preload and pressure after 30 s, to 0.1 %.
+    """Temperature rises, preload and pressure after 30 s, to 0.1 %.
 
     The plain program takes Euler's steps, whose error is proportional to their length: it is
     extrapolated from 120 and 240 of them.
+
+    seconds: of the ramp.
     """
     scene = spindle.with_(changes)
     last = warm_up(scene, ramp(seconds), duration=30.0).instants[-1]
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+        warnings.simplefilter("ignore")  # those of its solves
         euler = benchmark("warmup").euler
         coarse, fine = (euler(scene, seconds, 30.0, steps) for steps in (120, 240))
 
@@ -155,9 +170,10 @@ def test_a_warm_up_agrees_with_a_plain_program(spindle, changes, seconds):
 
 
 def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
-    """Preload of all ramps on a grid, by warm-ups with finer steps than those of the search.
+    """The peak preload is to stay below 220 N. It falls with the length of the ramp.
 
-    The search stops within 3 % of the shortest.
+    Expected is the ramp at which peaks over a grid, by warm-ups with finer steps than those of the
+    search, cross the limit. The search stops at 2 %, rounded up to three digits: within 3 %.
     """
     scene, limit = spindle.with_(SLOW_HOUSING), 220.0
     ramps = np.geomspace(80.0, 400.0, 17)
@@ -168,10 +184,12 @@ def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
         )
         for seconds in ramps
     ]
-    expected = np.interp(-limit, -np.array(peaks), ramps)
+    expected = np.interp(
+        -limit, -np.array(peaks), ramps
+    )  # negated, as `interp` needs rising points
     shortest, broken_by = shortest_ramp(scene, {"preload": limit})
     assert not broken_by
-    assert np.all(np.diff(peaks) < 0.1)  # N: they fall
+    assert np.all(np.diff(peaks) < 0.1)  # N, for the errors of steps
     assert 100.0 < expected < 300.0  # well inside the grid
     assert expected <= shortest < 1.03 * expected
 
@@ -187,7 +205,10 @@ def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
 def test_longer_ramps_that_break_a_limit_again_are_named(
     spindle, monkeypatch, kept, seconds, broken_by
 ):
-    """Ramps whose peaks do not fall with their length, as given by a function."""
+    """`kept` says of each ramp [s] whether it keeps the limit; the shortest one is `seconds`.
+
+    broken_by: the first of the longer ramps among those tried, half a decade apart, that break it.
+    """
     monkeypatch.setattr(shortest_ramps, "limits_hold", lambda _, s, *given: kept(s))
     shortest = shortest_ramp(spindle, {"preload": 1.0})
     assert seconds <= shortest.seconds <= 1.03 * seconds and kept(shortest.seconds)
@@ -195,7 +216,10 @@ def test_longer_ramps_that_break_a_limit_again_are_named(
 
 
 def test_the_answer_keeps_its_limit_with_fine_steps(spindle, monkeypatch):
-    """Coarse steps that keep a limit up to 2 % too early are made up for."""
+    """Coarse steps keep the limit from 50 s on, fine ones only from 51 s: the answer is above 51 s.
+
+    A call with the tolerance of fine steps is one with `STEP_TOLERANCE`.
+    """
 
     def hold(_, seconds, limits, tolerance=1.0):
         return seconds >= (51.0 if tolerance == transient.STEP_TOLERANCE else 50.0)
@@ -205,17 +229,18 @@ def test_the_answer_keeps_its_limit_with_fine_steps(spindle, monkeypatch):
 
 
 def test_a_limit_that_every_ramp_keeps_needs_none(spindle):
+    """The shortest ramp is 0 s, and no longer one breaks the limits, in N and GPa."""
     scene = spindle.with_(SLOW_HOUSING)
     assert shortest_ramp(scene, {"preload": 1e4, "pressure": 5.0}) == (0.0, ())
 
 
 def test_a_limit_that_no_ramp_keeps_has_no_shortest(spindle):
-    """The preload of 140 N when cold."""
+    """A limit of 100 N on a preload of 140 N as mounted: the answer is None."""
     assert shortest_ramp(spindle.with_(SLOW_HOUSING), {"preload": 100.0}) is None
 
 
 def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):
-    """By a third, after the ramp and before the housing has warmed in its 300 s."""
+    """By 30 % or more, after the ramp of 10 s and before the housing has warmed in its 300 s."""
     dataset = warm_up_dataset(spindle.with_(SLOW_HOUSING), ramp(10.0))
     assert dataset["peak_residual_preload"] > 1.3 * dataset["end_residual_preload"]
     assert 10.0 < dataset["peak_residual_preload_time"] < 300.0
@@ -223,30 +248,39 @@ def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):
 
 
 def test_the_preload_of_a_spring_does_not_move(spindle):
+    """A constant force stays at its 140 N."""
     held = {"operation.preload_method": "constant_force"} | SLOW_HOUSING
     dataset = warm_up_dataset(spindle.with_(held), ramp(10.0), duration=100.0)
     assert_allclose(dataset["residual_preload"], 140.0, rtol=1e-12)
 
 
 POOR = {"thermal.conductance_W_K.inner_ring_shaft": 0.2}
+"""A tenth of the conductance from the inner ring of the spindle to its shaft."""
 
 
 def test_a_runaway_is_named(spindle):
+    """The warm-up ends in it, and the status of a steady solve says it in either of two ways.
+
+    It stops without a heat balance before or after heat and preload grow without limit.
+    """
     warming = warm_up(spindle.with_(POOR), ramp(10.0))
     assert warming.status != code.OK and warming.runs_away
     assert solve(spindle.with_(POOR)).status in ("warm_seizure", "no_heat_balance")
 
 
 def test_the_margin_is_one_where_steady_states_end(spindle):
-    """Bisects the conductance to the shaft down to the last steady state of the family."""
+    """Bisects the conductance to the shaft down to the last steady state, where the margin is 1.
+
+    To 1 %: near the end the margin goes to 1 with the square root of the distance in conductance.
+    """
     key = "thermal.conductance_W_K.inner_ring_shaft"
 
     def solved(G):
         return solve(spindle.with_({key: G}))
 
     low, high = 0.2, 2.0  # W/K: seizes, and does not
-    margins = []
-    for _ in range(24):
+    margins = []  # of solved states, at falling conductances
+    for _ in range(24):  # to 1e-7 W/K
         middle = 0.5 * (low + high)
         result = solved(middle)
         if result.status == "ok":
@@ -255,10 +289,11 @@ def test_the_margin_is_one_where_steady_states_end(spindle):
         else:
             low = middle
     assert_allclose(margins[-1], 1.0, rtol=1e-2)
-    assert margins[0] > 1.5
+    assert margins[0] > 1.5  # at 1.1 W/K, far from the end
 
 
 def test_times_and_speeds_are_followed(spindle):
+    """A course of times [s] and shares of the full speed: instants stand at its corners and end."""
     course = SpeedCourse((0.0, 5.0, 20.0), (0.0, 0.5, 1.0))
     warming = warm_up(spindle, course, duration=30.0)
     times = [instant.time for instant in warming.instants]
