@@ -8,6 +8,7 @@ import pytest
 from bearingwear.results.variable import Variable, table
 from bearingwear.studies.dataset import dataset_of_rows, write_dataset
 
+# Variables by name, dimensions, unit, meaning; values are multiplied by `scale` in a dataset.
 POINT = Variable("point", ("point",), "um", "place", scale=1e6)
 RACE = Variable("race", ("race",), "", "race", "i1", flags=("inner", "outer"))
 SHEAR = Variable("shear", ("race",), "h", "time", scale=0.5, comment="a comment")
@@ -17,6 +18,7 @@ PLACES = [1e-6, 2e-6, 3e-6]
 
 
 def test_rows_along_axes_are_scaled_and_have_the_attributes_of_their_table():
+    """Three rows along the axis `point`; races, without coordinates, take those of their flags."""
     rows = [
         {"side": 0, "shear": [1.0, 2.0]},
         {"side": 1, "shear": [np.nan, 4.0]},
@@ -36,6 +38,7 @@ def test_rows_along_axes_are_scaled_and_have_the_attributes_of_their_table():
 
 
 def test_values_that_a_row_omits_are_nan():
+    """Flags then become floats. An axis that is only a length has no coordinate."""
     dataset = dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{"side": 1}, {}])
     assert np.isnan(dataset["shear"].values).all() and dataset["shear"].shape == (2, 2)
     np.testing.assert_array_equal(dataset["side"], [1.0, np.nan])
@@ -43,6 +46,7 @@ def test_values_that_a_row_omits_are_nan():
 
 
 def test_writing_leaves_the_callers_encoding(tmp_path):
+    """The dataset in memory keeps its encoding, though the file may have another one."""
     dataset = dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{"side": 1}, {}])
     dataset["shear"].encoding["dtype"] = np.dtype("f4")
     write_dataset(dataset, tmp_path / "sides.nc")
@@ -50,6 +54,7 @@ def test_writing_leaves_the_callers_encoding(tmp_path):
 
 
 def test_rows_over_two_axes_are_in_c_order():
+    """The last axis varies fastest: row 3 k + n stands at (k, n). Shear has the scale 0.5."""
     rows = [{"side": k % 2, "shear": [k, 10.0 * k]} for k in range(6)]
     dataset = dataset_of_rows(SIDES, {"line": 2, POINT: PLACES}, rows)
     assert dataset["shear"].dims == ("line", "point", "race")
@@ -57,6 +62,7 @@ def test_rows_over_two_axes_are_in_c_order():
 
 
 def test_names_shapes_and_numbers_of_rows_are_checked():
+    """An unknown name, two shapes of one variable, one row for an axis of two."""
     with pytest.raises(KeyError, match="top"):
         dataset_of_rows(SIDES, {"race": 2}, [{"top": 1}])
     with pytest.raises(ValueError, match="shear"):
@@ -66,6 +72,7 @@ def test_names_shapes_and_numbers_of_rows_are_checked():
 
 
 def test_a_scene_stands_as_text(scene):
+    """As JSON in an attribute; a dataset without variables may have it, too."""
     s1 = scene("gyro_s1")
     dataset = dataset_of_rows({}, {}, [{}], scene=s1)
     assert json.loads(dataset.attrs["scene"]) == s1.to_dict()

@@ -22,21 +22,27 @@ COARSE = {"model.strips": 8, "model.tolerance": 1e-3}
 
 @pytest.fixture(scope="module")
 def coarse():
+    """Returns gyro_s1 with few strips and a loose tolerance, for speed."""
     return bearingwear.example().with_(COARSE)
 
 
 def fail_if_solved(*_):
+    """Stands in for a solve that must not take place."""
     raise AssertionError("solved")
 
 
 def product_of_numbers(scene):
+    """Returns values of a point without a solve: a number, a text and a pair of numbers."""
     operation = scene.operation
     values = {"product": operation.preload_N * scene.friction.ball_race, "name": scene.name}
     return values | {"pair": [operation.preload_N, operation.shaft_speed_rpm]}
 
 
 def test_a_point_of_a_sweep_is_the_solved_case(coarse):
-    """Its numbers and attributes, but for the codes of flags, which are those of the whole."""
+    """It has the same numbers and attributes, but for `flag_values`.
+
+    In a sweep, these are the codes of all of its points.
+    """
     axes = {PRELOAD: [5, 7], FRICTION: np.array([0.05, 0.1])}
     dataset = bearingwear.sweep(coarse, axes, workers=1)
     case = bearingwear.solve(coarse.with_({PRELOAD: 7, FRICTION: 0.05}))
@@ -52,6 +58,7 @@ def test_a_point_of_a_sweep_is_the_solved_case(coarse):
 
 
 def test_axes_of_a_sweep_have_names_and_units(coarse):
+    """A dimension has the name that studies have for its key, or else the last part of the key."""
     dataset = bearingwear.sweep(coarse, {PRELOAD: [5, 7], FRICTION: [0.05, 0.1]}, workers=1)
     assert dataset.total_qv.dims == ("preload_N", "friction")
     attrs = dataset.preload_N.attrs
@@ -59,6 +66,7 @@ def test_axes_of_a_sweep_have_names_and_units(coarse):
 
 
 def test_a_sweep_by_two_processes_is_that_by_one(coarse):
+    """Of six lives by both methods; a fixed position warns of its temperature."""
     changes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 6, 7]}
     results = []
     for workers in (1, 2):
@@ -75,7 +83,7 @@ def test_a_sweep_by_two_processes_is_that_by_one(coarse):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_warnings_of_a_sweep_are_counted(coarse, workers):
-    """Once, at the worst of the cases."""
+    """One warning is issued in this file, with the count of cases, at the largest loss of them."""
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
     with pytest.warns(UserWarning, match="2 cases, .* 0.7 um") as caught:
         dataset = bearingwear.sweep(coarse, losses, workers=workers)
@@ -86,6 +94,10 @@ def test_warnings_of_a_sweep_are_counted(coarse, workers):
 
 
 def test_the_file_of_a_sweep_has_codes_and_is_read_with_names(coarse, tmp_path):
+    """xarray alone reads codes of methods and races; `load` returns the dataset that was saved.
+
+    The attribute `message` is not stored.
+    """
     methods = {METHOD: ["fixed_position", "constant_force"]}
     with pytest.warns(UserWarning, match="temperature is neglected"):
         dataset = bearingwear.sweep(coarse, methods, workers=1)
@@ -97,7 +109,7 @@ def test_the_file_of_a_sweep_has_codes_and_is_read_with_names(coarse, tmp_path):
 
 
 def test_a_point_that_is_not_solved_has_a_status_and_no_numbers(coarse):
-    """Without friction the balls may spin in any way."""
+    """Without friction, the rotation of balls is undetermined; a warning says so, with a count."""
     with pytest.warns(UserWarning, match="1 of 2 points .*undetermined 1") as caught:
         dataset = bearingwear.sweep(coarse, {FRICTION: [0.0, 0.08]}, workers=1)
     assert caught[0].filename == __file__
@@ -119,6 +131,7 @@ def test_a_point_that_is_not_solved_has_a_status_and_no_numbers(coarse):
     ],
 )
 def test_all_points_are_checked_before_any_is_solved(coarse, changes, problem, monkeypatch):
+    """An error of any point is raised, in words of Python and not of the command's `--set`."""
     monkeypatch.setattr("bearingwear.studies.sweep._result", fail_if_solved)
     with pytest.raises(SceneError) as error:
         bearingwear.sweep(coarse, changes, what="life", workers=1)
@@ -126,17 +139,18 @@ def test_all_points_are_checked_before_any_is_solved(coarse, changes, problem, m
 
 
 def test_a_point_that_the_model_cannot_solve_is_left_out_unless_it_can_solve_none(coarse):
-    """The steady model has no rotating load."""
+    """The steady model has no rotating load: status `none` of one point of two, or an error."""
     rotating = "operation.rotating_load_N"
     with pytest.warns(UserWarning, match="1 of 2 points .*none 1 .gyro_s1: "):
         dataset = bearingwear.sweep(coarse, {rotating: [0.0, 1.0]}, fidelity="steady", workers=1)
     assert dataset.status.values.tolist() == ["ok", "none"]
     assert np.isfinite(dataset.total_qv).values.tolist() == [True, False]
-    with pytest.raises(NotAvailable):  # nor any other point
+    with pytest.raises(NotAvailable):  # both points have such a load
         bearingwear.sweep(coarse, {rotating: [1.0, 2.0]}, fidelity="steady", workers=1)
 
 
 def test_workers_and_what_are_checked(coarse):
+    """`what` is solve, life or a function; `workers` is 1 or more."""
     with pytest.raises(ValueError, match="solve, life or a function"):
         bearingwear.sweep(coarse, {PRELOAD: [5]}, what="lives")
     with pytest.raises(ValueError, match="sweep: workers: got -1, expected 1 or more"):
@@ -154,6 +168,7 @@ def test_a_combination_that_makes_no_bearing_leaves_the_others(coarse, workers):
 
 
 def test_rows_are_points_of_their_own(coarse):
+    """A list of changes is one dimension `row`; a row with a wrong value has the status `none`."""
     rows = [{PRELOAD: 5, FRICTION: 0.05}, {PRELOAD: 7, FRICTION: 0.1}, {PRELOAD: -7, FRICTION: 0.1}]
     with pytest.warns(UserWarning, match=r"1 of 3 points .* none 1 \(operation.preload_N: got -7"):
         dataset = bearingwear.sweep(coarse, rows, workers=1)
@@ -182,6 +197,7 @@ def test_points_that_are_refused(coarse, points, problem):
 
 
 def test_several_scenes_lie_side_by_side(coarse):
+    """Along a dimension of their names, which must differ; an attribute has their plain data."""
     other = coarse.with_({"name": "faster", "operation.shaft_speed_rpm": 40000})
     dataset = bearingwear.sweep([coarse, other], {PRELOAD: [5, 7]}, workers=1)
     assert dataset.total_qv.dims == ("scene", "preload_N")
@@ -195,6 +211,7 @@ def test_several_scenes_lie_side_by_side(coarse):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_function_is_evaluated_at_each_point(coarse, workers):
+    """Its values become variables; a list gets a dimension of its own, `NAME_0`."""
     axes = {PRELOAD: [5, 7], FRICTION: [0.05, 0.1]}
     dataset = bearingwear.sweep(coarse, axes, product_of_numbers, workers=workers)
     np.testing.assert_allclose(dataset["product"], [[0.25, 0.5], [0.35, 0.7]])
@@ -203,10 +220,15 @@ def test_a_function_is_evaluated_at_each_point(coarse, workers):
 
 
 def as_many_as_newtons(scene):
+    """Returns as many values as there are whole newtons of preload."""
     return {"status": 0, "values": np.ones(int(scene.operation.preload_N)), "one": 1}
 
 
 def test_values_of_another_shape_are_refused(coarse):
+    """A point whose values have not the shape of the first has none; the others stay.
+
+    A function that returns no values by name is an error.
+    """
     with pytest.warns(UserWarning, match=r"none 1 \(values: got shape \(4,\), expected \(3,\)"):
         dataset = bearingwear.sweep(coarse, {PRELOAD: [3, 4, 3.5]}, as_many_as_newtons, workers=1)
     assert dataset.status.values.tolist() == ["ok", "none", "ok"]
@@ -221,6 +243,7 @@ def test_a_function_that_other_processes_cannot_import_is_refused(coarse):
 
 
 def test_only_what_is_kept_is_in_the_dataset(coarse):
+    """And the status; what is kept is identical to that of the whole dataset."""
     axes = {PRELOAD: [5, 7]}
     whole = bearingwear.sweep(coarse, axes, workers=1)
     kept = bearingwear.sweep(coarse, axes, workers=1, keep=["total_qv", "contact_load"])
@@ -237,12 +260,17 @@ def test_only_what_is_kept_is_in_the_dataset(coarse):
     ],
 )
 def test_what_a_case_has_not_cannot_be_kept(coarse, keep, problem):
+    """A misspelt name, and extremes, which only a life has."""
     with pytest.raises(SceneError, match=problem):
         bearingwear.sweep(coarse, {PRELOAD: [5, 7]}, workers=1, keep=keep)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_extremes_are_the_worst_values_along_a_life(coarse):
+    """Of the histories of a life: largest, least, or largest magnitude; no history is kept.
+
+    preload_kept is the least preload over the initial 7 N.
+    """
     axes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 7]}
     dataset = bearingwear.sweep(coarse, axes, "life", workers=1, keep="extremes")
     assert dataset.maximum_pressure.dims == ("preload_method", "preload_N")
@@ -260,7 +288,10 @@ def test_extremes_are_the_worst_values_along_a_life(coarse):
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_the_worse_bearing_of_a_pair_counts(coarse):
-    """With two in tandem, one side has its preload from both of them."""
+    """Two bearings in tandem share the preload of their side, so that each has half of it.
+
+    The preload kept is that of a side over 7 N: bearings of the first count twice.
+    """
     keys = {
         METHOD: "fixed_position",
         "arrangement.kind": "rigid_pair",
@@ -275,11 +306,12 @@ def test_the_worse_bearing_of_a_pair_counts(coarse):
     assert dataset.maximum_pressure[0] == alone.history_maximum_pressure.max()
 
 
+# 2 x 3 x 2 points; those without friction are not solved
 TWELVE_POINTS = {"model.strips": [8, 10], PRELOAD: [5, 7, 9], FRICTION: [0.0, 0.08]}
 
 
 def part_files(scene, what, folder):
-    """Files of the three parts of a sweep, by their number."""
+    """Writes the three parts of a sweep, and returns their paths by the number of the part."""
     files = {}
     for k in (1, 2, 3):
         part = bearingwear.sweep(scene, TWELVE_POINTS, what, workers=1, part=(k, 3))
@@ -291,6 +323,7 @@ def part_files(scene, what, folder):
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("what", ["solve", "life", product_of_numbers])
 def test_parts_in_any_order_make_the_whole(coarse, what, tmp_path):
+    """Of cases, lives, and values of a function; some points are not solved."""
     files = part_files(coarse, what, tmp_path)
     whole = bearingwear.sweep(coarse, TWELVE_POINTS, what, workers=1)
     xr.testing.assert_identical(gathered_parts([files[2], files[1], files[3]]), whole)
@@ -306,12 +339,13 @@ def test_a_part_that_is_missing_or_there_twice_is_named(coarse, tmp_path):
 
 @pytest.mark.parametrize("part", [(0, 3), (4, 3), (1, 13)])
 def test_parts_that_a_sweep_has_not_are_refused(coarse, part):
+    """part: K and N of the K-th of N parts, of at least one point each."""
     with pytest.raises(SceneError, match=r"part: got .*expected K/N with 1 <= K <= N <= 12"):
         bearingwear.sweep(coarse, TWELVE_POINTS, workers=1, part=part)
 
 
 @pytest.mark.parametrize(
-    ("keys", "taken", "names"),
+    ("keys", "taken", "names"),  # taken: names of results
     [
         ([PRELOAD, FRICTION], set(), ["preload_N", "friction"]),
         (["wear.counts"], {"counts"}, ["wear_counts"]),
@@ -326,6 +360,7 @@ def test_dimensions_have_the_shortest_names_that_tell_them_apart(keys, taken, na
     assert list(names_of_keys(keys, taken).values()) == names
 
 
+# a script of a user; `guard` adds what starts it
 SCRIPT = """
 import multiprocessing
 import bearingwear
@@ -339,6 +374,7 @@ def main():
 
 
 def run_script(folder, text):
+    """Runs a script in a process of its own, and returns that process when it has ended."""
     (folder / "script.py").write_text(text)
     environment = {"PYTHONPATH": str(ROOT), "PATH": ""}
     command = [sys.executable, "script.py"]
@@ -352,6 +388,7 @@ def test_a_sweep_works_with_spawned_processes(tmp_path):
     assert done.stdout == "ok ok ok ok\n", done.stderr
 
 
+# a script that each spawned process would run again
 UNGUARDED = """
 import multiprocessing
 from bearingwear.studies.answers import answers_at
@@ -362,13 +399,14 @@ list(answers_at(len, [[], []], 2))
 
 
 def test_a_script_without_main_guard_is_refused(tmp_path):
+    """The last line of its error names the guard."""
     done = run_script(tmp_path, UNGUARDED)
     last = done.stderr.rstrip().splitlines()[-1]
     assert "ProcessEnded: sweep: " in last and "if __name__ == '__main__':" in last
 
 
 def test_profiles_of_unlike_length_have_no_places():
-    """The places of twenty strips are not those of ten."""
+    """Points with 10 and 20 strips share no coordinate of strips; points with 50 each do."""
     dataset = bearingwear.sweep(bearingwear.example(), {"model.strips": [10, 20]}, workers=1)
     assert "strip_position" not in dataset.coords
     same = bearingwear.sweep(bearingwear.example(), {"friction.ball_race": [0.05, 0.08]}, workers=1)
@@ -392,6 +430,7 @@ def test_a_sweep_of_pairs_has_a_column_for_each_bearing(coarse):
 
 @pytest.mark.parametrize("kinds", [["single", "spring_pair"], ["spring_pair", "single"]])
 def test_pairs_and_single_bearings_do_not_mix(coarse, kinds, monkeypatch):
+    """In either order, before anything is solved."""
     monkeypatch.setattr("bearingwear.studies.sweep._result", fail_if_solved)
     with pytest.raises(SceneError, match="arrangement.kind: got .*single"):
         bearingwear.sweep(coarse, {"arrangement.kind": kinds}, workers=1)

@@ -11,21 +11,24 @@ import bearingwear
 from bearingwear.cli import main
 
 SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
+# options and axes of the commands
 COARSE = ["--set", "model.strips=8", "--set", "model.tolerance=1.0e-3"]
 PRELOADS, FRICTIONS = "operation.preload_N=5,7,9", "friction.ball_race=0.05:0.09:3"
 
 
 def sweep(*words):
+    """Runs `bearingwear sweep` on gyro_s1 and returns its exit status."""
     return main(["sweep", str(SCENE), *map(str, words)])
 
 
 @pytest.fixture(scope="module")
 def coarse():
-    """The scene of the commands, as COARSE changes it."""
+    """Returns the scene of the commands, as COARSE changes it: few strips, for speed."""
     return bearingwear.load(SCENE).with_({"model.strips": 8, "model.tolerance": 1e-3})
 
 
 def test_axes_of_the_command_make_the_dataset_of_python(coarse, tmp_path):
+    """A list of values, and `first:last:count`; identical but for the attribute `message`."""
     axes = {"operation.preload_N": [5, 7, 9], "friction.ball_race": np.linspace(0.05, 0.09, 3)}
     options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
     assert sweep(*options, "-o", tmp_path / "axes.nc") == 0
@@ -36,6 +39,7 @@ def test_axes_of_the_command_make_the_dataset_of_python(coarse, tmp_path):
 
 
 def test_rows_of_a_table_are_points_of_their_own(coarse, tmp_path):
+    """Two rows are two points, and not the four of two axes; only what `--keep` names is stored."""
     table = tmp_path / "rows.csv"
     table.write_text(
         "operation.preload_N,operation.preload_method\n5,constant_force\n7,fixed_position\n"
@@ -45,11 +49,12 @@ def test_rows_of_a_table_are_points_of_their_own(coarse, tmp_path):
         assert file.total_qv.dims == ("row",) and set(file.data_vars) == {"status", "total_qv"}
         assert file.preload_N.values.tolist() == [5.0, 7.0]
         fixed = coarse.with_({"operation.preload_method": "fixed_position"})
-        with pytest.warns(UserWarning, match="temperature is neglected"):
+        with pytest.warns(UserWarning, match="temperature is neglected"):  # of a fixed position
             assert file.total_qv[1] == bearingwear.solve(fixed).total_qv
 
 
 def test_gather_joins_parts_byte_for_byte(tmp_path, capsys):
+    """To the file of the whole sweep; a part that is missing is named, with status 2."""
     options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
     parts = [tmp_path / f"{k}.nc" for k in (1, 2)]
     for k, path in enumerate(parts, 1):
@@ -68,6 +73,7 @@ def test_show_has_the_numbers_of_a_sweep(tmp_path, capsys):
 
 
 def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, monkeypatch):
+    """Four lines: points and axes, time by cores, the part, and the size of the file."""
     monkeypatch.chdir(tmp_path)
     axes = ["--axis", "operation.preload_N=4:20:100", "--axis", "friction.ball_race=0.04:0.12:1000"]
     assert sweep(*COARSE, *axes, "-n", "-j", 2, "--part", "1/20") == 0
@@ -79,6 +85,10 @@ def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, m
 
 
 def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
+    """A friction of zero leaves spin undetermined. Exit status 3 only if no point is solved.
+
+    With `--record-failures` it is 0 even then.
+    """
     options = [*COARSE, "-j", 1, "-o", tmp_path / "x.nc"]
     assert sweep(*options, "--axis", "friction.ball_race=0,0.08") == 0
     *_, line = capsys.readouterr().err.splitlines()
@@ -113,6 +123,7 @@ def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
     ],
 )
 def test_wrong_axes_and_rows_are_refused_in_one_line(words, line, tmp_path, monkeypatch, capsys):
+    """With exit status 2; the line begins as stated."""
     monkeypatch.chdir(tmp_path)
     Path("short.csv").write_text("operation.preload_N,friction.ball_race\n5,0.05\n7\n")
     Path("twice.csv").write_text("operation.preload_N,operation.preload_N\n5,6\n")
@@ -123,11 +134,13 @@ def test_wrong_axes_and_rows_are_refused_in_one_line(words, line, tmp_path, monk
 
 @pytest.mark.parametrize("words", [["--part", "3"], ["--part", "a/b"], ["-j", "0"], ["-j", "-1"]])
 def test_options_that_are_no_numbers_are_refused(words, capsys):
+    """Nor numbers of cores below one."""
     assert sweep("-n", "--axis", PRELOADS, *words) == 2
     assert "expected" in capsys.readouterr().err
 
 
 def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, monkeypatch, capsys):
+    """Without `-o`, in the present folder; a line of standard error names it."""
     (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
     options = ["sweep", "mine.yaml", "--axis", "operation.preload_N=6,7", "-j", "1"]
@@ -137,6 +150,7 @@ def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, mon
 
 
 def test_the_file_of_an_export_is_named_after_the_scene(tmp_path, monkeypatch, capsys):
+    """Without `-o`; a line of standard output names it."""
     (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
     assert main(["export", "mine.yaml", "--speeds", "20000,30000"]) == 0

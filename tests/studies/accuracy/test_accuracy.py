@@ -383,7 +383,7 @@ def test_tables_docs_and_their_check(trade, plan, cages, tmp_path, capsys):
     ],
 )  # fmt: skip
 def test_cells_agree_within_their_tolerance_either_way(agreement, old, new, is_met):
-    """Numbers below the floor or the bound of `< x` count as that; words and dashes must be equal."""
+    """Numbers below the floor, or below the x of `< x`, count as that; words must be equal."""
     assert agreement.is_met(old, new) == agreement.is_met(new, old) == is_met
 
 

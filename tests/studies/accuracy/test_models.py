@@ -68,7 +68,7 @@ def test_under_thrust_three_balls_stand_for_all(scene, method):
 
 @pytest.mark.parametrize("start", ["race_control", "kinematic"])
 def test_runs_from_other_starts_end_in_the_steady_state(scene, start):
-    """After 12 turns, to 1e-4 of QV. The kinematic start rolls as outer race control would have it."""
+    """After 12 turns, to 1e-4 of QV. The kinematic start rolls as by outer race control."""
     s = replace(scene("gyro_s1", MODEL | {"model.simulated_turns": 12}), cage=None)
     steady = solve(s, "steady").values["total_qv"]
     assert_allclose(dynamic_values(s, start, False)["total_qv"], steady, rtol=1e-4)

@@ -18,16 +18,22 @@ from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import WORST_CASES, recommendation
 
 LIMITS = DesignLimits(launch_g=30.0, torque_margin=0.5)
+"""No bearing opens up to 30 g, and the drive has half as much torque again as is needed."""
 
 
 @pytest.fixture(scope="module")
 def scene():
-    """A pair that is cold and stiff, or hot and tight, and grooves that stay as they are."""
+    """Returns a rigid pair with the cases `cold` and `hot` beside the nominal one.
+
+    Inner rings are 1 K colder than outer rings in the first, and 2 K warmer in the second. A launch
+    and a drive have requirements. Contacts are Hertzian.
+    """
     plain = bearingwear.new(
         designation="7001C", maker="NSK", preload_class="L", speed=3000.0, friction=0.1,
         preload_method="fixed_position",
     )  # fmt: skip
     arrangement = {"kind": "rigid_pair", "rotor_mass_kg": 0.5, "span_mm": 25.0}
+    # shares of the difference between the rings; outer ring and difference, in degC and K
     rings = {"inner_ring_C": 1.0, "balls_C": 0.5, "outer_ring_C": 0.0}
     at = {"cold": (-30.0, -1.0), "hot": (60.0, 2.0)}
     cases = {
@@ -49,11 +55,16 @@ def scene():
 
 @pytest.fixture(scope="module")
 def recommended(scene):
+    """Returns the recommendation for the pair within LIMITS, by both preload methods."""
     return recommendation(scene, LIMITS)
 
 
 def worst_cases(points):
-    """Name of the case with the worst value, of the life and of each measure known in all cases."""
+    """Returns the names of the cases with the worst values, by `life` and extremes of measures.
+
+    An extreme that is not known in all cases is left out; the worst is the least of a measure that
+    falls, or the largest magnitude. points: design points by the names of cases.
+    """
     names, by_case = list(points), list(points.values())
     worst = {"life": names[int(np.argmin([point["life"] for point in by_case]))]}
     for measure in LIMITED.values():
@@ -66,22 +77,27 @@ def worst_cases(points):
 
 
 def points_by_case(scene, method, preload):
-    """Design points of a preload, by case."""
+    """Returns the design points of a preload [N], by the names of cases."""
     in_cases = with_method(scene, method, preload).in_cases
     return {name: design_point(case, LIMITS) for name, case in in_cases.items()}
 
 
 def is_within_limits(point):
+    """Returns whether no margin of LIMITS is negative."""
     return min(map(float, limit_margins(point, LIMITS))) >= 0.0
 
 
 def shortest_life(points):
+    """Returns the shortest life of points [s]."""
     return min(float(point["life"]) for point in points.values())
 
 
 @pytest.mark.parametrize("k", range(2))
 def test_no_preload_within_all_limits_in_all_cases_lives_longer(scene, recommended, k):
-    """By more than 1 %, of four over the range."""
+    """By more than 1 %, of four preloads from 20 to 120 N; practical ones in all cases.
+
+    Without a recommended preload, none of them may be allowed.
+    """
     method, best = PRELOAD_METHODS[int(recommended["preload_method"][k])], 0.0
     for preload in np.geomspace(20.0, 120.0, 4).tolist():
         points = points_by_case(scene, method, preload)
@@ -89,12 +105,16 @@ def test_no_preload_within_all_limits_in_all_cases_lives_longer(scene, recommend
         if practical and all(map(is_within_limits, points.values())):
             best = max(best, shortest_life(points))
     if np.isnan(recommended["preload"][k]):
-        assert best == 0.0
+        assert best == 0.0  # none of the four was allowed
     else:
         assert 3600.0 * float(recommended["life"][k]) >= 0.99 * best
 
 
 def test_the_recommended_preload_has_the_numbers_of_its_worst_cases(scene, recommended):
+    """Life, preload at its end, and the case of each worst value, for each method with a preload.
+
+    All requirements hold in all cases there.
+    """
     solved = np.flatnonzero(np.isfinite(recommended["preload"]))
     assert solved.size
     for k in solved:
@@ -110,6 +130,10 @@ def test_the_recommended_preload_has_the_numbers_of_its_worst_cases(scene, recom
 
 
 def test_the_worst_case_is_named(recommended):
+    """Cold bearings open at the least acceleration; hot ones leave the least margin of torque.
+
+    The sheet names them; of the torque, it is the least over the corners of the machine.
+    """
     k = int(np.flatnonzero(np.isfinite(recommended["preload"]))[0])
     worst = json.loads(recommended.attrs[WORST_CASES])[k]
     assert worst["opening_acceleration"] == "cold" and worst["torque_margin"] == "hot"
@@ -121,7 +145,7 @@ def test_the_worst_case_is_named(recommended):
 
 
 def test_a_point_of_a_map_has_the_values_of_its_worst_cases(scene):
-    """The pair opens first when cold."""
+    """The least acceleration at which the pair opens, when cold, and the highest pressure."""
     point = new_point(scene, LIMITS)
     by_case = {name: new_point(case, LIMITS) for name, case in scene.in_cases.items()}
     opening = {name: item["opening_acceleration"] for name, item in by_case.items()}

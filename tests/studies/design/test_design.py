@@ -298,7 +298,7 @@ def test_dynamic_cases_without_a_cage_stay_in_the_steady_state(folder, checking_
 
 
 def test_a_dynamic_case_with_another_qv_is_marked(folder, checking_cases, tmp_path):
-    """QV of one dynamic case is raised by 1 % more than twice the error estimate of a steady one."""
+    """Its QV is raised by 1 %, and by twice the error estimate of a steady case."""
     *others, last = checking_cases
     beyond = 1.0 + 2.0 * float(load(checking_cases[0])["qv_error_estimate"]) + 0.01
     changed, out = with_values(last, tmp_path / "qv.nc", total_qv=beyond), tmp_path / "check.md"
@@ -337,7 +337,7 @@ def test_nothing_recommended_is_checked_at_the_scene_s_own_preload(scene, folder
 
 
 def test_a_map_counts_the_solves_of_each_life(folder):
-    """A life takes five solves at least: its states of wear; none of them needs to fail."""
+    """A life takes five solves or more, for its states of wear; failed ones are counted apart."""
     design = load(folder / "design.nc")
     assert int(design["solves"].min()) >= 5 and int(design["failed_solves"].min()) >= 0
 
@@ -413,10 +413,10 @@ def test_a_small_map_has_what_the_parts_of_a_large_one_have(scene, folder):
 
 
 def test_the_limit_that_is_met_first_holds(scene):
-    """With less preload the limit of the slip share is met first, then that of the stiffness.
+    """With falling preload, the stiffness is the first to reach its limit, and so decides.
 
-    So the stiffness decides, with a slip share below its limit of 0.2, though at 3 N it is the slip
-    share that violates its limit by more.
+    The slip share is below its limit of 0.2 there, though at 3 N it violates that by more than the
+    stiffness does its own.
     """
     limits = DesignLimits(axial_stiffness_N_um=3.0, gyroscopic_slip_share=0.2, at_speed_only=True)
     point = recommendation(scene, limits).isel(preload_method=0)

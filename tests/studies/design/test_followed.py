@@ -23,23 +23,27 @@ from bearingwear.studies.design.recommend import preload_map, recommendation
 
 METHODS = ("constant_force", "fixed_position")
 SETTINGS = ["model.contact=auto", "model.normal_balance=frictionless"]
+"""Settings with which lives follow grooves as they wear, where they wear enough."""
 STIFF = DesignLimits(system_axial_stiffness_N_um=5.0)
 
 
 def slip_limit(share):
-    """A requirement on the slip at the speed of the scene alone; None for no requirement."""
+    """Returns a requirement on the slip share, at the speed of the scene alone.
+
+    share: None for no requirement.
+    """
     return DesignLimits(gyroscopic_slip_share=share, at_speed_only=True)
 
 
 @pytest.fixture(scope="module")
 def scene():
-    """The studied bearing, its grooves followed where that is required."""
+    """Returns gyro_s1 with SETTINGS, in place of the fixture of tests/conftest.py."""
     return load_scene(scene_file("gyro_s1"), SETTINGS)
 
 
 @pytest.fixture(scope="module")
 def design_map(scene):
-    """Map of three preloads by both methods."""
+    """Returns a map of three preloads by both methods."""
     axes = MapAxes(
         preload_method=METHODS,
         friction=RisingAxis([0.08]),
@@ -51,6 +55,7 @@ def design_map(scene):
 
 @pytest.fixture(scope="module")
 def recommended(scene):
+    """Returns the recommendation of both methods for a system stiffness of 5 N/um."""
     return recommendation(scene, STIFF)
 
 
@@ -59,7 +64,7 @@ BY_METHOD = pytest.mark.parametrize(("k", "method"), enumerate(METHODS))
 
 @BY_METHOD
 def test_the_recommended_life_is_that_of_life(scene, recommended, k, method):
-    """To the last bit, and with the same criterion."""
+    """To rounding, and with the same criterion; files have hours."""
     point = recommended.isel(preload_method=k)
     values = life(with_method(scene, method, float(point["preload"]))).values
     assert_allclose(point["life"], values["life"] / 3600.0, rtol=1e-15)
@@ -70,7 +75,10 @@ def test_the_recommended_life_is_that_of_life(scene, recommended, k, method):
 def test_a_recommendation_has_the_life_with_a_hertzian_groove_beside_its_own(
     scene, recommended, k, method
 ):
-    """Which differs by more than 2 %; its own groove, as it wears, just meets the limit."""
+    """The two lives differ by more than 2 %.
+
+    With grooves as they wear, the stiffness is the required one or up to 1 % more.
+    """
     point = recommended.isel(preload_method=k)
     assert point["groove"] == WORN_GROOVE
     hertzian = life_point(with_method(scene, method, float(point["preload"])), None)["life"]
@@ -80,6 +88,7 @@ def test_a_recommendation_has_the_life_with_a_hertzian_groove_beside_its_own(
 
 
 def test_a_map_has_lives_with_grooves_as_life_follows_them(scene, design_map):
+    """All points have worn grooves; that of 7 N and a constant force has the life of `life`."""
     assert (design_map["groove"] == WORN_GROOVE).all() and (design_map["status"] == 0).all()
     point = design_map.sel(preload=7.0).isel(preload_method=0, friction=0, shaft_speed=0)
     values = life(with_method(scene, METHODS[0], 7.0)).values
@@ -88,29 +97,33 @@ def test_a_map_has_lives_with_grooves_as_life_follows_them(scene, design_map):
 
 @BY_METHOD
 def test_no_preload_of_the_map_within_the_limit_lives_longer(design_map, recommended, k, method):
+    """Than the recommended one of its method."""
     line = design_map.isel(preload_method=k, friction=0, shaft_speed=0)
     within = line["life"].where(line["system_axial_stiffness"] >= 5e6)
     assert float(recommended["life"][k]) >= float(within.max())
 
 
 def test_a_scene_of_the_paper_has_the_hertzian_groove(scene):
+    """gyro_s1 itself has `model.contact: paper`; no worn life is followed, which is None."""
     paper = with_method(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
     assert design_point(paper, slip_limit(0.1))["groove"] == HERTZIAN_GROOVE
     assert worn_life(paper) is None
 
 
 def test_too_little_wear_for_the_contact_to_feel_follows_no_groove(scene):
+    """A life that ends with a loss of 0.01 um: `worn_life` is None."""
     assert worn_life(scene.with_({"wear.end_of_life.ball_diameter_loss_um": 0.01})) is None
 
 
 def test_a_life_that_ends_when_new_needs_no_groove(scene):
+    """A new bearing exceeds a slip share of 0.001: the life is zero, and no solve of wear fails."""
     slipping = scene.with_({"wear.end_of_life.gyroscopic_slip_share": 0.001})
     assert design_point(slipping, slip_limit(None))["life"] == 0.0
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_quick_lives_are_those_of_life(scene, method):
-    """Fewer cells and longer steps: 3e-3 of the life, and 2 % of the minimum stiffness."""
+    """To 3e-3, and the least stiffness to 2 %: they take fewer cells and longer steps."""
     held = with_method(scene, method, 7.0)
     quick, exact = (design_point(held, slip_limit(0.12), is_quick) for is_quick in (True, False))
     assert_allclose(quick["life"], exact["life"], rtol=3e-3)
@@ -120,17 +133,21 @@ def test_quick_lives_are_those_of_life(scene, method):
 
 @pytest.fixture(scope="module")
 def held(scene):
-    """At a fixed position, whose preload may go to 40 %."""
+    """Returns a fixed position of 7 N, whose life ends with 40 % of the preload left."""
     return with_method(scene, "fixed_position", 7.0)
 
 
 def with_limits(scene, **limits):
+    """Returns a scene with other criteria of the end of life, by their names."""
     return scene.with_({f"wear.end_of_life.{name}": value for name, value in limits.items()})
 
 
 @pytest.mark.parametrize("limits", [{}, {"preload_fraction": 0.3}, {"preload_fraction": 0.6}])
 def test_one_march_has_the_lives_of_all_ends(held, limits):
-    """Within 3e-3 of lives that are followed to each end by themselves."""
+    """A life is followed to the farthest end; the times at which it passes others are lives.
+
+    Within 3e-3 of lives that are followed to each of these ends alone.
+    """
     farthest = with_limits(held, ball_diameter_loss_um=1.4, preload_fraction=0.2)
     life_to = lives_by_end(held, farthest.wear.end_of_life)
     limited = with_limits(held, **limits)
@@ -139,7 +156,7 @@ def test_one_march_has_the_lives_of_all_ends(held, limits):
 
 
 def test_a_march_has_no_time_to_an_end_met_when_new_and_none_to_one_beyond_it(held):
-    """The first is zero, the second is not known."""
+    """The time to an end that a new bearing meets is zero; to one that was not reached, NaN."""
     life_to = lives_by_end(held, held.wear.end_of_life)
     assert life_to(with_limits(held, gyroscopic_slip_share=1e-4).wear.end_of_life) == 0.0
     never = with_limits(held, preload_fraction=0.01).wear.end_of_life

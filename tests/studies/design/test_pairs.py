@@ -28,7 +28,7 @@ UNLIKE = PUSHED | {"arrangement.tandem": [2, 1]}
 @pytest.mark.parametrize("changes", [ROTOR | {"arrangement.kind": "spring_pair"}, PUSHED, UNLIKE])
 @pytest.mark.parametrize("method", METHODS)
 def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
-    """New, it is the lowest of the frequencies of a solved case, to 1e-5; along the life, no higher.
+    """New, the lowest one is that of a solved case, to 1e-5; along the life it is no higher.
 
     States of unlike bearings have it; a state that stands for both of a symmetric pair has NaN.
     """
@@ -43,7 +43,7 @@ def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
 
 
 def test_a_point_of_the_map_has_the_worst_values_along_a_life(scene):
-    """They are the extremes over the history of `life`, and over both bearings, which are unlike."""
+    """They are the extremes over the history of `life`, and over both of two unlike bearings."""
     rigid = with_method(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
     point, values = life_point(rigid, None), life(rigid).values
     expected = {

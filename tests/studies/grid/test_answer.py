@@ -17,6 +17,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.answer import MethodLife, answer, lives_of
 
+# a scene as plain data, with what the answer names of it
 SCENE = {
     "name": "a",
     "bearing": {
@@ -33,11 +34,12 @@ SCENE = {
 
 
 def with_spaces(text):
-    """Text with plain spaces in place of those at which no line breaks."""
+    """Returns a text with plain spaces in place of those at which no line breaks."""
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def life(method, friction, hours, error=0.01, scene="a"):
+    """Returns a life with a relative error, NaN for an unknown one; it ends by a criterion `x`."""
     return MethodLife(scene, method, friction, hours, error, "x")
 
 
@@ -45,8 +47,8 @@ C, F = PRELOAD_METHODS  # constant force and fixed position
 OTHER_WAY_ROUND = [life(C, 0.1, 2.0), life(F, 0.1, 1.0), life(C, 0.2, 1.0), life(F, 0.2, 2.0)]
 OTHER_SCENE = [life(m, 0.1, 3.0, scene="b") for m in PRELOAD_METHODS]
 UNKNOWN = math.nan
-# lives; the methods and a word of the headline; numbers of a sentence: ratio or %, and friction.
-# Lives of errors of 1 % are the same within 2 %.
+# Lives; the methods and a word of the headline; numbers of a sentence: ratio or %, and friction.
+# Two lives with errors of 1 % count as the same if they differ by less than the sum, 2 %.
 HEADLINES = [
     ([life(C, 0.1, 2.0), life(F, 0.1, 1.0)], {C}, "longer", {2.0, 0.1}),
     ([life(C, 0.1, 1.0), life(F, 0.1, 1.05)], {F}, "longer", {5.0, 0.1}),
@@ -66,6 +68,10 @@ HEADLINES = [
 def test_the_headline_names_the_better_method_and_a_sentence_by_how_much(
     lives, methods, word, numbers
 ):
+    """The title is the scene, the preload, and the headline behind the last comma.
+
+    The numbers stand together in one sentence of the answer.
+    """
     document = answer(lives, SCENE)
     assert document.title.startswith("a: ") and numbers_in(document.title) == [7.0]  # N
     _, _, headline = document.title.rpartition(", ")
@@ -77,6 +83,7 @@ def test_the_headline_names_the_better_method_and_a_sentence_by_how_much(
 
 @pytest.mark.parametrize("lives", [lives for lives, *_ in HEADLINES])
 def test_the_table_has_a_row_for_each_life_of_the_scene_and_no_nan(lives):
+    """Lives of another scene have none; nor do sentences say NaN."""
     document = answer(lives, SCENE)
     rows = table_block(document).table[1]
     assert len(rows) == len([life for life in lives if life.scene == "a"])
@@ -87,9 +94,10 @@ def test_the_table_has_a_row_for_each_life_of_the_scene_and_no_nan(lives):
 
 @pytest.fixture
 def lives_and_spread(small_project, tmp_path):
-    """Paths of lives and of an invented spread beside them.
+    """Returns the paths of lives and of an invented spread beside them.
 
-    Quantiles are 2, 4, ... 40 h, by method, friction and probability.
+    Quantiles are 2, 4, ... 40 h, by preload method, preload and probability; those of a batch, its
+    median times 0.5 to 2. Ends of intervals are 10 % off. Of the second method one life failed.
     """
     scene = load_scene(small_project / "mine.yaml")
     middle = np.arange(2.0, 41.0, 2.0).reshape(2, 2, 5)  # method, at, probability
@@ -125,25 +133,28 @@ def lives_and_spread(small_project, tmp_path):
 
 
 def row_of(document, method, friction):
-    """Cells of a life by the names of their columns."""
+    """Returns the cells of a life by the heads of their columns.
+
+    method and friction: as in the table, the latter a text.
+    """
     heads, lines = table_block(document).table
     (row,) = [line for line in lines if line[:2] == [friction, method]]
     return dict(zip(heads, row, strict=True))
 
 
 def sentence_blocks(document):
-    """Titles and lines of the blocks without a table."""
+    """Returns titles and lines of the blocks without a table."""
     return [(block.title, block.lines) for block in document.blocks if not block.rows]
 
 
 def table_block(document):
-    """The one block with a table."""
+    """Returns the only block with a table."""
     (table,) = (block for block in document.blocks if block.rows)
     return table
 
 
 def answer_of(lives, spread=()):
-    """The answer that the step makes of files of lives and of their spread."""
+    """Writes the answer by its step, and returns it. lives: a path; spread: paths."""
     path = lives.parent / "answer.json"
     run = "studies.grid.answer.lives_answer"
     assert step(run, path, lives=[lives], uncertainty=spread) == 0
@@ -151,6 +162,10 @@ def answer_of(lives, spread=()):
 
 
 def test_the_answer_is_that_of_the_file(small_project):
+    """Of the small study (tests/small_study.py): ratio of lives, end, and cells of the table.
+
+    Its first sentence compares the methods at the friction 0.02. It has no spread.
+    """
     lives = lives_of(load(small_project / FOLDER / "wear_life.nc"))
     low = {life.method: life.hours for life in lives if life.friction == 0.02}
     ratio = low["constant_force"] / low["fixed_position"]
@@ -171,7 +186,10 @@ def test_the_answer_is_that_of_the_file(small_project):
 
 
 def test_the_summary_has_lives_with_their_spread(small_project, lives_and_spread):
-    """90 % of the bearings at the scene's own friction; for others it names the command."""
+    """90 % of bearings at the scene's own friction, 0.08, the only one of the spread.
+
+    Lives at another friction have a dash, and the text names the command that samples them.
+    """
     lives, spread = lives_and_spread
     written, table = lives.parent / "a.csv", lives.parent / "summary.md"
     inputs = {"study": small_project / FOLDER / "study.nc", "lives": lives, "uncertainty": [spread]}
@@ -187,7 +205,10 @@ def test_the_summary_has_lives_with_their_spread(small_project, lives_and_spread
 
 
 def test_the_answer_has_lives_with_their_spread(lives_and_spread):
-    """By their quantiles; a life without a spread has a dash."""
+    """Of the invented quantiles in h: 10 and 50 % of the median batch, 5 to 95 % of the others.
+
+    A life without a spread has a dash.
+    """
     lives, spread = lives_and_spread
     document = answer_of(lives, [spread])
     row = row_of(document, "constant force", "0.08")
@@ -200,7 +221,7 @@ def test_the_answer_has_lives_with_their_spread(lives_and_spread):
 
 
 def test_the_spread_of_another_scene_is_not_used(lives_and_spread):
-    """Of a shaft that is faster by 1 r/min."""
+    """A shaft that is faster by 1 r/min makes another scene; the table names the command instead."""
     lives, path = lives_and_spread
     dataset = load(path)
     scene = json.loads(dataset.attrs["scene"])
@@ -213,7 +234,7 @@ def test_the_spread_of_another_scene_is_not_used(lives_and_spread):
 
 
 def test_without_a_study_of_uncertainty_no_life_has_a_spread(small_project, capsys):
-    """The sheet names the command for it."""
+    """Summary and sheet have no L10; the sheet names the command for it."""
     folder = small_project / FOLDER
     assert "L10" not in (folder / "tables" / "summary.md").read_text()
     assert main(["show", str(folder / "wear_life.nc")]) == 0

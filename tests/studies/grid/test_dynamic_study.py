@@ -19,7 +19,8 @@ from bearingwear.studies.unsolved import unsolved_lines
 
 STEADY = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.5, 0.7])
 DYNAMIC = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.08], [0.0, 0.5, 0.7])
-NOT_CONVERGED = 1
+NOT_CONVERGED = 1  # status
+# steps
 GATHER, TABLES = (
     "studies.grid.gather.gathered_study",
     "studies.grid.dynamic_tables.dynamic_comparison",
@@ -28,6 +29,7 @@ COMPARED, AVERAGE = (
     "studies.grid.figures.draw.draw_dynamic",
     "studies.grid.figures.draw.draw_running_average",
 )
+# names of the flags of variables
 FLAGS = {
     "status": "ok not_converged",
     "race": "inner outer",
@@ -37,6 +39,7 @@ FLAGS = {
 
 
 def flag(name, dims, values):
+    """Returns a variable of flags for a dataset: dimensions, codes, attributes."""
     meanings = FLAGS[name].split()
     values = np.asarray(values, dtype=np.int8)
     attrs = {"flag_values": np.arange(len(meanings), dtype=np.int8), "flag_meanings": FLAGS[name]}
@@ -44,14 +47,20 @@ def flag(name, dims, values):
 
 
 def invented_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **changes):
-    """A case file's dataset with plausible numbers; its histories settle on its means."""
+    """Returns the dataset of a case file with plausible numbers; its histories settle on its means.
+
+    QV is 1.4 W and wear rates are some 1e-16 m3/s, times 0.9 + friction, times the share of preload
+    that is left: of a fixed position, 1 - 1.2 per um of loss. Dynamic ones are 1 % higher.
+
+    status: a case that was not solved has no numbers. changes: of attributes.
+    """
     is_dynamic = fidelity == "dynamic"
     plain = variant(scene_file(scene), case.changes).to_dict()
     n = plain["bearing"]["ball_count"] if is_dynamic else 1
     held = case.preload_method == "fixed_position"
     left = 1.0 - (1.2 * case.ball_diameter_loss_um if held else 0.0)
     size = (1.0 + 0.01 * is_dynamic) * left * (0.9 + case.friction)
-    alone = {"units": "W"}, {"units": "m3 s-1"}
+    alone = {"units": "W"}, {"units": "m3 s-1"}  # attributes of powers and of wear rates
     values = {
         "status": flag("status", (), status),
         "total_qv": ((), 1.4 * size, alone[0]),
@@ -98,7 +107,10 @@ def invented_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **ch
 
 
 def write_cases(folder, grid, fidelity, failed=(), **changes):
-    """Write invented case files of a grid; their paths."""
+    """Writes invented case files of a grid, and returns their paths.
+
+    failed: names of cases that were not solved.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for case_id, case in grid.cases().items():
@@ -114,7 +126,10 @@ FAILED = ("fixed_position-mu0.020-loss0.70", "fixed_position-mu0.080-loss0.70")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A study, and some of its cases solved dynamically, of which two could not be solved."""
+    """Returns the folder of a study, `study.nc`, and of some of its cases solved dynamically.
+
+    Of the latter, in `dynamic.nc`, the two of FAILED are not solved; of the study, the first.
+    """
     folder = tmp_path_factory.mktemp("both")
     for grid, fidelity, cases, file in (
         (STEADY, "steady", "cases", "study.nc"),
@@ -127,7 +142,7 @@ def folder(tmp_path_factory):
 
 
 def steady_and_dynamic(folder):
-    """The study, and the cases that are solved dynamically."""
+    """Returns the paths of the study and of its dynamic cases, by the arguments of steps."""
     return {"study": folder / "study.nc", "dynamic": folder / "dynamic.nc"}
 
 
@@ -135,6 +150,10 @@ def steady_and_dynamic(folder):
 
 
 def test_a_study_of_dynamic_cases_holds_their_means_without_histories(folder):
+    """For each of nine balls; dimensions and variables of a run in time are left out.
+
+    Cases that were not solved have NaN.
+    """
     gathered = load(folder / "dynamic.nc")
     assert gathered.attrs["fidelity"] == "dynamic"
     assert gathered.sizes["ball"] == 9
@@ -146,6 +165,7 @@ def test_a_study_of_dynamic_cases_holds_their_means_without_histories(folder):
 
 
 def test_steady_and_dynamic_cases_are_not_mixed(folder, tmp_path):
+    """A steady file among dynamic ones is named."""
     paths = write_cases(tmp_path, DYNAMIC, "dynamic")
     invented_case(DYNAMIC.cases()[paths[3].stem]).to_netcdf(paths[3])
     with pytest.raises(CaseFileError, match=f"{paths[3].name}: fidelity differs from"):
@@ -153,6 +173,7 @@ def test_steady_and_dynamic_cases_are_not_mixed(folder, tmp_path):
 
 
 def test_the_verdict_names_unsolved_files_of_steady_and_dynamic_cases(folder):
+    """It names the files of the cases, and counts all cases of both."""
     checked, unsolved = unsolved_lines([folder / "study.nc", folder / "dynamic.nc"])
     assert checked == len(STEADY.cases()) + len(DYNAMIC.cases())
     assert [line.partition(": ")[0] for line in unsolved] == [
@@ -165,7 +186,10 @@ def test_the_verdict_names_unsolved_files_of_steady_and_dynamic_cases(folder):
 
 
 def test_tables_compare_steady_and_dynamic_cases(folder, tmp_path):
-    """The first case by its invented numbers, and those that were not solved."""
+    """Numbers of the first case follow from `invented_case`; cells of unsolved cases are empty.
+
+    The wear rate of fixed positions drifts by 2 % per turn, 20 % over the ten turns evaluated.
+    """
     outputs = [tmp_path / "dynamic.csv", tmp_path / "dynamic.md"]
     assert step(TABLES, *outputs, **steady_and_dynamic(folder)) == 0
     with outputs[0].open(encoding="utf-8") as file:
@@ -173,7 +197,7 @@ def test_tables_compare_steady_and_dynamic_cases(folder, tmp_path):
     assert len(rows) == 12
     first = rows[0]
     steady = float(first["total_qv.steady (W)"])
-    assert_allclose(steady, 1.4 * 0.92, rtol=1e-8)
+    assert_allclose(steady, 1.4 * 0.92, rtol=1e-8)  # friction 0.02
     assert_allclose(float(first["total_qv.dynamic (W)"]), 1.01 * steady, rtol=1e-8)
     assert_allclose(float(first["race_wear_rate.dynamic.outer (m3 s-1)"]), 3.03e-16 * 0.92)
     assert first["status.steady"] == first["status.dynamic"] == "ok"
@@ -183,7 +207,7 @@ def test_tables_compare_steady_and_dynamic_cases(folder, tmp_path):
     assert "| constant force | 0.02 | 0 | 1.29 | 1.3 | 1 | 7 | 7 |" in text
     assert "| QV, steady (W) |" in text and "land (mm³/1000\N{NO-BREAK SPACE}h) |" in text
     assert "nan" not in text + outputs[0].read_text(encoding="utf-8")
-    assert text.count("drifts by +20 %") == 4  # of those solved
+    assert text.count("drifts by +20 %") == 4  # of six fixed positions, those solved
     assert text.count("dynamic: not converged") == 2 and text.count("steady: not converged") == 1
 
 
@@ -192,7 +216,10 @@ def test_tables_compare_steady_and_dynamic_cases(folder, tmp_path):
 def test_a_case_that_is_not_solved_or_without_a_cage_is_drawn_and_tabulated(
     folder, has_cage, tmp_path
 ):
-    """Of the case with a cage nothing is solved."""
+    """A single case: with a cage, but not solved, or solved, but without a cage.
+
+    The table has no cage and no NaN.
+    """
     grid = Grid.from_lists(PRELOAD_METHODS[:1], [0.08], [0.0])
     failed = tuple(grid.cases()) if has_cage else ()
     (path,) = write_cases(tmp_path, grid, "dynamic", failed)
@@ -210,6 +237,10 @@ def test_a_case_that_is_not_solved_or_without_a_cage_is_drawn_and_tabulated(
 
 
 def test_files_that_do_not_belong_together_are_refused_in_one_line(folder, tmp_path, capsys):
+    """Steady cases in place of dynamic ones, other frictions, another scene, and no dynamic case.
+
+    Nothing is drawn.
+    """
     steady, dynamic = steady_and_dynamic(folder).values()
     output = tmp_path / "a.svg"
     assert step(COMPARED, output, study=steady, dynamic=steady) == 2
@@ -235,13 +266,17 @@ def test_files_that_do_not_belong_together_are_refused_in_one_line(folder, tmp_p
 
 
 def test_the_mean_so_far_is_that_of_the_intervals_up_to_each_time():
+    """A rate stands at the end of its interval; intervals here are equally long."""
     rate = xr.DataArray([3.0, 5.0, 1.0, 7.0], {"time": [0.1, 0.2, 0.3, 0.4]}, ("time",))
     assert_allclose(mean_so_far(rate), [3.0, 4.0, 3.0, 4.0], rtol=1e-14)
 
 
 @pytest.mark.filterwarnings("error")
 def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path):
-    """The file of the project has none yet."""
+    """The file of the project has no values, so that the figure has no reference beside its parts.
+
+    With a file of two values, that of a ball lies on the axes of balls.
+    """
     case = load(folder / "dynamic" / "constant_force-mu0.080-loss0.00.nc")
     without = running_average_figure(case, ROOT / "config" / "reference" / "gupta_no2.csv")
     labels = [text.get_text() for text in without.legends[0].get_texts()]
@@ -266,6 +301,7 @@ def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path
     ],
 )
 def test_a_broken_reference_is_refused(folder, text, problem, tmp_path, capsys):
+    """In one line that names the file; so is one that is not there."""
     file = tmp_path / "values.csv"
     file.write_text(text)
     inputs = {"case": folder / "dynamic" / f"{FAILED[0]}.nc", "reference": file}

@@ -9,6 +9,7 @@ from bearingwear.studies.grid.grid import Case, Grid
 
 
 def test_id_of_a_case():
+    """At least three decimals of the friction and two of the loss [um], more where they count."""
     assert Case("constant_force", 0.0125, 0.005).id == "constant_force-mu0.0125-loss0.005"
     case = Case("fixed_position", 0.08, 0.5)
     assert case.id == "fixed_position-mu0.080-loss0.50"
@@ -24,6 +25,10 @@ def test_id_of_a_case():
     losses=st.lists(st.integers(0, 5000), min_size=1, max_size=5, unique=True),
 )
 def test_case_ids_are_unique_and_contain_the_values(mus, losses):
+    """Cases are as many as the combinations of values, by id; each of them has its own values.
+
+    Frictions are multiples of 1e-4 up to 0.2, losses of 1e-3 um up to 5 um.
+    """
     grid = Grid.from_lists(PRELOAD_METHODS, [k / 1e4 for k in mus], [k / 1e3 for k in losses])
     cases = grid.cases()
     assert len(cases) == 2 * len(mus) * len(losses)
@@ -45,18 +50,23 @@ def test_case_ids_are_unique_and_contain_the_values(mus, losses):
     ],
 )
 def test_grids_that_are_refused(methods, mus, losses, problem):
+    """In one line: too many decimals, values below zero or NaN, twice, none, no method."""
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         Grid.from_lists(methods, mus, losses)
     assert problem in str(error.value)
 
 
 def test_chunks_of_a_grid():
-    """Whole lines in a file, of which the name says the first and the last."""
+    """A chunk has whole lines; its name has the first and the last friction.
+
+    The argument is the number of points in a chunk at most; a line has three losses. Chunks of one
+    line or less are not used: the list is empty.
+    """
     grid = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08, 0.11], [0.0, 0.1, 0.5])
-    assert grid.chunks(None) == grid.chunks(5) == []  # a line or less
+    assert grid.chunks(None) == grid.chunks(5) == []  # of no size, or of one line
     assert grid.chunks(9)[:2] == [
         "constant_force-mu0.020-to-mu0.080",
         "constant_force-mu0.110-to-mu0.110",
     ]
     assert grid.friction_names_between("0.020", "0.080") == ["0.020", "0.050", "0.080"]
-    assert len(grid.chunks(1000)) == 2
+    assert len(grid.chunks(1000)) == 2  # one for each method

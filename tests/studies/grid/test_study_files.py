@@ -34,15 +34,20 @@ from bearingwear.studies.grid.tables import study_tables
 from bearingwear.studies.solve import solved_variants
 from bearingwear.studies.unsolved import unsolved_lines
 
+# 2 methods, 2 frictions, 3 losses [um]
 GRID = Grid.from_lists(PRELOAD_METHODS, [0.0, 0.08], [0.0, 0.35, 0.7])
-UNDETERMINED = 5
+UNDETERMINED = 5  # status
+# steps
 GATHER, LIFE = "studies.grid.gather.gathered_study", "studies.grid.life.study_life"
 TABLES, VERDICT = "studies.grid.tables.study_tables", "studies.unsolved.verdict_text"
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Cases of a small study with a friction of zero, where nothing can be solved."""
+    """Returns the folder of a small study; its cases with a friction of zero are not solved.
+
+    It has `cases/`, the gathered `study.nc` and its lives, `wear_life.nc`.
+    """
     folder = tmp_path_factory.mktemp("study")
     for case_id, case in GRID.cases().items():
         scene = variant(scene_file("gyro_s1"), case.changes)
@@ -56,12 +61,13 @@ def folder(tmp_path_factory):
 
 @pytest.fixture
 def cases(folder, tmp_path):
-    """Paths of a copy of the cases."""
+    """Returns the paths of copies of the cases, which a test may change."""
     shutil.copytree(folder / "cases", tmp_path / "cases")
     return [tmp_path / "cases" / f"{case_id}.nc" for case_id in GRID.cases()]
 
 
 def test_study_holds_every_case(folder):
+    """At its place on the grid, with the numbers and attributes of its file."""
     gathered = load(folder / "study.nc")
     assert list(gathered["total_qv"].dims) == ["preload_method", "friction", "ball_diameter_loss"]
     assert gathered["ball_diameter_loss"].attrs["units"] == "um"
@@ -74,13 +80,16 @@ def test_study_holds_every_case(folder):
         )
         assert int(point["status"]) == int(alone["status"]), case_id
         for name in ("total_qv", "contact_load", "ball_diameter_loss_rate"):
-            if name in alone:
+            if name in alone:  # cases that were not solved lack some
                 assert point[name].attrs == alone[name].attrs
                 assert np.array_equal(point[name], alone[name], equal_nan=True)
 
 
 def test_warnings_are_gathered_once_with_the_cases_counted(folder):
-    """Of cases and of lives; a case that was not solved has none of its numbers."""
+    """Worn grooves of six solved cases less the two that are new, named by the largest loss.
+
+    Of lives, those that are solved have the warning. No warning stands twice.
+    """
     cases, lives = (load(folder / name) for name in ("study.nc", "wear_life.nc"))
     warnings = warnings_in(cases.attrs)
     worn = next(item for item in warnings if item["id"] == "groove_worn")
@@ -94,6 +103,7 @@ def test_warnings_are_gathered_once_with_the_cases_counted(folder):
 
 
 def test_failed_cases_are_missing_numbers_with_a_status(folder):
+    """All variables but the status are NaN."""
     failed = load(folder / "study.nc").sel(friction=0.0)
     assert np.all(failed["status"] == UNDETERMINED)
     for name, variable in failed.data_vars.items():
@@ -101,6 +111,7 @@ def test_failed_cases_are_missing_numbers_with_a_status(folder):
 
 
 def test_flags_stay_whole_numbers_in_the_file(folder):
+    """Of one byte, also where a case was not solved; coordinates have no fill value."""
     with xr.open_dataset(folder / "study.nc", mask_and_scale=False) as raw:
         assert raw["status"].dtype == raw["steady_state_branch"].dtype == np.int8
         assert all("_FillValue" not in raw[name].attrs for name in raw.coords)
@@ -112,7 +123,7 @@ def test_gathering_twice_gives_the_same_bytes(folder, cases, tmp_path):
 
 
 def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
-    """Whatever the order of their axes, and whether the preload method is one of them."""
+    """One sweep for each preload method; either order of the axes gives the same file."""
     frictions, losses = (
         ("friction.ball_race", "0,0.08"),
         ("wear.ball_diameter_loss_um", "0,0.35,0.7"),
@@ -137,6 +148,7 @@ def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
     ],
 )
 def test_sweeps_that_are_no_grid_of_cases_are_refused(words, tmp_path, monkeypatch, capsys):
+    """An axis that a grid has not, lives in place of cases, and rows in place of axes."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rows.csv").write_text("friction.ball_race,wear.ball_diameter_loss_um\n0.08,0\n")
     assert main(["sweep", str(scene_file("gyro_s1")), *words, "--jobs", "1", "-o", "x.nc"]) == 0
@@ -145,7 +157,7 @@ def test_sweeps_that_are_no_grid_of_cases_are_refused(words, tmp_path, monkeypat
     assert only_line(capsys).startswith("x.nc: got another sweep, expected one of")
 
 
-# damages: functions (paths) -> paths to gather, and the one at fault
+# Damages: each changes files of cases, and returns the paths to gather and the one at fault.
 
 
 def truncated(paths):
@@ -163,11 +175,13 @@ def given_twice(paths):
 
 
 def misnamed(paths):
+    """The fourth file has the contents of the third, which is left out."""
     shutil.copy(paths[2], paths[3])
     return [*paths[:2], *paths[3:]], paths[3]
 
 
 def set_attributes(path, **attributes):
+    """Writes a file of a case again with other attributes."""
     with xr.open_dataset(path) as opened:
         dataset = opened.load()
     path.unlink()
@@ -192,6 +206,7 @@ def of_another_solver(paths):
     ],
 )  # fmt: skip
 def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
+    """In one line with the file at fault; nothing is written."""
     paths, culprit = damage(cases)
     output = tmp_path / "study.nc"
     assert step(GATHER, output, paths=paths) == 2
@@ -203,7 +218,11 @@ def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
 
 
 def line_of(losses, rate, preload, share=0.0, skid=0.0, status=None):
-    """A line of a study whose rate and criteria are known functions of the loss."""
+    """Returns a line of a study whose rate and criteria are known functions of the loss.
+
+    losses (n,) [um]; rate of the loss [m/s]; preload [N]; share and skid [1] of the slip criteria;
+    all of them scalars or (n,). status: zeros if omitted.
+    """
     n = len(losses)
     full = np.broadcast_to
     return xr.Dataset(
@@ -214,6 +233,7 @@ def line_of(losses, rate, preload, share=0.0, skid=0.0, status=None):
             "skid_ratio": ("ball_diameter_loss", full(skid, n)),
             "gyroscopic_slip_share": (
                 ("ball_diameter_loss", "ball", "race"),
+                # one ball; the inner race does not slip
                 np.stack([np.zeros(n), full(share, n)], axis=1)[:, None, :],
             ),
         },
@@ -221,8 +241,8 @@ def line_of(losses, rate, preload, share=0.0, skid=0.0, status=None):
     )
 
 
-LOSSES = np.linspace(0.0, 0.7, 8)
-HOUR = 3600.0
+LOSSES = np.linspace(0.0, 0.7, 8)  # um
+HOUR = 3600.0  # s
 
 
 def ending(life) -> str:
@@ -231,6 +251,7 @@ def ending(life) -> str:
 
 
 def test_a_life_at_a_constant_rate_is_loss_over_rate():
+    """0.7 um at 1e-12 m/s; the preload stays at 7 N."""
     interpolated = interpolated_life(
         [Line(line_of(LOSSES, 1e-12, 7.0), 7.0)],
         {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7},
@@ -244,9 +265,9 @@ def test_a_life_at_a_constant_rate_is_loss_over_rate():
 
 
 def test_life_at_a_falling_rate_ends_where_the_preload_does():
-    """A rate proportional to 1/(1 + x): time is the integral of 1 + x, up to x = 0.6.
+    """A rate proportional to 1/(1 + x), x being the loss in um: time is the integral of 1 + x.
 
-    To 0.1 %, of the grid of 0.1 um.
+    It ends at x = 0.6. To 0.1 %, as the rate is interpolated on a grid of 0.1 um.
     """
     line = line_of(LOSSES, 1e-12 / (1.0 + LOSSES), 7.0 * (1.0 - LOSSES))
     interpolated = interpolated_life([Line(line, 7.0)], {"preload_fraction": 0.4})
@@ -260,6 +281,7 @@ def test_life_at_a_falling_rate_ends_where_the_preload_does():
 
 
 def test_the_first_criterion_ends_the_life():
+    """Of four, whose losses are known; the skid ratio counts without its sign."""
     criteria = {
         "preload_fraction": 0.4,
         "gyroscopic_slip_share": 0.5,
@@ -274,6 +296,7 @@ def test_the_first_criterion_ends_the_life():
 
 
 def test_a_criterion_met_at_once_is_a_life_of_nothing():
+    """2 N are left of 7 N from the start, less than 40 %: the life is zero."""
     interpolated = interpolated_life(
         [Line(line_of(LOSSES, 1e-12, 2.0), 7.0)], {"preload_fraction": 0.4}
     )
@@ -293,13 +316,17 @@ def test_a_criterion_met_at_once_is_a_life_of_nothing():
     ],
 )
 def test_no_life_where_the_study_does_not_reach(line, criteria):
+    """The interpolated life is NaN, and no criterion ends it."""
     interpolated = interpolated_life([Line(line, 7.0)], criteria)
     assert np.all(np.isnan(interpolated["interpolated_life"]))
     assert ending(interpolated) == "none"
 
 
 def test_interpolated_lives_agree_with_followed_ones(folder):
-    """Under a constant force the rate hardly changes; else three states of wear give it to 3 %."""
+    """Under a constant force to 1e-6, as the rate hardly changes; else, by three states, to 3 %.
+
+    `life_route_difference` is the relative difference of both lives.
+    """
     lives = load(folder / "wear_life.nc")
     solved = lives.sel(friction=0.08)
     assert np.all(lives["status"].sel(friction=0.0) == UNDETERMINED)
@@ -311,7 +338,7 @@ def test_interpolated_lives_agree_with_followed_ones(folder):
 
 
 def solved_cases(scene, losses, folder):
-    """Path of a scene, and of its cases at the friction 0.08 and some losses [um]."""
+    """Writes a scene and its cases at a friction of 0.08 and some losses [um]; returns the paths."""
     mine = folder / "mine.yaml"
     mine.write_text(json.dumps(scene.to_dict()), encoding="utf-8")
     cases = [Case(method, 0.08, loss) for method in PRELOAD_METHODS for loss in losses]
@@ -323,7 +350,7 @@ def solved_cases(scene, losses, folder):
 
 
 def lives_between_cases(scene, losses, folder):
-    """Lives of a scene that are followed, and interpolated between cases at some losses [um]."""
+    """Returns the dataset of lives of a scene, followed, and interpolated between losses [um]."""
     mine, paths = solved_cases(scene, losses, folder)
     return wear_life(mine, gathered_study(paths))
 
@@ -334,7 +361,11 @@ def lives_between_cases(scene, losses, folder):
     ids=["single", "pair", "balls"],
 )
 def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path):
-    """As without a duty: the grid of 0.1 um gives lives to 0.2 %."""
+    """To 0.2 %, of the grid of 0.1 um; criterion and preload at the end are the same.
+
+    The preload is that of the phase that ends the life, and not of the nominal one. The duty
+    changes lives by 10 % or more; a duty of the nominal phase alone changes nothing.
+    """
     changes = {
         "uncertainty": None,
         "cage": None,
@@ -357,18 +388,17 @@ def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path)
     assert np.all(lives["interpolated_end_criterion"] == lives["end_criterion"])
     ends = lives["interpolated_history_residual_preload"].isel(interpolated_step=-1)
     left = lives["history_residual_preload"].isel(preload_method=1)
-    # of the phase that ends the life, and not the nominal one
     assert_allclose(ends.isel(preload_method=1), left.min(), rtol=1e-2)
     without_duty = lives_between_cases(alone, losses, tmp_path)
     ratio = lives["interpolated_life"] / without_duty["interpolated_life"]
-    assert np.all(abs(ratio - 1.0) > 0.1)  # the duty is heard
+    assert np.all(abs(ratio - 1.0) > 0.1)
     one_phase = alone.with_({"duty": {"phases": {"nominal": {"hours": 3.0}}}})
     of_one_phase = lives_between_cases(one_phase, losses, tmp_path)
     assert np.all(of_one_phase["interpolated_life"] == without_duty["interpolated_life"])
 
 
 def test_a_phase_that_tells_bearings_apart_has_no_interpolated_life(tmp_path):
-    """It pushes the rotor, so that the bearings wear unlike."""
+    """A push on the rotor in one phase wears them unlike; the life is followed all the same."""
     changes = {
         "uncertainty": None,
         "cage": None,
@@ -383,7 +413,7 @@ def test_a_phase_that_tells_bearings_apart_has_no_interpolated_life(tmp_path):
 
 
 def pair_study(force, folder):
-    """Files of a study of a pair under an external force [N], and of its lives."""
+    """Writes a study of a pair under an external force [N] and its lives; returns their paths."""
     pair = {"kind": "spring_pair", "external_axial_N": force}
     changes = {"arrangement": pair, "wear.counts": "ball"}
     scene = load_scene(scene_file("gyro_s1")).with_(changes)
@@ -396,22 +426,31 @@ def pair_study(force, folder):
 
 @pytest.fixture(scope="module")
 def alike_pair_study(tmp_path_factory):
+    """Returns the paths of a study and of lives of a pair that wears alike."""
     return pair_study(0.0, tmp_path_factory.mktemp("alike"))
 
 
 @pytest.fixture(scope="module")
 def unlike_pair_study(tmp_path_factory):
+    """Returns the paths of a study and of lives of a pair under 1 N, which wears unlike."""
     return pair_study(1.0, tmp_path_factory.mktemp("unlike"))
 
 
 def figure_words(path, bearing):
-    """Words of the titles of a figure of a study."""
+    """Returns the words of the titles of the figure of a file, with single spaces.
+
+    bearing: `first` or `second` of a pair, or None.
+    """
     figure = figure_of(load(path), path, STUDY_PLOTS, bearing)
     titles = figure.get_suptitle(), figure.axes[0].get_title(loc="left")
     return " ".join(" ".join(titles).split())
 
 
 def test_alike_bearings_of_a_pair_have_interpolated_lives_and_one_figure(alike_pair_study):
+    """Titles and summary name no bearing, and pairs in place of preload methods.
+
+    Three losses interpolate lives to 3 %. The table of cases has columns of both bearings.
+    """
     gathered, lives = alike_pair_study
     dataset = load(lives)
     assert np.all(dataset["status"] == OK) and dataset["loss_at_end"].dims[-1] == "bearing"
@@ -425,7 +464,7 @@ def test_alike_bearings_of_a_pair_have_interpolated_lives_and_one_figure(alike_p
 
 
 def test_unlike_bearings_of_a_pair_have_figures_of_their_own(unlike_pair_study):
-    """And no interpolated lives, which would need a grid of two losses."""
+    """They have no interpolated lives (NaN), for which a grid of two losses would be needed."""
     gathered, lives = unlike_pair_study
     dataset = load(lives)
     assert np.all(dataset["status"] == OK)
@@ -443,7 +482,7 @@ def test_unlike_bearings_of_a_pair_have_figures_of_their_own(unlike_pair_study):
 
 
 def test_the_verdict_fails_with_the_cases_and_lives_that_are_not_solved(folder, tmp_path, capsys):
-    """Half of 12 cases and of 4 lives, those without friction."""
+    """Half of 12 cases and of 4 lives, those without friction: status 3, and no verdict is written."""
     files = [str(folder / name) for name in ("study.nc", "wear_life.nc")]
     checked, unsolved = unsolved_lines(files)
     assert checked == 12 + 4 and len(unsolved) == 6 + 2
@@ -454,6 +493,7 @@ def test_the_verdict_fails_with_the_cases_and_lives_that_are_not_solved(folder, 
 
 
 def test_the_verdict_warns_where_the_study_says_so(folder, tmp_path, capsys):
+    """With `unsolved_is: warning` the step succeeds, and the verdict has the list."""
     files = [str(folder / name) for name in ("study.nc", "wear_life.nc")]
     settings = {"unsolved_is": "warning"}
     assert step(VERDICT, tmp_path / "verdict.txt", paths=files, settings=settings) == 0
@@ -462,11 +502,16 @@ def test_the_verdict_warns_where_the_study_says_so(folder, tmp_path, capsys):
 
 
 def test_a_case_has_no_verdict(cases, capsys):
+    """Its file is refused by name; a verdict is of studies and lives."""
     assert step(VERDICT, "verdict.txt", paths=cases[:1]) == 2
     assert capsys.readouterr().err.startswith(str(cases[0]))
 
 
 def test_the_tables_have_every_case_and_the_status_of_those_not_solved(folder, tmp_path):
+    """Numbers of the last case are those of its file; cells of unsolved cases are empty, not NaN.
+
+    Heads of stiffness have its terms with their units.
+    """
     files = {"study": folder / "study.nc", "lives": folder / "wear_life.nc"}
     outputs = [tmp_path / "cases.csv", tmp_path / "summary.md"]
     assert step(TABLES, *outputs, **files) == 0
@@ -482,10 +527,11 @@ def test_the_tables_have_every_case_and_the_status_of_those_not_solved(folder, t
         assert f"stiffness_matrix.{term}" in row and f"quasistatic_stiffness_matrix.{term}" in row
     summary = outputs[1].read_text()
     assert summary.count("µm: undetermined") == 6
-    # an edited description makes no result anew, and the summary would keep the old one
+    # no description follows: edited alone, it makes no result again, and would be outdated here
     assert summary.startswith("# gyro_s1\n\n## ")
 
 
+# inputs and settings of the steps that draw figures, by their names
 FIGURES = {
     "friction": ({"study": "study.nc"}, {"loss_um": 0.7}),
     "wear": ({"studies": ["study.nc"]}, {"friction": [0, 0.08]}),
@@ -506,7 +552,7 @@ FIGURES = {
 
 
 def inside(folder, inputs):
-    """Inputs of a step, in a folder."""
+    """Returns inputs of a step, files or lists of files, as paths in a folder."""
     return {
         name: folder / value if isinstance(value, str) else [folder / item for item in value]
         for name, value in inputs.items()
@@ -514,7 +560,7 @@ def inside(folder, inputs):
 
 
 def draw(name, *outputs, folder) -> int:
-    """Draw a figure of FIGURES."""
+    """Draws a figure of FIGURES from files in a folder; returns the status of the step."""
     inputs, settings = FIGURES[name]
     return step(
         f"studies.grid.figures.draw.draw_{name}",
@@ -525,6 +571,7 @@ def draw(name, *outputs, folder) -> int:
 
 
 def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
+    """As SVG and as PNG."""
     for copy in ("a", "b"):
         outputs = [tmp_path / f"{copy}.{suffix}" for suffix in ("svg", "png")]
         assert draw("friction", *outputs, folder=folder) == 0
@@ -533,6 +580,7 @@ def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
 
 
 def test_failed_cases_are_marked_by_crosses(folder):
+    """At the friction zero, one for each preload method, and with an entry of the legend."""
     drawn = quasistatic.friction_figure(load(folder / "study.nc"), 0.7)
     texts = [text.get_text() for text in drawn.legends[0].get_texts()]
     assert "not solved" in texts
@@ -540,6 +588,7 @@ def test_failed_cases_are_marked_by_crosses(folder):
     assert [line.get_xdata().tolist() for line in crosses] == [[0.0], [0.0]]
 
 
+# outputs and inputs of steps that write files, one or two, in three ways
 WRITERS = {
     GATHER: (["out.nc"], {"paths": [f"cases/{case_id}.nc" for case_id in GRID.cases()]}),
     "studies.grid.figures.draw.draw_life": (["f.svg"], {"lives": "wear_life.nc"}),
@@ -548,6 +597,10 @@ WRITERS = {
 
 
 def test_no_room_leaves_nothing_half_written(folder, tmp_path, monkeypatch, capsys):
+    """With files of 4000 bytes at most, each step ends with status 2 and one line.
+
+    Files from before stay as they are, and nothing lies beside them.
+    """
     resource = pytest.importorskip("resource")
     monkeypatch.chdir(tmp_path)
     steps, names = [], []
@@ -572,12 +625,13 @@ def test_no_room_leaves_nothing_half_written(folder, tmp_path, monkeypatch, caps
     assert all((tmp_path / name).read_text() == "from before" for name in names)
 
 
+# a name that is markup of TeX and of HTML
 HOSTILE = '$\\frac{$<script>alert("&")</script>--> x_1^2'
 
 
 @pytest.fixture(scope="module")
 def unsolved_folder(folder, tmp_path_factory):
-    """The cases of which none is solved, and their study."""
+    """Returns the folder of the cases without friction and their study; none is solved."""
     unsolved = tmp_path_factory.mktemp("unsolved")
     (unsolved / "cases").mkdir()
     for path in sorted((folder / "cases").glob("*-mu0.000-*.nc")):
@@ -593,7 +647,11 @@ def unsolved_folder(folder, tmp_path_factory):
     ("name", "where"), [*((name, "unsolved_folder") for name in FIGURES), ("wear", "folder")]
 )
 def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_path, monkeypatch):
-    """Result files, too, may come from strangers; a scene of ours cannot have such a name."""
+    """A scene named HOSTILE, which only a file from elsewhere can have, makes no script of an SVG.
+
+    Every figure is drawn without a warning from cases none of which is solved; one, too, from a
+    study of which some are.
+    """
 
     def renamed(path, **axes):
         dataset = load(path)
@@ -602,7 +660,7 @@ def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_p
 
     monkeypatch.setattr(draw_steps, "load_with_axes", renamed)
     inputs, settings = FIGURES[name]
-    if where == "unsolved_folder":
+    if where == "unsolved_folder":  # which has nothing with a friction of 0.08
         if "cases" in inputs:
             inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
         if "friction" in settings:
@@ -615,6 +673,7 @@ def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_p
 
 
 def test_a_figure_of_what_the_file_has_not_is_refused_in_one_line(folder, tmp_path, capsys):
+    """A friction that is not on the grid, and a study of cases in place of lives."""
     path, output = folder / "study.nc", tmp_path / "figure.svg"
     wear, life = "studies.grid.figures.draw.draw_wear", "studies.grid.figures.draw.draw_life"
     assert step(wear, output, studies=[path], settings={"friction": [0.03]}) == 2
@@ -628,6 +687,7 @@ def test_a_figure_of_what_the_file_has_not_is_refused_in_one_line(folder, tmp_pa
 def test_a_figure_in_an_unknown_format_is_refused_before_any_is_drawn(
     name, folder, tmp_path, capsys
 ):
+    """name: of the second of two outputs; the first, an SVG, is not written either."""
     case = folder / "cases" / "constant_force-mu0.080-loss0.00.nc"
     outputs = [tmp_path / "figure.svg", tmp_path / name]
     assert step("studies.grid.figures.draw.draw_slip", *outputs, cases=[case]) == 2
@@ -636,7 +696,10 @@ def test_a_figure_in_an_unknown_format_is_refused_before_any_is_drawn(
 
 
 def test_labels_leave_out_what_a_case_does_not_depend_on():
-    """The scenes of the study that differ in drag: one of them says how uncertain its drag is."""
+    """Scenes that differ in drag are labelled by it, though one also says how uncertain drag is.
+
+    A distribution does not change a case.
+    """
     names = ("gyro_s1", "gyro_s1_drag200", "gyro_s1_drag400")
     scenes = [load_scene(scene_file(name)).to_dict() for name in names]
     for scene in scenes:

@@ -33,11 +33,14 @@ from workflow.studies.robustness.run import outcome_of, solved_values, violation
 FILE = ROOT / "config" / "robustness.yaml"
 PLAN = read_robustness(FILE)
 BASE = load_scene(base_scene(PLAN, FILE)).to_dict()
-FEW = {"model.strips": 20}  # points: what is tried here does not hang on them
+FEW = {"model.strips": 20}  # fewer integration points, for speed
 
 
 def drawn_of_class(name, seed):
-    """A scene of a class; None where what is drawn makes no bearing."""
+    """Returns a random scene of a class of the plan; None where what is drawn makes no bearing.
+
+    seed: of all values of the scene.
+    """
     chance = random.Random(seed)
     values = {key: draw.value(chance) for key, draw in draws(draw_blocks(PLAN, name)).items()} | FEW
     try:
@@ -59,9 +62,11 @@ def drawn_of_class(name, seed):
     ],
 )
 def test_random_scenes_are_never_wrong(name, unexplained):
-    """No number is wrong; ends without a physical reason stay rare.
+    """Each scene is solved without a violation of its checks, or refused.
 
-    unexplained: the share of these that the study of robustness may have.
+    Statuses without a physical reason stay rare. Of some 30 scenes, one may have such a status.
+
+    unexplained: their share that the study of robustness, with thousands of scenes, may have.
     """
     without_reason = scenes = 0
 
@@ -81,13 +86,14 @@ def test_random_scenes_are_never_wrong(name, unexplained):
             assert violations(scene, fidelity, values) == []
 
     check_scene()
-    assert scenes > 26  # two thirds of the draws make a bearing
+    assert scenes > 26  # of 40 draws, of which two thirds make a bearing; the seeds are fixed
     assert without_reason <= max(1.0, unexplained * scenes)
 
 
 def test_random_lives_with_worn_grooves_are_never_wrong():
-    """Of ten nine end at their criterion, all with balanced numbers."""
+    """None of ten lives violates a check; nine or more end at their criterion (status OK)."""
     draw = draws(draw_blocks(PLAN, "worn_life"))
+    # drawn with the seed 7
     ends = [outcome_of(BASE, values, "worn_life") for values in drawn_values(draw, 7, 10)]
     assert [end["violations"] for end in ends] == [""] * 10
     assert sum(end["status"] == code.OK for end in ends) >= 9
@@ -95,13 +101,14 @@ def test_random_lives_with_worn_grooves_are_never_wrong():
 
 @pytest.fixture(scope="module")
 def scene_and_life():
-    """A random scene with worn grooves, and the values of its life."""
+    """Returns a random scene with worn grooves, and the values of its life."""
     (values,) = drawn_values(draws(draw_blocks(PLAN, "worn_life")), 1, 1)
     scene = drawn_scene(BASE, values)
     return scene, life(scene).values
 
 
 def test_a_right_life_violates_nothing(scene_and_life):
+    """The checks pass the life that the next test spoils."""
     assert life_violations(*scene_and_life) == []
 
 
@@ -116,12 +123,16 @@ def test_a_right_life_violates_nothing(scene_and_life):
     ],
 )
 def test_violations_of_a_wrong_life_are_reported(scene_and_life, name, spoilt):
+    """One variable at a time is spoilt: a factor, a reversed history, NaN, another status."""
     scene, values = scene_and_life
     assert life_violations(scene, values | {name: spoilt(values[name])}) != []
 
 
 def test_random_dynamic_runs_conserve_energy_or_say_why_not():
-    """Six draws, of which some make no bearing, or one with more balls than a test has time for."""
+    """Six draws; those that make no bearing, or one with more than 12 balls, are left out.
+
+    At least three runs end with the status OK.
+    """
     runs = 0
 
     @settings(max_examples=6, deadline=None, derandomize=True, database=None)
@@ -139,6 +150,7 @@ def test_random_dynamic_runs_conserve_energy_or_say_why_not():
 
 
 def test_a_wrong_number_is_a_violation():
+    """A preload that is wrong by 1e-3, a QV of NaN, an error of 1e-4 in the balance of power."""
     scene = load_scene(scene_file("gyro_s1"))
     values = solved_values(scene, "steady")
     assert violations(scene, "steady", values) == []
@@ -166,16 +178,19 @@ def test_a_spring_beside_a_large_centrifugal_force():
     assert values["residual_preload"] == pytest.approx(0.1, rel=1e-9)
 
 
+# 13 values from 1e-3 to 1e3, two a decade
 TWO_A_DECADE = KeyAxis(key="k", log=(1e-3, 1e3), points=13)
 
 
 def test_the_crossing_of_zero_is_bisected():
+    """Of log(y/7), between the values of the axis on either side of 7."""
     values = [np.log(y / 7.0) for y in TWO_A_DECADE.values]
     place = crossing(TWO_A_DECADE, values, lambda y: np.log(y / 7.0))
     assert place == pytest.approx(7.0, rel=1e-4)
 
 
 def test_values_of_one_sign_have_no_crossing():
+    """The place is NaN."""
     assert np.isnan(crossing(TWO_A_DECADE, [1.0] * 13, lambda y: 1.0))
 
 
@@ -204,12 +219,13 @@ RUNS = {
 
 
 def run(function, output, settings=None, **inputs):
+    """Runs a step of the study of robustness, and returns its exit status; see `support.step`."""
     return step(f"studies.robustness.{function}", output, settings=settings, **inputs)
 
 
 @pytest.fixture
 def plan(tmp_path):
-    """A plan with a few points of each kind, beside its scene."""
+    """Returns the path of a plan with a few points of each kind, named `few`, and its scene."""
     (tmp_path / "scenes").mkdir()
     (tmp_path / "scenes/gyro_s1.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
     few = {kind: {"few": value} for kind, value in FEW_OF_EACH.items()}
@@ -220,7 +236,7 @@ def plan(tmp_path):
 
 @pytest.fixture
 def solved_file(plan, tmp_path):
-    """Function (kind) -> file of a few points of that kind."""
+    """Returns a function that solves the points of a kind of RUNS, and returns their file."""
 
     def file_of(kind, name="few.nc"):
         assert run(RUNS[kind], tmp_path / name, {"name": "few"}, plan=plan) == 0
@@ -241,6 +257,7 @@ def test_a_few_points_are_the_same_bytes_twice(kind, solved_file):
 def test_each_figure_draws_its_kind_and_refuses_others(
     kind, figure, drawn_kind, solved_file, tmp_path
 ):
+    """With status 2 and no file for points of another kind than the figure's."""
     status = run(f"figures.{figure}", tmp_path / "few.svg", solved=solved_file(kind))
     assert status == (0 if kind == drawn_kind else 2)
     assert (tmp_path / "few.svg").exists() == (kind == drawn_kind)
@@ -248,6 +265,7 @@ def test_each_figure_draws_its_kind_and_refuses_others(
 
 @pytest.mark.parametrize(("kind", "points"), [("scene_classes", 3), ("maps", 2 * 3)])
 def test_ends_of_scenes_and_maps_are_counted_and_tabulated(kind, points, solved_file, tmp_path):
+    """Each point is verified, refused, or unexplained; none violates a check."""
     counts, table = tmp_path / "counts.nc", tmp_path / "few.md"
     assert run("gather.counted_ends", counts, paths=[solved_file(kind)]) == 0
     dataset = load(counts)
@@ -260,10 +278,15 @@ def test_ends_of_scenes_and_maps_are_counted_and_tabulated(kind, points, solved_
 
 
 def test_branches_have_no_ends_to_count(solved_file, tmp_path):
+    """Such a file is refused, with status 2."""
     assert run("gather.counted_ends", tmp_path / "counts.nc", paths=[solved_file("branches")]) == 2
 
 
 def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
+    """One of two scenes gets a violation: the table counts it, the last step ends with status 3.
+
+    It writes no verdict, and one line with the violation.
+    """
     solved, counts = tmp_path / "few.nc", tmp_path / "counts.nc"
     draw = {"name": "steady_stress", "count": 2, "seed": 3}
     assert run("run.random_scenes", solved, draw, plan=FILE) == 0
