@@ -16,6 +16,7 @@ from bearingwear.studies import configuration
 from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.design.plan import DesignLimits
 
+# a right configuration of a study, and a right block of dynamic cases
 CONFIG = {
     "studies": [
         {
@@ -46,9 +47,11 @@ DYNAMIC = {
 
 @pytest.fixture(autouse=True)
 def in_the_project(monkeypatch):
+    """Makes the project the present folder, as configurations name files below it."""
     monkeypatch.chdir(ROOT)
 
 
+# where a fault is (keys and indices from the top), the wrong value, and words of the error
 FAULTS = (
     (["studies", 0, "friction"], [1 / 3], "studies[0]: friction: got 0.333"),
     (["studies", 0, "scenes"], ["gyro_s1", "gyro_s1"], "scenes: got gyro_s1 twice"),
@@ -89,7 +92,7 @@ FAULTS = (
 
 
 def faulty(keys, value):
-    """The configuration with another value at a place."""
+    """Returns CONFIG with another value at a place, by keys and indices from the top."""
     config = place = copy.deepcopy(CONFIG)
     for key in keys[:-1]:
         place = place[key]
@@ -98,6 +101,7 @@ def faulty(keys, value):
 
 
 def test_a_right_configuration_passes():
+    """The check of CONFIG raises nothing, so that FAULTS are what it refuses elsewhere."""
     configuration.check_config(CONFIG)
 
 
@@ -117,6 +121,7 @@ def test_a_faulty_configuration_is_refused_in_one_line(keys, value, problem):
     ],
 )
 def test_configurations_against_the_schema_are_refused_in_one_line(keys, value, problem, tmp_path):
+    """An unknown key, a number in place of a list, a scene that is a path; before other checks."""
     path = tmp_path / "config.yaml"
     path.write_text(yaml.safe_dump(faulty(keys, value)), encoding="utf-8")
     with pytest.raises(UsageError, match="^[^\n]*$") as error:
@@ -125,6 +130,10 @@ def test_configurations_against_the_schema_are_refused_in_one_line(keys, value, 
 
 
 def test_the_configurations_of_the_project_pass_their_checks():
+    """The files of design, lives and uncertainty; of one that is not there, nothing is read.
+
+    `set` and `limits` may be left out in a file, for which a plan has empty ones.
+    """
     read = {name: configuration.read_config(f"config/{name}.yaml") for name in ("design", "lives")}
     configuration.check_lives(
         {"lives": {name: {"set": {}, **life} for name, life in read["lives"]["lives"].items()}}
@@ -144,24 +153,28 @@ def test_the_configurations_of_the_project_pass_their_checks():
     ],
 )
 def test_a_faulty_life_is_named_in_one_line(life, problem):
+    """An unknown key, a life without an end, and a scene that is not there."""
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         configuration.check_lives({"lives": {"a": life}})
     assert problem in str(error.value)
 
 
 def test_a_required_frequency_of_a_scene_without_a_rotor_is_refused_in_one_line():
+    """The line names `arrangement`, the block that is missing."""
     limits = {"lowest_frequency_Hz": 100}
     with pytest.raises(ValueError, match="^[^\n]*arrangement[^\n]*$"):
         configuration.check_design({"scenes": {"gyro_s1": {"limits": limits}}})
 
 
 def test_limits_of_the_schema_are_those_of_the_measures():
+    """The schema of config/design.yaml has all keys of `DesignLimits`, measures among them."""
     schema = yaml.safe_load((ROOT / "workflow/schemas/design.schema.yaml").read_text())
     scene = schema["properties"]["scenes"]["additionalProperties"]
     own = file_part(DesignLimits).below
     assert set(scene["properties"]["limits"]["properties"]) == set(own) >= set(LIMITED)
 
 
+# axes of a map, as in config/design.yaml
 AXES = {
     "preload_method": ["constant_force"],
     "friction": [0.08],
@@ -194,12 +207,17 @@ CHANGES = (
 
 @pytest.mark.parametrize(("key", "value", "jobs"), CHANGES)
 def test_a_change_of_a_scene_concerns_only_the_jobs_that_read_it(key, value, jobs, tmp_path):
-    """What is read by a case, by sampled lives, and by a job of the dynamic model."""
+    """By hashes of what is read by a case, by sampled lives, and by a job of the dynamic model.
+
+    Friction does not count for a case, since it is an axis of the grid.
+    """
 
     def hashes(name, scene):
+        """Returns the hash of a scene for each kind of job."""
         path = str(tmp_path / f"{name}.yaml")
         (tmp_path / f"{name}.yaml").write_text(yaml_of(scene.to_dict()), encoding="utf-8")
         return {
+            # keys that a grid overrides; whether the cage is read; whether uncertainty is
             "solve": configuration.scene_hash(path, tuple(GRID_KEYS.values()), False, False),
             "spread": configuration.scene_hash(path, (), False, True),
             "dynamic": configuration.scene_hash(path, (), True, False),
@@ -211,6 +229,7 @@ def test_a_change_of_a_scene_concerns_only_the_jobs_that_read_it(key, value, job
 
 
 def test_a_cage_is_read_where_its_results_or_the_dynamic_model_are_required():
+    """Of scenes as plain data; a cage that is only described is not read."""
     assert reads_cage({"model": {"cage_results": True}})
     assert reads_cage({"model": {"fidelity": "dynamic"}})
     assert not reads_cage({"cage": {}, "model": None})

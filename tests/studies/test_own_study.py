@@ -19,22 +19,24 @@ LIMITS = DesignLimits(axial_stiffness_N_um=3.0)
 
 
 def plans(scene):
-    """The configuration of a scene's study, and that of its design."""
+    """Returns the configuration of a scene's study, and that of its choice of a preload."""
     files = study_files(scene, "mine", LIMITS, "mine.yaml")
     return files["config/config.yaml"], files["config/design.yaml"]["scenes"]["mine"]
 
 
 @pytest.fixture
 def scene():
+    """Returns gyro_s1, here in place of the fixture of tests/conftest.py."""
     return load_scene(scene_file("gyro_s1"))
 
 
 def with_friction(scene, mu):
+    """Returns a scene with another friction coefficient of ball and races."""
     return dataclasses.replace(scene, friction=dataclasses.replace(scene.friction, ball_race=mu))
 
 
 def test_the_grid_of_cases_is_around_the_scene(scene):
-    """Both methods, half to twice its friction."""
+    """Both preload methods, and four frictions from half to twice its 0.08."""
     config, _ = plans(scene)
     (block,) = config["studies"]
     assert block["scenes"] == config["uncertain_lives"]["scenes"] == ["mine"]
@@ -44,7 +46,7 @@ def test_the_grid_of_cases_is_around_the_scene(scene):
 
 
 def test_the_states_of_wear_go_to_the_end_of_the_scene_s_own_life(scene):
-    """Nine of them, in hundredths of a micrometre."""
+    """Nine losses of ball diameter from zero, rounded up to hundredths of a micrometre."""
     config, _ = plans(scene)
     losses = config["studies"][0]["ball_diameter_loss_um"]
     end = 1e6 * float(life(scene).values["loss_at_end"])
@@ -53,7 +55,10 @@ def test_the_states_of_wear_go_to_the_end_of_the_scene_s_own_life(scene):
 
 
 def test_the_map_of_preloads_is_around_the_scene(scene):
-    """From an eighth to 32 times its 7 N, with its own speed, friction and limits."""
+    """From an eighth to 32 times its 7 N, with its own speed, friction and limits.
+
+    The configuration is plain data, which YAML reads back as it was.
+    """
     _, design = plans(scene)
     axes = design["small_map"]
     assert axes["shaft_speed_rpm"] == [30000.0] and 0.08 in axes["friction"]
@@ -64,6 +69,7 @@ def test_the_map_of_preloads_is_around_the_scene(scene):
 
 
 def test_the_states_of_wear_of_a_pair_go_to_the_end_of_its_life(scene):
+    """To the loss of the bearing that loses more, rounded up to a hundredth of a micrometre."""
     pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
     config, _ = plans(pair)
     (block,) = config["studies"]
@@ -72,7 +78,10 @@ def test_the_states_of_wear_of_a_pair_go_to_the_end_of_its_life(scene):
 
 
 def test_the_preload_method_of_a_pair_decides_its_kind(scene):
-    """Which the methods of the grid change; a kind that contradicts the method is refused."""
+    """A change of the method alone, as by the grid of cases, changes the kind of pair with it.
+
+    A kind that contradicts the method is refused.
+    """
     pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
     held = pair.with_({"operation.preload_method": "fixed_position"})
     assert held.arrangement.kind == "rigid_pair"
@@ -87,7 +96,10 @@ def test_the_preload_method_of_a_pair_decides_its_kind(scene):
     [(["nominal"], 128), (["nominal", "idle"], 64), (["nominal", "idle", "fast"], 32)],
 )
 def test_fewer_bearings_are_sampled_over_a_duty(scene, phases, samples):
-    """A power of two that keeps the solves: a life over a duty takes those of all its cases."""
+    """A life over a duty takes the solves of all its phases.
+
+    The number of samples is the power of two that keeps the solves at those of 128 lives or fewer.
+    """
     idle, fast = ({"operation.shaft_speed_rpm": speed} for speed in (6000.0, 36000.0))
     changes = {"cases": {"idle": idle, "fast": fast}}
     duty = {"duty.phases": {name: {"hours": 1.0} for name in phases}}
@@ -96,7 +108,7 @@ def test_fewer_bearings_are_sampled_over_a_duty(scene, phases, samples):
 
 
 def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
-    """Its map stands at no one friction coefficient."""
+    """Its friction is not a single coefficient: the map has zero for it (`NO_FRICTION`)."""
     film = {"shear_strength_MPa": 30.0, "thickness_um": 1.0, "wear_coefficient": 1e-7}
     inputs = {f"friction.film.{key}": value for key, value in film.items()}
     config, design = plans(scene.with_({"friction.ball_race": None, "uncertainty": None} | inputs))
@@ -108,11 +120,16 @@ def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
     "mu, frictions", [(0.001, [0.001, 0.002]), (0.064, [0.032, 0.064, 0.096, 0.128])]
 )
 def test_own_friction_is_among_those_studied(scene, mu, frictions):
+    """Half, 1.5 times and twice of it beside it, rounded to thousandths; none twice or zero."""
     config, _ = plans(with_friction(scene, mu))
     assert config["studies"][0]["friction"] == frictions
 
 
 def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, tmp_path):
+    """With the block `cage_uncertainty` there is a plan, which passes the checks of the workflow.
+
+    Axes are around the cage of gyro_s1, with a guide clearance of 0.1 mm and a friction of 0.05.
+    """
     assert "config/cage.yaml" not in study_files(scene, "mine", LIMITS, "mine.yaml")
     with_cage_study = scene.with_({"cage_uncertainty": {}})
     plan = study_files(with_cage_study, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
@@ -125,11 +142,13 @@ def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, tmp_path):
 
 
 def test_without_friction_there_is_no_study(scene):
+    """The error names the file and the key."""
     with pytest.raises(SceneError, match=r"mine.yaml: friction.ball_race: got 0, expected"):
         plans(with_friction(scene, 0.0))
 
 
 def test_without_preload_there_is_no_study(scene):
+    """A scene without preload is valid once its end of life is not a share of it."""
     end = dataclasses.replace(scene.wear.end_of_life, preload_fraction=None)
     scene = dataclasses.replace(
         scene,
@@ -145,7 +164,7 @@ def test_without_preload_there_is_no_study(scene):
 
 @pytest.fixture
 def mine(tmp_path):
-    """A scene that is based on another."""
+    """Returns the path of a scene that is based on another, beside it."""
     (tmp_path / "base.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
     file = tmp_path / "mine.yaml"
     file.write_text("name: mine\nbased_on: base\nset: {uncertainty: null}\n")
@@ -153,11 +172,12 @@ def mine(tmp_path):
 
 
 def contents(folder):
-    """Bytes of the files of a folder, by path."""
+    """Returns the bytes of all files of a folder, by path."""
     return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 def test_folder_holds_all_that_the_study_needs(mine, tmp_path):
+    """Two plans and copies of both scenes, each with a first line about the command."""
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     names = {path.relative_to(folder).as_posix() for path in contents(folder)}
@@ -169,6 +189,7 @@ def test_folder_holds_all_that_the_study_needs(mine, tmp_path):
 
 
 def test_same_command_writes_nothing_and_an_edit_of_the_scene_renews_the_copy(mine, tmp_path):
+    """Without an edit dates stay; with one, the copy has the new preload, and its base is the same."""
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     before = contents(folder)
@@ -185,6 +206,7 @@ def test_same_command_writes_nothing_and_an_edit_of_the_scene_renews_the_copy(mi
 
 @pytest.mark.parametrize("name", ["scenes/mine.yaml", "scenes/base.yaml", "design.yaml"])
 def test_an_edited_file_of_a_study_is_not_replaced(mine, tmp_path, name):
+    """Though the scene and the limits have changed as well; the error names the file."""
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     edited = folder / "config" / name
@@ -205,6 +227,7 @@ def test_a_folder_with_other_files_is_refused(mine, tmp_path):
 
 
 def test_the_folder_of_another_scene_is_refused(mine, tmp_path):
+    """Even of one with the same contents; the error has the command for a folder of its own."""
     write_study(mine, tmp_path / "study", LIMITS)
     other = mine.with_name("other.yaml")
     other.write_bytes(mine.read_bytes())
@@ -213,11 +236,13 @@ def test_the_folder_of_another_scene_is_refused(mine, tmp_path):
 
 
 def test_a_file_in_place_of_the_folder_is_refused(mine):
+    """Here the scene itself."""
     with pytest.raises(UsageError, match="cannot be used"):
         write_study(mine, mine, LIMITS)
 
 
 def test_a_scene_of_the_dynamic_model_is_refused_with_an_alternative(mine, tmp_path):
+    """A rotating load needs it. The error has the command for a life; no folder is made."""
     mine.write_text(mine.read_text().replace("null}", "null, operation.rotating_load_N: 1}"))
     with pytest.raises(SceneError) as error:
         write_study(mine, tmp_path / "study", LIMITS)

@@ -22,6 +22,7 @@ from support import PACKAGES, ROOT, copy_tree
 
 from bearingwear.kernels.project import PROJECT
 
+# a small study: 8 cases of a scene, and 2 of another
 CONFIG = {
     "studies": [
         {
@@ -51,7 +52,7 @@ CONFIG = {
 
 @functools.cache
 def planner() -> subprocess.Popen:
-    """The process that runs Snakemake for the tests of this one."""
+    """Starts the process that runs Snakemake for the tests of this one, and returns it."""
     process = subprocess.Popen(
         [sys.executable, str(Path(__file__).with_name("planner.py"))],
         stdin=subprocess.PIPE,
@@ -68,7 +69,7 @@ JOBS = re.compile(r"^Job stats.*\n(?:.*\n)*?((?: *[a-z].*? +\d+ *\n)+)", re.M)
 
 
 def _options(jobs: int | None) -> list[str]:
-    """Options of each run; `jobs` is None for a command that runs no job."""
+    """Returns the options of each run; `jobs` is None for a command that runs no job."""
     return [*([] if jobs is None else [f"-j{jobs}"]), "--nocolor"]
 
 
@@ -80,14 +81,16 @@ class Project:
 
     @property
     def environment(self) -> dict[str, str]:
+        """Returns the variables of a run, which finds the package in the present folder."""
         kept = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
         return kept | {"NUMBA_CACHE_DIR": str(Path(PROJECT.code_folder).parent)}
 
     def command(self, *arguments: str, jobs: int | None = 2) -> list[str]:
+        """Returns the words of a command that runs Snakemake; jobs: at once."""
         return [sys.executable, "-P", "-m", "snakemake", *_options(jobs), *arguments]
 
     def run(self, *arguments: str, jobs: int | None = 2, prefix: Sequence[str] = ()) -> "Run":
-        """Run Snakemake in the copy, by another program if a prefix is given."""
+        """Runs Snakemake in the copy until it ends, by another program if a prefix is given."""
         before = self._logs()
         run = self._run(arguments, jobs, prefix)
         logs = sorted(self._logs() - before)  # which alone have the table of jobs of a run
@@ -96,7 +99,7 @@ class Project:
 
     @property
     def last_jobs(self) -> dict[str, int]:
-        """How many jobs of each rule the last run planned, by its log."""
+        """Returns how many jobs of each rule the last run planned, by its log."""
         return Run(0, max(self._logs()).read_text(encoding="utf-8")).jobs
 
     def _logs(self) -> set[Path]:
@@ -116,7 +119,7 @@ class Project:
         return Run(completed.returncode, completed.stdout + completed.stderr)
 
     def _planned(self, arguments: Sequence[str]) -> "Run":
-        """Run Snakemake by the process that has it imported."""
+        """Runs Snakemake by `planner`, which has it imported."""
         server = planner()
         with tempfile.NamedTemporaryFile() as output:
             request = {"arguments": [*arguments], "folder": str(self.root), "output": output.name}
@@ -126,7 +129,7 @@ class Project:
             return Run(status, Path(output.name).read_text(encoding="utf-8", errors="replace"))
 
     def start(self, *arguments: str) -> subprocess.Popen:
-        """Run Snakemake in the copy, in a group of processes of its own, and do not wait."""
+        """Starts Snakemake in the copy, in a group of processes of its own, and does not wait."""
         return subprocess.Popen(
             self.command(*arguments),
             cwd=self.root,
@@ -137,33 +140,37 @@ class Project:
         )
 
     def edit(self, path: str, old: str, new: str) -> None:
-        """Replace a text that must be there."""
+        """Replaces the first occurrence of a text in a file, which must have it."""
         file = self.root / path
         text = file.read_text(encoding="utf-8")
         assert old in text, f"{path} has no {old!r}"
         file.write_text(text.replace(old, new, 1), encoding="utf-8")
 
     def change_source(self, path: str, date: float) -> None:
-        """Change a source so that it still does the same, with this date."""
+        """Adds a comment to a source, and gives it this date [s since 1970]."""
         with (self.root / path).open("a", encoding="utf-8") as file:
             file.write("# changed\n")
         os.utime(self.root / path, (date, date))
 
     def configure(self, config: dict) -> None:
+        """Writes the configuration of the study."""
         (self.root / "config/config.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
 
     @property
     def config(self) -> dict:
+        """Returns the configuration of the study."""
         return yaml.safe_load((self.root / "config/config.yaml").read_text(encoding="utf-8"))
 
     def case(self, case_id: str, scene: str = "gyro_s1") -> Path:
+        """Returns the path of a case, which need not be there."""
         return self.root / f"results/{scene}/cases/{case_id}.nc"
 
     def cases(self) -> list[Path]:
-        """Files of cases that are there."""
+        """Returns the files of cases that are there; hidden ones are still being written."""
         return sorted((self.root / "results").glob("*/cases/[!.]*.nc"))
 
     def results(self) -> dict[str, bytes]:
+        """Returns the bytes of all files in `results/`, by their paths there."""
         folder = self.root / "results"
         files = (path for path in sorted(folder.rglob("*")) if path.is_file())
         return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
@@ -171,14 +178,14 @@ class Project:
 
 @dataclass(frozen=True)
 class Run:
-    """What Snakemake said."""
+    """Exit status of Snakemake, and what it printed: the table of jobs, if any, comes first."""
 
     status: int
     text: str
 
     @property
     def jobs(self) -> dict[str, int]:
-        """How many jobs of each rule were planned."""
+        """Returns how many jobs of each rule were planned, without the rule `all`."""
         table = JOBS.search(self.text)
         if not table:
             return {}
@@ -189,13 +196,13 @@ class Run:
 
 @pytest.fixture(scope="session")
 def repository():
-    """The project itself, with its whole study."""
+    """Returns the project itself, with its whole study; no test may run jobs there."""
     return Project(ROOT)
 
 
 @pytest.fixture(scope="session")
 def new_project(tmp_path_factory):
-    """Function () -> Project with nothing solved yet."""
+    """Returns a function that makes a copy of the project with CONFIG and nothing solved."""
 
     def make() -> Project:
         root = tmp_path_factory.mktemp("project")
@@ -210,7 +217,7 @@ def new_project(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def first_run(new_project, made_once):
-    """The small study, for nobody to change, and what Snakemake said when it was solved."""
+    """Returns the small study, which no test may change, and the `Run` that solved it."""
 
     def make(folder: Path) -> None:
         project = new_project()
@@ -226,7 +233,7 @@ def first_run(new_project, made_once):
 
 @pytest.fixture
 def solved_study(first_run, tmp_path) -> Project:
-    """A copy of the solved study, to be changed."""
+    """Returns a copy of the solved study, which a test may change."""
     root = tmp_path / "moved project"  # a space in the path
     shutil.copytree(first_run[0].root, root)
     return Project(root)

@@ -18,7 +18,10 @@ get_argument_parser()  # which loads its plugins
 
 
 def run(arguments, folder, environment, output):
-    """Run Snakemake in this process, which ends with it."""
+    """Runs Snakemake in this process, which ends with its exit status.
+
+    arguments: of Snakemake. output: file of both standard streams.
+    """
     status = 1
     try:
         os.chdir(folder)

@@ -73,23 +73,23 @@ SHOWN = {
 
 
 def blocks(path):
-    """(language, text) of every fenced block of a Markdown file."""
+    """Returns (language, text) of every fenced block of a Markdown file."""
     return re.findall(r"^```(\w+)\n(.*?)^```$", path.read_text(encoding="utf-8"), re.M | re.S)
 
 
 def commands(path, languages=("sh", "bash")):
-    """Lines of a page's blocks, without comments, with continued lines joined."""
+    """Returns the lines of a page's blocks in some languages, as `lines_of` does."""
     return lines_of("".join(text for language, text in blocks(path) if language in languages))
 
 
 def lines_of(text):
-    """Lines of a block, as a shell takes them."""
+    """Returns the lines of a block, without comments and empty ones, with continued lines joined."""
     lines = (line.partition(" #")[0].strip() for line in text.replace("\\\n", " ").splitlines())
     return [line for line in lines if line]
 
 
 def agree(documented: str, printed: str) -> bool:
-    """Whether two lines are the same but for the last digits of their numbers."""
+    """Returns whether two lines have the same words, and numbers that agree to 1e-3."""
     documented_words, printed_words = documented.split(), printed.split()
     if len(documented_words) != len(printed_words):
         return False
@@ -102,7 +102,7 @@ def agree(documented: str, printed: str) -> bool:
 
 
 def printed(function, *arguments) -> str:
-    """What a function prints, here: a process would take a second to start."""
+    """Returns what a function prints, called in this process: another takes a second to start."""
     output = io.StringIO()
     with contextlib.redirect_stdout(output):
         function(*arguments)
@@ -110,7 +110,10 @@ def printed(function, *arguments) -> str:
 
 
 def run_command(line: str) -> None:
-    """Run a command of ours, whose status is 0 or the one that the line allows."""
+    """Runs a command of ours in this process.
+
+    Its status must be 0, or the one that the line allows by `|| test $? = N`.
+    """
     command, _, allowed = line.partition(" || test $? = ")
     status = main(shlex.split(command)[1:])
     assert status in {0, int(allowed or 0)}, line
@@ -118,7 +121,11 @@ def run_command(line: str) -> None:
 
 @pytest.fixture
 def run(tmp_path, monkeypatch):
-    """Function (language, text) -> what it prints, in a folder of its own."""
+    """Returns a function (language, text) that runs a block and returns what it prints.
+
+    It runs in a folder of its own, its attribute `folder`, with copies of config/ and of the
+    gallery. Blocks of Python share their names; lines that only call ours need no shell.
+    """
     command = tmp_path / "bin" / "bearingwear"
     command.parent.mkdir()
     command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m bearingwear "$@"\n')
@@ -158,7 +165,11 @@ def run(tmp_path, monkeypatch):
 
 
 def compared_lines(run, page, languages):
-    """How many lines of a page were compared when its blocks in these languages were run."""
+    """Runs the blocks of a page in some languages; returns how many lines of `text` it compared.
+
+    Each of them must stand in what the block before it printed. Text below a block that is not run
+    does not count.
+    """
     printed, compared = "", 0
     if page.name == "python.md":  # which loads a file of the reader's
         shutil.copy(ROOT / "config/scenes/gyro_s1.yaml", run.folder / "mine.yaml")
@@ -181,6 +192,7 @@ def compared_lines(run, page, languages):
 
 
 def named(page):
+    """Returns the path of a page from the root of the project."""
     return page.relative_to(ROOT).as_posix()
 
 
@@ -194,7 +206,10 @@ SLOW_PYTHON = ("docs/tutorial.md",)
 
 
 def with_marks(pages):
-    """Slow pages are no part of `make test`, nor run twice by `make test-long`."""
+    """Returns pages, the slow ones marked as long, so that `make test` leaves them out.
+
+    Slow ones with a block of `bash` are left out: the other test runs them as a whole.
+    """
     slow = [page for page in pages if named(page) in SLOW]
     alone = [page for page in slow if page not in holding("bash")]
     quick = [page for page in pages if page not in slow]
@@ -202,13 +217,17 @@ def with_marks(pages):
 
 
 def holding(*languages):
-    """Pages that are run, with a block in one of these languages."""
+    """Returns the pages that are run and have a block in one of these languages."""
     pages = (page for page in PAGES if named(page) not in SAID_BEFORE)
     return [page for page in pages if any(name in languages for name, _ in blocks(page))]
 
 
 @pytest.mark.parametrize("page", with_marks(holding("sh", "python")), ids=named)
 def test_a_page_prints_what_it_shows(run, page):
+    """Two pages must have compared some lines, so that lines are compared at all.
+
+    The page on Python writes just the files that it names.
+    """
     languages = ("sh",) if named(page) in SLOW_PYTHON else ("sh", "python")
     compared = compared_lines(run, page, languages)
     names = {path.name for path in run.folder.iterdir()}
@@ -225,6 +244,7 @@ def test_a_page_prints_what_it_shows(run, page):
 @pytest.mark.long
 @pytest.mark.parametrize("page", holding("bash"), ids=named)
 def test_a_page_that_takes_minutes_prints_what_it_shows(run, page):
+    """All of its blocks are run; the tutorial has more than 50 lines to compare, and a figure."""
     compared = compared_lines(run, page, ("sh", "bash", "python"))
     if page.name == "tutorial.md":
         assert compared > 50
@@ -233,25 +253,28 @@ def test_a_page_that_takes_minutes_prints_what_it_shows(run, page):
 
 
 def shown_lines(page):
-    """Lines that a page shows below its commands."""
+    """Returns the set of lines that a page shows below its commands."""
     texts = [text for language, text in blocks(page) if language == "text"]
     return {line for text in texts for line in text.split("\n")}
 
 
 @pytest.mark.parametrize("page, run_page", SAID_BEFORE.items())
 def test_the_lines_of_a_page_that_is_not_run_are_those_of_one_that_is(page, run_page):
+    """Its commands stand in the other page in the same order, and what they print as well."""
     here, there = commands(ROOT / page), commands(ROOT / run_page)
     assert here and [line for line in there if line in here] == here
     assert shown_lines(ROOT / page) <= shown_lines(ROOT / run_page)
 
 
 def test_documented_commands_write_different_files():
+    """No file is written twice on a page, by option `-o`."""
     for page in PAGES:
         outputs = re.findall(r" -o (\S+)", "\n".join(commands(page)))
         assert len(outputs) == len(set(outputs)), page
 
 
 def test_every_line_that_is_only_shown_is_run_by_a_test():
+    """SHOWN has a pattern for each, and what it names is there: a test, a target or a program."""
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for page in PAGES:
         for line in commands(page, ("console",)):
@@ -271,6 +294,7 @@ def test_every_line_that_is_only_shown_is_run_by_a_test():
 
 
 def test_commands_are_in_blocks_with_a_language():
+    """None is in an indented block, and each language is one that these tests know."""
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         assert not re.search(r"^ {4}(bearingwear|snakemake|make|python3?|pip) ", text, re.M), page

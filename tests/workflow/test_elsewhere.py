@@ -23,7 +23,7 @@ ONE_CASE_WITHOUT_FRICTION = {
 
 @pytest.fixture
 def folder(tmp_path):
-    """A folder that holds one scene and a study of two cases."""
+    """Returns a folder with one scene and a study of two cases, of which one has no friction."""
     (tmp_path / "config" / "scenes").mkdir(parents=True)
     (tmp_path / "config" / "config.yaml").write_text(yaml.safe_dump(ONE_CASE_WITHOUT_FRICTION))
     text = scene_file("gyro_s1").read_text(encoding="utf-8")
@@ -32,7 +32,10 @@ def folder(tmp_path):
 
 
 def study(folder, *arguments):
-    """`bearingwear study` in a folder, as it ended."""
+    """Runs `bearingwear study` in a folder, and returns the process as it ended.
+
+    Its standard error is without lines that depend on time.
+    """
     command = [sys.executable, "-m", "bearingwear", "study", *arguments]
     completed = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     completed.stderr = without_waits(completed.stderr)
@@ -40,7 +43,11 @@ def study(folder, *arguments):
 
 
 def test_a_case_without_a_solution_is_recorded_and_told_at_the_end(folder):
-    """Without friction the ball's rotation is undetermined: recorded, marked, said at the end."""
+    """Without friction the rotation of a ball is undetermined. All else of the study is made.
+
+    The case is in the summary, and the last job, the verdict, fails with its file and status. A
+    second run of the rules repeats the verdict alone.
+    """
     completed = study(folder, "-j2")
     failed = "results/gyro_s1/cases/constant_force-mu0.000-loss0.00.nc: undetermined"
     output = completed.stdout + completed.stderr
@@ -57,6 +64,7 @@ def test_a_case_without_a_solution_is_recorded_and_told_at_the_end(folder):
 
 
 def test_a_folder_without_a_study_is_refused_in_one_line(tmp_path):
+    """The command without a scene takes `all`, the whole study of a folder."""
     completed = study(tmp_path)
     assert completed.returncode == 2
     assert completed.stderr.splitlines() == [

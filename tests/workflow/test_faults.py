@@ -18,6 +18,7 @@ import psutil
 import pytest
 from support import ROOT
 
+# a study of four lines, each of two cases, which one job solves
 METHODS = ["constant_force", "fixed_position"]
 TINY = {
     "studies": [
@@ -32,12 +33,13 @@ TINY = {
 }
 LINES = [f"{method}-mu{mu}" for method in METHODS for mu in ("0.050", "0.080")]
 CASES = [f"{line}-loss{loss}" for line in LINES for loss in ("0.00", "0.50")]
+# words before a command that root runs without its rights
 WITHOUT_PRIVILEGES = ("setpriv", "--bounding-set=-all", "--inh-caps=-all")
 
 
 @pytest.fixture(scope="session")
 def undisturbed(new_project):
-    """A tiny study that nothing happened to."""
+    """Returns a project whose tiny study was run without a fault; no test may change it."""
     project = tiny(new_project())
     run = project.run()
     assert run.status == 0, run.text
@@ -46,12 +48,15 @@ def undisturbed(new_project):
 
 @pytest.fixture
 def project(new_project):
-    """The same, not yet run."""
+    """Returns a project with the tiny study, not yet run."""
     return tiny(new_project())
 
 
 def tiny(project):
-    """A project whose study has few cases and no map, which would take longer than all the rest."""
+    """Configures a project for TINY, and returns it.
+
+    It has no map of preloads, which would take longer than all the rest.
+    """
     project.configure(TINY)
     (project.root / "config/design.yaml").write_text("scenes: {}\n", encoding="utf-8")
     return project
@@ -59,13 +64,13 @@ def tiny(project):
 
 @pytest.fixture
 def solved_tiny_study(undisturbed, tmp_path):
-    """A copy of the tiny study, to be broken."""
+    """Returns a copy of the tiny study after its run, which a test may break."""
     shutil.copytree(undisturbed.root, tmp_path / "study")
     return type(undisturbed)(tmp_path / "study")
 
 
 def wait(condition, seconds=120.0):
-    """What a condition gives once it holds."""
+    """Returns what a condition returns once that is true; fails after some seconds."""
     deadline = time.monotonic() + seconds
     while not (answer := condition()):
         assert time.monotonic() < deadline, "waited in vain"
@@ -74,7 +79,10 @@ def wait(condition, seconds=120.0):
 
 
 def finished(project):
-    """Date and content of every case that Snakemake knows to be finished."""
+    """Returns (date [ns], bytes) of every case that Snakemake knows to be finished, by path.
+
+    Snakemake marks files of running jobs by names that are their paths in base64.
+    """
     markers = (project.root / ".snakemake/incomplete").glob("*")
     running = {base64.b64decode(marker.name).decode() for marker in markers if marker.is_file()}
     paths = [p for p in project.cases() if p.relative_to(project.root).as_posix() not in running]
@@ -82,7 +90,10 @@ def finished(project):
 
 
 def jobs_below(process, step):
-    """Processes below one that run a step; any of them may end meanwhile."""
+    """Returns the processes below another whose command line has a word, the step.
+
+    Those that end meanwhile are left out.
+    """
     jobs = []
     with suppress(psutil.Error):
         for child in psutil.Process(process.pid).children(recursive=True):
@@ -93,12 +104,12 @@ def jobs_below(process, step):
 
 
 def solver_processes(process):
-    """Processes below one that solve a case."""
+    """Returns the processes below another that solve a line of cases, by their option."""
     return jobs_below(process, "--each")
 
 
 def whole_lines(paths):
-    """Those of some cases whose jobs had solved all of theirs."""
+    """Returns those paths of cases whose line is whole, both cases of it being among them."""
     paths = list(paths)
     stems = {path.stem for path in paths}
     whole = [line for line in LINES if {case for case in CASES if line in case} <= stems]
@@ -106,19 +117,21 @@ def whole_lines(paths):
 
 
 def resumes(project, before, undisturbed, *arguments, ran_on=0):
-    """The study ends as if nothing had happened, and solves no finished line again.
+    """Runs a study again; checks that it ends as if nothing had happened.
 
-    Some jobs ran on when Snakemake was gone. Snakemake may not have marked them as begun yet: then
-    what they finish, whole files as all are, counts as finished.
+    It must solve no finished line again, and leave the files of those.
+
+    before: of `finished` after the fault. ran_on: jobs that ran on when Snakemake was gone. It may
+    not have marked them as begun: what they finish then counts as finished, but not in `before`.
     """
     run = project.run(*arguments)
     assert run.status == 0, run.text
     kept = whole_lines(before)
-    unsolved = len(LINES) - len(kept) / 2
+    unsolved = len(LINES) - len(kept) / 2  # two cases to a line
     assert unsolved - ran_on <= run.jobs.get("solve", 0) <= unsolved
     after = finished(project)
     assert {path: after[path] for path in kept} == {path: before[path] for path in kept}
-    # who is killed while writing leaves a part
+    # a process that is killed while it writes leaves a file .part
     results = {name: data for name, data in project.results().items() if name[-5:] != ".part"}
     assert results == undisturbed.results()
 
@@ -128,6 +141,7 @@ def resumes(project, before, undisturbed, *arguments, ran_on=0):
 
 @pytest.mark.faults
 def test_a_study_goes_on_after_a_job_is_killed(project, undisturbed):
+    """Snakemake then fails, with some of the cases finished."""
     process = project.start()
     victim = wait(lambda: finished(project) and solver_processes(process))[0]
     victim.kill()
@@ -139,7 +153,10 @@ def test_a_study_goes_on_after_a_job_is_killed(project, undisturbed):
 
 @pytest.mark.faults
 def test_a_study_goes_on_after_snakemake_alone_is_killed(project, undisturbed):
-    """Its jobs end, too; one may have been at its last lines."""
+    """Its jobs end, too. The next run is refused, and names an option that helps.
+
+    After `--unlock`, one with `--rerun-incomplete` goes on.
+    """
     process = project.start()
     left = wait(lambda: finished(project) and solver_processes(process))
     os.kill(process.pid, signal.SIGKILL)
@@ -157,6 +174,7 @@ def test_a_study_goes_on_after_snakemake_alone_is_killed(project, undisturbed):
 
 @pytest.mark.faults
 def test_a_study_goes_on_after_all_its_processes_are_killed(project, undisturbed):
+    """By `--unlock`, and a run with `--rerun-incomplete`."""
     process = project.start()
     wait(lambda: finished(project) and solver_processes(process))
     os.killpg(process.pid, signal.SIGKILL)
@@ -168,6 +186,7 @@ def test_a_study_goes_on_after_all_its_processes_are_killed(project, undisturbed
 
 @pytest.mark.faults
 def test_a_second_run_at_once_is_refused(project, undisturbed):
+    """By the lock of the first, which ends with the same results as if alone."""
     first = project.start()
     wait(lambda: list((project.root / ".snakemake/locks").glob("*")))
     second = project.run()
@@ -178,7 +197,7 @@ def test_a_second_run_at_once_is_refused(project, undisturbed):
 
 @pytest.mark.faults
 def test_a_case_that_is_written_by_several_at_once_is_whole(project, undisturbed):
-    """Not even where the lock is overruled do two writers mix their bytes."""
+    """Three commands write it without a lock: it has the bytes of a study, and no part is left."""
     case = CASES[0]
     target = f"results/gyro_s1/cases/{case}.nc"
     (project.root / target).parent.mkdir(parents=True)
@@ -195,6 +214,7 @@ def test_a_case_that_is_written_by_several_at_once_is_whole(project, undisturbed
 
 
 def can_mount():
+    """Returns whether a process may mount a file system in a name space of its own."""
     if os.geteuid() != 0 or shutil.which("unshare") is None:
         return False
     script = "mount -t tmpfs -o size=64k none /mnt"
@@ -206,6 +226,10 @@ def can_mount():
 @pytest.mark.faults
 @pytest.mark.parametrize("room", ["60k", "120k", "250k"])
 def test_a_study_goes_on_after_its_results_filled_the_disk(project, undisturbed, room):
+    """The first run fails on a file system of the size `room`: its files are whole, logs say why.
+
+    The second run, with more room, solves only lines that are not whole, and ends as undisturbed.
+    """
     if not can_mount():
         pytest.skip("needs the right to mount a small file system of its own")
     (project.root / "results").mkdir()
@@ -227,13 +251,14 @@ def test_a_study_goes_on_after_its_results_filled_the_disk(project, undisturbed,
     assert completed.returncode == 0, completed.stderr
 
     def files(folder):
+        """Returns the bytes of all files below a folder of the project, by path."""
         paths = [path for path in (project.root / folder).rglob("*") if path.is_file()]
         return {p.relative_to(project.root / folder).as_posix(): p.read_bytes() for p in paths}
 
     logs = b"".join(files("full_logs").values())
     assert b"No space left on device" in logs
     assert b"Traceback" not in logs + (project.root / "first.txt").read_bytes()
-    # what was there is whole, and nothing half-written lay about
+    # each file is whole, and no half-written one is left
     full, expected = files("full"), undisturbed.results()
     assert full.items() < expected.items()
     kept = whole_lines(Path(name) for name in full if "/cases/" in name)
@@ -243,7 +268,11 @@ def test_a_study_goes_on_after_its_results_filled_the_disk(project, undisturbed,
 
 @pytest.mark.faults
 def test_a_study_on_a_full_disk_goes_on_with_more_room(tmp_path, undisturbed):
-    """Configuration, logs and what Snakemake notes lie there, too; each run has more room."""
+    """Configuration, logs and notes of Snakemake lie there, too; each run has more room.
+
+    Runs that fail say so without a traceback, and leave whole files. The last run succeeds. Pages
+    are not compared: they name the versions of the run.
+    """
     if not can_mount():
         pytest.skip("needs the right to mount a small file system of its own")
     (tmp_path / "config/scenes").mkdir(parents=True)
@@ -283,6 +312,7 @@ def test_a_study_on_a_full_disk_goes_on_with_more_room(tmp_path, undisturbed):
     }
 
 
+# how a job dies as soon as it starts, and what its log says last
 DEATHS = {
     "import nothing_of_that_name": "No module named 'nothing_of_that_name'",
     "raise RuntimeError('broken')": "RuntimeError: broken",
@@ -295,7 +325,10 @@ DEATHS = {
 @pytest.mark.faults
 @pytest.mark.parametrize("death", DEATHS)
 def test_the_log_says_why_the_process_of_a_job_ended(project, death):
-    """By whatever: the log that the study names says it, as does the terminal."""
+    """The last line of the log that the study names says it, and so does the terminal.
+
+    Jobs import a module that is edited to die where it is asked to solve lines (`--each`).
+    """
     line = "import time\n"
     # Snakemake's own process and the job that compiles kernels import it, too
     project.edit(
@@ -314,7 +347,10 @@ def test_the_log_says_why_the_process_of_a_job_ended(project, death):
 @pytest.mark.faults
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="elsewhere jobs have no server")
 def test_a_killed_command_ends_all_that_it_started(tmp_path, request):
-    """However and whenever that is, all that it started ends, and the next run goes on."""
+    """By four signals, each at three moments: as Snakemake starts, in the map, in the samples.
+
+    All processes that were below it end within a minute.
+    """
     # below `nohup` a command ignores it, and is right to go on
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     request.addfinalizer(lambda: signal.signal(signal.SIGHUP, before))
@@ -332,7 +368,7 @@ def test_a_killed_command_ends_all_that_it_started(tmp_path, request):
 
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGKILL):
         shutil.rmtree(tmp_path / "mine", ignore_errors=True)
-        for moment in (starts, is_in_the_map, samples):  # as their rules' priorities have it
+        for moment in (starts, is_in_the_map, samples):  # in the order of the priorities of rules
             nothing = subprocess.DEVNULL
             run = subprocess.Popen(command, cwd=tmp_path, stdout=nothing, stderr=nothing)
             wait(lambda run=run, moment=moment: run.poll() is not None or moment(run), 600.0)
@@ -346,11 +382,15 @@ def test_a_killed_command_ends_all_that_it_started(tmp_path, request):
 
 @pytest.mark.faults
 def test_results_that_cannot_be_written_are_told_in_one_line(solved_tiny_study, undisturbed):
+    """In the log of a line whose cases were removed, from a folder without write permission.
+
+    Once it is writable, the study goes on.
+    """
     unprivileged = () if os.geteuid() else WITHOUT_PRIVILEGES
     if unprivileged and shutil.which(unprivileged[0]) is None:
         pytest.skip("root may write everywhere, and there is no setpriv to take that right away")
     first_case = solved_tiny_study.case(CASES[0])
-    for case in CASES[:2]:  # its line: Snakemake itself removes what is left of one
+    for case in CASES[:2]:  # both of a line, as Snakemake itself removes what is left of one
         solved_tiny_study.case(case).unlink()
     before = finished(solved_tiny_study)
     first_case.parent.chmod(0o555)
@@ -365,9 +405,13 @@ def test_results_that_cannot_be_written_are_told_in_one_line(solved_tiny_study, 
 
 @pytest.mark.faults
 def test_unsolved_cases_are_solved_once_the_solver_is_mended(solved_tiny_study, undisturbed):
-    """All iterations are taken away, as if they had not sufficed."""
+    """The solver is edited to take no iterations: no case is solved, and the study says so.
+
+    Its tables and figures name them; a second run repeats the verdict alone. With the solver as
+    before, it solves all four lines, to the bytes of the undisturbed study.
+    """
     source = "bearingwear/kernels/steady/level_solver.py"
-    for most in ("NEWTON_STEPS", "most"):  # Newton's, and those of the steps that come after it
+    for most in ("NEWTON_STEPS", "most"):  # Newton's iterations, and those of the method after it
         solved_tiny_study.edit(
             source, f"for iteration in range({most}):", f"for iteration in range(0 * {most}):"
         )
@@ -390,6 +434,7 @@ def test_unsolved_cases_are_solved_once_the_solver_is_mended(solved_tiny_study, 
 
 @pytest.mark.faults
 def test_one_job_at_a_time_gives_the_same_bytes(project, undisturbed):
+    """As two jobs at a time, by which the undisturbed study was solved."""
     run = project.run(jobs=1)
     assert run.status == 0, run.text
     assert project.results() == undisturbed.results()

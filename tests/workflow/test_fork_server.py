@@ -15,6 +15,10 @@ from bearingwear.studies import fork_server
 
 @pytest.mark.skipif(sys.platform != "linux", reason="jobs run alone where there is no pidfd")
 def test_a_client_that_is_killed_before_it_asks_holds_up_no_job(tmp_path, monkeypatch):
+    """A client connects and is closed without a word; the next job is served all the same.
+
+    `sleep` stands in for Snakemake: the server ends when it does, of itself.
+    """
     monkeypatch.chdir(tmp_path)  # the address of a socket must be short
     snakemake = subprocess.Popen(["sleep", "60"])
     folder = Path(f".snakemake/bearingwear-{snakemake.pid}")
@@ -23,10 +27,10 @@ def test_a_client_that_is_killed_before_it_asks_holds_up_no_job(tmp_path, monkey
     server = subprocess.Popen([sys.executable, "-P", str(PACKAGE / "run_module.py"), *module])
     try:
         address = str(folder / "socket")
-        for _ in range(300):
+        for _ in range(300):  # 30 s at most, until the server listens
             with socket.socket(socket.AF_UNIX) as client:
                 if client.connect_ex(address) == 0:
-                    break  # and is closed without a word
+                    break
             time.sleep(0.1)
         job = subprocess.run(
             [sys.executable, "-I", "-S", fork_server.__file__, str(snakemake.pid), "--version"],
@@ -37,7 +41,7 @@ def test_a_client_that_is_killed_before_it_asks_holds_up_no_job(tmp_path, monkey
         assert job.returncode == 0 and __version__ in job.stdout
         snakemake.kill()
         snakemake.wait()
-        assert server.wait(timeout=30) == 0  # it ends with Snakemake
+        assert server.wait(timeout=30) == 0
     finally:
         snakemake.kill()
         server.kill()

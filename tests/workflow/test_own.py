@@ -23,7 +23,10 @@ from bearingwear.studies.design import plan as design_plan
 
 @pytest.fixture
 def study(tmp_path, monkeypatch, capfd):
-    """Function (*arguments) -> exit status and output of `bearingwear study mine.yaml`."""
+    """Returns a function that runs `bearingwear study mine.yaml -o folder` with more options.
+
+    It returns exit status and output. mine.yaml is gyro_s1; grid, samples and map are small.
+    """
     monkeypatch.setattr(own_study, "FRICTIONS", (1.0,))
     monkeypatch.setattr(own_study, "STATES_OF_WEAR", 2)
     monkeypatch.setattr(own_study, "SAMPLES", 16)
@@ -41,20 +44,22 @@ def study(tmp_path, monkeypatch, capfd):
 
 
 def text_of(page):
+    """Returns the text of a page with plain spaces in place of those at which no line breaks."""
     text = page.read_text(encoding="utf-8").replace("\N{NO-BREAK SPACE}", " ")
     return text.replace("\N{WORD JOINER}", "")
 
 
 def rules(output):
-    """Names of the rules that would run."""
+    """Returns the names of the rules in the table of jobs that a run printed."""
     return set(Run(0, output).jobs)
 
 
 @pytest.mark.long
 def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
-    """Also when it is run again: as it was, without a result, with other limits, edited.
+    """Run again, it does what is left: nothing, a deleted result, other limits, an edited scene.
 
-    One test, as it takes minutes and each run goes on from the one before.
+    This is one test, as it takes minutes and each run goes on from the one before. Exit status 4:
+    no preload meets the limits.
     """
     folder = tmp_path / "folder"
     status, output = study("-j2", "--stiffness", "3")
@@ -69,6 +74,7 @@ def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
     assert stiffness == 3.0 and "L10" in page
     dataset = load(folder / "results/mine/preload/recommendation.nc")
     assert float(dataset["system_axial_stiffness"].min()) >= 3.0e6
+    # two methods, one friction, three states of wear, and two lives
     assert (folder / "results/verdict.txt").read_text() == "all 8 solved and verified\n"
 
     # again: nothing to do, and the same result
@@ -99,26 +105,27 @@ def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
 
 
 def test_a_dry_run_makes_no_folder(study, tmp_path):
+    """It plans cases, a map of preloads and the page."""
     status, output = study("-n", "--stiffness", "3")
     assert status == 0 and rules(output) >= {"solve_chunk", "small_map", "page"}
     assert [path.name for path in tmp_path.iterdir()] == ["mine.yaml"]
 
 
+# the command in a process of its own; and as the installed program finds modules
 STUDY = [sys.executable, "-m", "bearingwear", "study", "mine.yaml"]
 COMMAND = [sys.executable, "-P", "-m", "bearingwear", "study", "mine.yaml"]
-"""As the installed program finds modules."""
 
 
 @pytest.fixture
 def in_a_folder(tmp_path):
-    """Options of a process in a folder that has the scene mine.yaml alone."""
+    """Returns options of a process that runs in a folder with the scene mine.yaml alone."""
     shutil.copy(scene_file("gyro_s1"), tmp_path / "mine.yaml")
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": str(ROOT)}, **pipes}
 
 
 def test_an_interrupt_ends_the_command_and_all_that_it_started(in_a_folder):
-    """The command, Snakemake and its jobs: in the order in which they are started."""
+    """Snakemake and its jobs, after 4 s; the exit status is 130, and the last line says so."""
     run = subprocess.Popen(STUDY, **in_a_folder)
     time.sleep(4.0)  # by then Snakemake runs its first jobs
     below = psutil.Process(run.pid).children(recursive=True)
@@ -132,6 +139,7 @@ def test_an_interrupt_ends_the_command_and_all_that_it_started(in_a_folder):
 
 @pytest.mark.long
 def test_python_files_beside_the_scene_are_not_imported(in_a_folder):
+    """Each of them would end the process that imports it; they have names of modules in use."""
     for name in ("signal", "calendar", "numpy", "bearingwear"):
         (in_a_folder["cwd"] / f"{name}.py").write_text("raise SystemExit('imported')\n")
     completed = subprocess.run([*COMMAND, "-n"], timeout=300, **in_a_folder)
@@ -140,6 +148,7 @@ def test_python_files_beside_the_scene_are_not_imported(in_a_folder):
 
 @pytest.mark.long  # of other commands: tests/test_cli.py
 def test_a_closed_pipe_ends_the_study(in_a_folder):
+    """`head -1` takes a line and closes the pipe; no traceback follows."""
     text = f"{shlex.join(STUDY)} -n 2>&1 | head -1"
     completed = subprocess.run(["sh", "-c", text], timeout=300, **in_a_folder)
     assert completed.stdout.count("\n") == 1 and "Traceback" not in completed.stderr
@@ -161,6 +170,7 @@ def test_a_closed_pipe_ends_the_study(in_a_folder):
     ],
 )
 def test_wrong_arguments_of_study_are_refused_in_one_line(study, arguments, expected, tmp_path):
+    """With status 2; without arguments of its own, the fault is a file in the folder."""
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "notes.txt").touch()
     status, printed = study(*arguments)
@@ -174,6 +184,7 @@ def test_wrong_arguments_of_study_are_refused_in_one_line(study, arguments, expe
     ids=["limits without a scene", "missing scene", "folder without a configuration"],
 )
 def test_a_study_of_nothing_is_refused(arguments, tmp_path, monkeypatch):
+    """With status 2, and no file is made."""
     monkeypatch.chdir(tmp_path)
     assert main(["study", *arguments]) == 2
     assert not list(tmp_path.iterdir())
@@ -181,7 +192,10 @@ def test_a_study_of_nothing_is_refused(arguments, tmp_path, monkeypatch):
 
 @pytest.mark.long
 def test_a_pair_is_studied_as_a_bearing_is(study, tmp_path):
-    """Spring pair against rigid pair: map, states of wear, lives and their spread."""
+    """Spring pair against rigid pair: map, states of wear, lives and their spread.
+
+    Headline and tables name pairs; figures name bearings, as a force of 1 N wears them unlike.
+    """
     mine = tmp_path / "mine.yaml"
     rotor = "arrangement: {kind: spring_pair, external_axial_N: 1.0}\n"
     mine.write_text(mine.read_text(encoding="utf-8") + rotor, encoding="utf-8")

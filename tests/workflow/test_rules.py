@@ -14,16 +14,19 @@ from bearingwear.provenance import PACKAGE, sources
 FILES = sorted(ROOT.glob("workflow/rules/*.smk"))
 TEXT = "\n".join(file.read_text(encoding="utf-8") for file in FILES)
 RULE_TABLE = benchmark("rule_table")
+# of each rule by its name: text, line of the shell, and such a line that runs a step of ours
 RULES = {name: body for name, _, body in RULE_TABLE.rules()}
 SHELL_LINES = {name: RULE_TABLE.shell_line(body) for name, body in RULES.items()}
 STEPS = {name: line for name, line in SHELL_LINES.items() if "bearingwear step " in line}
 
 
 def test_every_rule_has_a_name_and_no_rule_is_made_in_a_loop():
+    """As many rules are found by their names as the word `rule` begins lines: more than 30."""
     assert len(RULES) == len(re.findall(r"^ *rule\b", TEXT, re.M)) > 30
 
 
 def test_a_rule_says_in_a_sentence_what_it_makes():
+    """Its docstring has one line, from a capital letter to a full stop."""
     without_sentence = [
         name for name, body in RULES.items() if not re.match(r'    """[A-Z].*\S[.)]"""\n', body)
     ]
@@ -31,6 +34,10 @@ def test_a_rule_says_in_a_sentence_what_it_makes():
 
 
 def test_the_table_of_rules_is_up_to_date():
+    """It has each rule with a line of the shell, and Python that can be imported.
+
+    That is a function for a step, and a module for another program.
+    """
     text = (ROOT / "docs/studies.md").read_text(encoding="utf-8")
     assert RULE_TABLE.renewed(text) == text, "run: python benchmarks/rule_table.py docs/studies.md"
     rows = [*RULE_TABLE.rows()]
@@ -50,6 +57,7 @@ def test_the_code_common_to_the_rules_is_short():
 
 
 def test_the_workflow_uses_nothing_private_of_snakemake():
+    """Nor internal objects; imported are only its public modules."""
     text = TEXT + (ROOT / "Snakefile").read_text(encoding="utf-8")
     text += "".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
     private = r"workflow\.(dag|get_rule|register|_)|logger\.handlers"
@@ -59,13 +67,14 @@ def test_the_workflow_uses_nothing_private_of_snakemake():
 
 
 def test_every_step_has_the_arguments_of_its_function_and_depends_on_its_source():
+    """The parameter `code` of a rule is a hash of sources, among them the file of the function."""
     assert STEPS
     for name, text in STEPS.items():
         dotted, arguments = re.search(r"bearingwear step (\S+) (.*?) -o ", text).groups()
         module, _, function = dotted.rpartition(".")
         signature = inspect.signature(getattr(importlib.import_module(module), function))
         matches = re.findall(r"(?:^| )([a-z]\w*)=", arguments)
-        signature.bind(**dict.fromkeys(matches))
+        signature.bind(**dict.fromkeys(matches))  # a TypeError where they do not fit
         # an edit of the function makes its results anew
         hashed = re.search(r'code=sources\(\s*"([\w.]+)"', RULES[name])
         if name != "verdict":  # which is called each time

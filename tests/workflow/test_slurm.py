@@ -22,6 +22,7 @@ pytestmark = pytest.mark.cluster
 CONF = Path("/etc/slurm/slurm.conf")  # job steps look nowhere else
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "squeue", "sinfo", "scancel")
 
+# four lines of two cases
 CONFIG = {
     "studies": [
         {
@@ -34,6 +35,7 @@ CONFIG = {
     "figures": {"worn_loss_um": 0.5, "friction": [0.08]},
 }
 
+# options of Snakemake for the cluster
 PROFILE = (
     "--workflow-profile", "workflow/profiles/slurm", "--slurm-no-account",
     "--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "10",
@@ -73,7 +75,7 @@ PartitionName=local Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 
 
 def missing() -> str:
-    """Why no Slurm can be started here; empty if one can."""
+    """Returns why no Slurm can be started here; the text is empty if one can."""
     lacking = [name for name in PROGRAMS if not shutil.which(name)]
     if lacking:
         return f"not installed: {', '.join(lacking)}"
@@ -85,18 +87,21 @@ def missing() -> str:
 
 
 def stop(pid_file: Path) -> None:
-    """End the daemon that this file names, and see it gone."""
+    """Ends the daemon whose number is in a file, and waits until it is gone, 10 s at most."""
     with suppress(FileNotFoundError, ProcessLookupError):
         pid = int(pid_file.read_text())
         os.kill(pid, signal.SIGTERM)
         for _ in range(100):
-            os.kill(pid, 0)
+            os.kill(pid, 0)  # an error once it is gone
             time.sleep(0.1)
 
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
-    """A cluster of one node that takes jobs."""
+    """Starts a cluster of one node that takes jobs, and stops it; yields its folder.
+
+    Where it cannot be started, tests are skipped, or fail if REQUIRE_SLURM is set.
+    """
     if reason := missing():
         if os.environ.get("REQUIRE_SLURM"):
             pytest.fail(reason)
@@ -132,25 +137,30 @@ def cluster(tmp_path_factory):
 
 
 def call(*argv) -> str:
+    """Returns what a command prints, which must succeed within a minute."""
     completed = subprocess.run(argv, capture_output=True, text=True, timeout=60)
     assert completed.returncode == 0, f"{argv}: {completed.stderr}"
     return completed.stdout
 
 
 def queued(form: str) -> list[str]:
-    """What squeue says of all jobs there were since the cluster started, the newest first."""
+    """Returns lines of squeue on all jobs since the cluster started, the newest first.
+
+    form: format of a line, %T state, %l time limit, %C cores, %m memory, %A number.
+    """
     return call("squeue", "-h", "-t", "all", "-S", "-i", "-o", form).splitlines()
 
 
 @pytest.fixture(scope="module")
 def study_on_slurm(cluster, new_project):
-    """The study solved on the cluster, and what Snakemake said."""
+    """Returns a project whose study was run on the cluster, and that run."""
     project = new_project()
     project.configure(CONFIG)
     return project, project.run(*PROFILE)
 
 
 def test_a_study_on_slurm_has_the_same_bytes(study_on_slurm, new_project):
+    """As a study without a cluster. Afterwards nothing is left to do."""
     project, run = study_on_slurm
     assert run.status == 0, run.text
     assert run.jobs["solve"] == 4 and run.jobs["wear_life"] == 1
@@ -162,9 +172,9 @@ def test_a_study_on_slurm_has_the_same_bytes(study_on_slurm, new_project):
 
 
 def test_the_lines_of_a_study_are_one_job_of_the_cluster_and_its_lives_another(study_on_slurm):
-    """What takes a second stays out of the queue.
+    """The queue has only these two: what takes a second is run where Snakemake runs.
 
-    A minute a line is asked for, but memory and cores of one.
+    Four lines of cases run one after the other: four minutes, but memory and cores of one line.
     """
     assert [line.split() for line in queued("%T %l %C %m")] == [
         ["COMPLETED", "1:00", "1", "1000M"],  # the lives, the newest first
@@ -173,7 +183,7 @@ def test_the_lines_of_a_study_are_one_job_of_the_cluster_and_its_lives_another(s
 
 
 def test_a_map_on_slurm_has_the_same_bytes(cluster, new_project):
-    """Its parts are one job of the cluster, of four minutes a part."""
+    """As without a cluster. Its two parts are one job, of four minutes for each."""
     target, contents = "results/gyro_s1/design/design.nc", []
     axes = {"preload_method": ["constant_force", "fixed_position"], "friction": [0.08]}
     axes |= {"shaft_speed_rpm": [30000], "preload_N": [2.0, 4.0, 6.0]}
@@ -191,13 +201,17 @@ def test_a_map_on_slurm_has_the_same_bytes(cluster, new_project):
 
 
 def test_a_cancelled_group_of_jobs_leaves_no_outdated_case(study_on_slurm):
+    """A run with another preload is cancelled after its first case, and ends with status 1.
+
+    The next run solves all lines of the group again; no case has its old contents.
+    """
     project, _ = study_on_slurm
     project.edit("config/scenes/gyro_s1.yaml", "preload_N: 7", "preload_N: 8")
     before = {path: path.read_bytes() for path in project.cases()}
     run = project.start(*PROFILE)
     try:
         for _ in range(1200):
-            with suppress(FileNotFoundError):  # the old ones go
+            with suppress(FileNotFoundError):  # Snakemake removes outdated cases
                 contents = {path: path.read_bytes() for path in project.cases()}
                 if contents.items() - before.items():
                     break

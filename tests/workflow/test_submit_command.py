@@ -7,6 +7,7 @@ import pytest
 
 pytestmark = pytest.mark.cluster
 
+# a batch system that runs each job at once
 SUBMIT = """\
 #!/bin/sh
 # arguments: memory in MB, minutes, script of the job; prints the identifier of the job
@@ -18,10 +19,12 @@ echo $!
 
 @pytest.fixture(scope="module")
 def plugin():
+    """Skips the tests where the plugin is missing."""
     return pytest.importorskip("snakemake_executor_plugin_cluster_generic")
 
 
 def test_a_study_by_a_submit_command_has_the_same_bytes(plugin, new_project, first_run):
+    """As a study without a cluster, in one job; afterwards nothing is left to do."""
     project, target = new_project(), "results/gyro_s1/study.nc"
     script = project.root / "submit.sh"
     script.write_text(SUBMIT, encoding="utf-8")
@@ -33,7 +36,7 @@ def test_a_study_by_a_submit_command_has_the_same_bytes(plugin, new_project, fir
     )  # fmt: skip
     assert run.status == 0, run.text
     assert run.jobs["solve"] == 4
-    # memory of one line, minutes of four; what takes a second was not submitted
+    # a single job, with the memory [MB] of one line and the minutes of four
     assert (project.root / "submitted.txt").read_text(encoding="utf-8") == "1000 4\n"
     assert (project.root / target).read_bytes() == (first_run[0].root / target).read_bytes()
     assert "Nothing to be done" in project.run("-n", target).text

@@ -221,7 +221,7 @@ def test_the_answer_has_lives_with_their_spread(lives_and_spread):
 
 
 def test_the_spread_of_another_scene_is_not_used(lives_and_spread):
-    """A shaft that is faster by 1 r/min makes another scene; the table names the command instead."""
+    """1 r/min more makes another scene; the table names the command for its spread instead."""
     lives, path = lives_and_spread
     dataset = load(path)
     scene = json.loads(dataset.attrs["scene"])

@@ -338,7 +338,7 @@ def test_interpolated_lives_agree_with_followed_ones(folder):
 
 
 def solved_cases(scene, losses, folder):
-    """Writes a scene and its cases at a friction of 0.08 and some losses [um]; returns the paths."""
+    """Writes a scene and its cases at friction 0.08 and some losses [um]; returns the paths."""
     mine = folder / "mine.yaml"
     mine.write_text(json.dumps(scene.to_dict()), encoding="utf-8")
     cases = [Case(method, 0.08, loss) for method in PRELOAD_METHODS for loss in losses]
@@ -482,7 +482,7 @@ def test_unlike_bearings_of_a_pair_have_figures_of_their_own(unlike_pair_study):
 
 
 def test_the_verdict_fails_with_the_cases_and_lives_that_are_not_solved(folder, tmp_path, capsys):
-    """Half of 12 cases and of 4 lives, those without friction: status 3, and no verdict is written."""
+    """Half of 12 cases and of 4 lives, those without friction: status 3, and no file."""
     files = [str(folder / name) for name in ("study.nc", "wear_life.nc")]
     checked, unsolved = unsolved_lines(files)
     assert checked == 12 + 4 and len(unsolved) == 6 + 2
