@@ -17,14 +17,14 @@ as_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a fol
 
 @pytest.fixture
 def choose_folder(tmp_path, monkeypatch):
-    """Returns a function that chooses the folder, and returns it and the lines printed about it.
+    """Returns a function that chooses the folder, and returns it and all lines printed so far.
 
     NUMBA_CACHE_DIR is `tmp_path/given`, the folder for temporary files `tmp_path/tmp`.
     """
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "given"))
     monkeypatch.setattr(project.tempfile, "tempdir", str(tmp_path / "tmp"))
     (tmp_path / "tmp").mkdir()
-    (tmp_path / "tmp").chmod(0o1777)
+    (tmp_path / "tmp").chmod(0o1777)  # sticky, and writable by all
     lines: list[str] = []
     monkeypatch.setattr(project, "tell", lines.append)
     return lambda settings=PROJECT: (Path(private_code_folder(settings)), lines)
@@ -36,7 +36,7 @@ def permissions(folder):
 
 
 def test_only_the_user_may_use_a_new_folder(choose_folder, tmp_path):
-    """However permissive the umask is."""
+    """Also with a umask of zero, which permits everything; nothing is printed."""
     umask = os.umask(0)
     try:
         folder, output = choose_folder()
@@ -52,6 +52,7 @@ def replace_by_link(folder):
     folder.symlink_to(folder.with_name("mine"))
 
 
+# ways to make a folder unsafe, by their names
 UNSAFE = {
     "group writes": lambda folder: folder.chmod(0o770),
     "others write": lambda folder: folder.chmod(0o707),
@@ -77,7 +78,7 @@ GIVEN_AWAY = {
     ],
 )
 def test_an_unsafe_folder_is_replaced_by_one_among_temporary_files(choose_folder, tmp_path, spoil):
-    """A line names both; the next process chooses the same folder."""
+    """A line names both. Chosen again, as by another process, it is the same folder."""
     folder, _ = choose_folder()
     spoil(folder)
     assert not is_private(folder)
@@ -85,7 +86,7 @@ def test_an_unsafe_folder_is_replaced_by_one_among_temporary_files(choose_folder
     assert replacement.parent == tmp_path / "tmp" and is_private(replacement)
     assert len(output) == 1 and output[0].startswith(f"NUMBA_CACHE_DIR: {tmp_path / 'given'} ")
     assert f" {replacement}" in output[0]
-    assert choose_folder()[0] == replacement  # kept from one process to the next
+    assert choose_folder()[0] == replacement
 
 
 def test_a_folder_in_a_sticky_one_of_all_users_is_safe(choose_folder):
@@ -104,7 +105,10 @@ def test_a_folder_in_a_sticky_one_of_all_users_is_safe(choose_folder):
     ],
 )
 def test_an_unsafe_folder_among_temporary_files_is_not_used(choose_folder, tmp_path, spoil):
-    """Anybody can make a folder of the expected name there beforehand."""
+    """Anybody can make a folder of the expected name there beforehand; another one is then made.
+
+    A file in place of the given folder makes the function choose among temporary files at once.
+    """
     (tmp_path / "given").write_text("no folder")
     folder, _ = choose_folder()
     assert folder.name.startswith(f"bearingwear-{os.geteuid()}-numba-")
@@ -116,7 +120,7 @@ def test_an_unsafe_folder_among_temporary_files_is_not_used(choose_folder, tmp_p
 
 
 def test_only_a_checkout_has_its_code_beside_the_sources(choose_folder, tmp_path, monkeypatch):
-    """Files beside an installed package would remain when pip removes it."""
+    """Files beside an installed package would remain when pip removes it: it has XDG_CACHE_HOME."""
     package, caches = tmp_path / "place" / "bearingwear", tmp_path / "caches"
     package.mkdir(parents=True)
     monkeypatch.delenv("NUMBA_CACHE_DIR")

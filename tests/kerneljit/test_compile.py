@@ -23,12 +23,14 @@ from bearingwear.scene.read import load_scene
 from bearingwear.solvers.solve import solve
 
 GYRO = str(scene_file("gyro_s1"))
+# the only line that is printed while code is compiled, and a program that needs a small kernel
 LINE = "compiling part of the solver (only once); this may take a minute ...\n"
 SMALL = """
 from bearingwear.kernels.equilibrium.kinematics import rolling_orbit
 print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
 """
 
+# calls a kernel from compiled code, and then from Python
 BOTH_WAYS = """
 import numba, sys
 from bearingwear.kernels.layout import state_layout
@@ -40,7 +42,7 @@ print(state_layout(2, False).cage)
 
 
 def start_python(folder, *arguments):
-    """Starts Python with a folder for compiled code, and returns the process."""
+    """Starts Python with a folder for compiled code, and returns the process and its pipes of text."""
     return subprocess.Popen(
         [sys.executable, *arguments],
         env={**os.environ, "NUMBA_CACHE_DIR": str(folder)},
@@ -51,7 +53,10 @@ def start_python(folder, *arguments):
 
 
 def test_ctrl_c_while_code_is_loaded_raises_keyboardinterrupt(monkeypatch):
-    """LLVM calls Python there, and would lose the exception."""
+    """LLVM calls Python there by `ctypes`, and would lose the exception.
+
+    A function that is called by C, and sends the signal, stands in for LLVM.
+    """
     interrupted = ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))
     monkeypatch.setattr(copy.disk, "load_overload", lambda args, target: interrupted())
     with pytest.raises(KeyboardInterrupt):
@@ -59,11 +64,11 @@ def test_ctrl_c_while_code_is_loaded_raises_keyboardinterrupt(monkeypatch):
 
 
 def test_ctrl_c_ends_a_command_that_compiles_within_two_seconds(tmp_path):
-    """It leaves only complete files of compiled code."""
+    """Status 130, one line, and only indices, code and locks of the cache: no temporary file."""
     output = tmp_path / "out.nc"
     process = start_python(tmp_path, "-m", "bearingwear", "solve", GYRO, "-o", str(output))
     while not without_waits(line := process.stderr.readline()) and line:
-        pass
+        pass  # over lines that say how long it has run
     assert line == LINE
     time.sleep(0.5)
     sent = time.monotonic()
@@ -77,7 +82,10 @@ def test_ctrl_c_ends_a_command_that_compiles_within_two_seconds(tmp_path):
 
 
 def test_one_process_compiles_and_the_others_wait(tmp_path):
-    """Only the one with the lock compiles. If all code is on disk, nothing is printed."""
+    """Only the one with the lock compiles. If all code is on disk, nothing is printed.
+
+    With the code removed and the lock taken here, a process waits, and then compiles.
+    """
     compiling = start_python(tmp_path, "-c", SMALL)
     numbers, output = compiling.communicate(timeout=60)
     assert output == LINE
@@ -93,7 +101,10 @@ def test_one_process_compiles_and_the_others_wait(tmp_path):
 
 
 def test_a_kernel_stored_as_a_callee_can_be_called_from_python(tmp_path):
-    """Compiled for kernels alone, it lacks the conversion of arrays for Python."""
+    """Compiled for kernels alone, its code in the cache lacks the conversion of arrays for Python.
+
+    10 is where the state of a cage begins in the layout of two balls.
+    """
     for arguments in ((), ("called",)):
         process = start_python(tmp_path, "-c", BOTH_WAYS, *arguments)
         assert process.communicate(timeout=60)[0] == "10\n"
@@ -101,6 +112,7 @@ def test_a_kernel_stored_as_a_callee_can_be_called_from_python(tmp_path):
 
 
 def test_check_does_not_mention_compilation_if_all_is_compiled(capsys):
+    """Its line on the computing time is that of a second solve."""
     solve(load_scene(GYRO))
     assert main(["check", GYRO]) == 0
     (line,) = (text for text in capsys.readouterr().out.splitlines() if "computing time" in text)
@@ -113,11 +125,12 @@ def test_every_array_that_kernels_make_is_freed(fidelity):
     scene = load_scene(GYRO, ["model.simulated_turns=0.1"])
 
     def array_count():
+        """Returns how many arrays numba has made and not freed."""
         gc.collect()
         stats = rtsys.get_allocation_stats()
         return stats.mi_alloc - stats.mi_free
 
-    solve(scene, fidelity)
+    solve(scene, fidelity)  # loads kernels, and fills caches
     _nrt_python.memsys_enable_stats()
     try:
         initial_count = array_count()
@@ -129,7 +142,7 @@ def test_every_array_that_kernels_make_is_freed(fidelity):
 
 
 def test_other_numba_code_can_call_a_kernel():
-    """numba's linking finds all that the kernel calls."""
+    """numba's linking finds the code of the kernel, `copy`, which copies an array."""
 
     @numba.njit
     def doubled(values):
@@ -148,7 +161,10 @@ def diameter_ratio(new, old):
 
 @jit
 def ratios(g, count, out):
-    """Replaces a record in a loop while the replaced one is still used; writes ratios to `out`."""
+    """Doubles the diameter of a record in a loop, and returns the last record.
+
+    Writes to `out` the ratio of new to old diameter plus that of the one before to the new.
+    """
     previous = g
     for k in range(count):
         old, previous = previous, g
@@ -158,7 +174,10 @@ def ratios(g, count, out):
 
 
 def test_a_kernel_gets_the_record_as_it_is_at_the_call():
-    """Large records are passed by an address that another record may have afterwards."""
+    """Large records are passed by an address that another record may have afterwards.
+
+    Each ratio is 2 + 1/2 in the first step, where the old is the one before, and 4 + 1/2 later.
+    """
     g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
     result, expected = np.empty(4), np.empty(4)
     assert ratios(g, 4, result) == ratios.py_func(g, 4, expected) == g._replace(D0=16.0 * g.D0)

@@ -13,6 +13,7 @@ from bearingwear import provenance
 from bearingwear.kernels.project import PROJECT
 from kerneljit.project import private_code_folder
 
+# prints the hash of the sources, and a number of a kernel to all digits
 PROGRAM = """
 import math
 from bearingwear.kernels.equilibrium.body_forces import body_forces
@@ -26,7 +27,10 @@ print(source_hash(), repr(forces[1]))
 
 
 def program_output(folder, **options):
-    """Returns the words that PROGRAM prints with the package and the compiled code in a folder."""
+    """Returns the words that PROGRAM prints with the package and the compiled code in a folder.
+
+    options: of `subprocess.run`.
+    """
     jit = {"NUMBA_CACHE_DIR": str(folder / "jit"), PROJECT.switch: ""}
     completed = subprocess.run(
         [sys.executable, "-c", PROGRAM],
@@ -57,7 +61,10 @@ def changeable_copy(compiled_copy, tmp_path):
 
 
 def test_a_kernel_is_compiled_again_after_an_edit_of_its_callee(changeable_copy):
-    """numba itself would not notice it, as the file of the kernel is unchanged."""
+    """numba itself would not notice it, as the file of the kernel is unchanged.
+
+    Hash and number change, and the new code has a folder of its own beside the old one.
+    """
     folder, printed = changeable_copy
     callee = folder / "bearingwear" / "kernels" / "equilibrium" / "kinematics.py"
     text = callee.read_text()
@@ -70,11 +77,15 @@ def test_a_kernel_is_compiled_again_after_an_edit_of_its_callee(changeable_copy)
 
 
 def test_the_folder_of_compiled_code_depends_on_the_sources_of_kernels_alone(tmp_path, monkeypatch):
-    """An edit of another source does not require compiling."""
+    """An edit of another source does not require compiling.
+
+    Two sources stand in for the package; hashes of files are remembered, hence `cache_clear`.
+    """
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "jit"))
     monkeypatch.setattr(provenance, "PACKAGE", tmp_path)
 
     def folder(name, text):
+        """Writes a source, and returns the folder of compiled code."""
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
         provenance._file_hash.cache_clear()
@@ -91,7 +102,10 @@ def test_the_folder_of_compiled_code_depends_on_the_sources_of_kernels_alone(tmp
 
 @pytest.mark.parametrize(("suffix", "length"), [("nbi", 40), ("nbc", 0)])
 def test_damaged_files_of_compiled_code_are_replaced(compiled_copy, suffix, length):
-    """A full disk or a crash of the machine leaves such files."""
+    """The program prints the same, and the files have their sizes again.
+
+    A full disk or a crash of the machine leaves indices (nbi) cut off and code (nbc) empty.
+    """
     folder, printed = compiled_copy
     files = list((folder / "jit").rglob(f"*.{suffix}"))
     sizes = [file.stat().st_size for file in files]
@@ -103,7 +117,7 @@ def test_damaged_files_of_compiled_code_are_replaced(compiled_copy, suffix, leng
 
 
 def test_a_program_runs_without_space_for_compiled_code(changeable_copy):
-    """"""
+    """It prints the same, and leaves only empty files of code, with files of 1 byte at most."""
     resource = pytest.importorskip("resource")
     folder, printed = changeable_copy
     shutil.rmtree(folder / "jit")
@@ -116,7 +130,10 @@ def test_a_program_runs_without_space_for_compiled_code(changeable_copy):
 
 
 def test_compiled_code_in_an_unsafe_folder_is_not_loaded(changeable_copy):
-    """An index of numba's cache is a pickle, which runs any code that somebody puts there."""
+    """An index of numba's cache is a pickle, which runs any code that somebody puts there.
+
+    Here it makes a folder: not where others may write to the folder of compiled code, but else.
+    """
     folder, printed = changeable_copy
     planted = folder / "planted"
 
@@ -133,4 +150,4 @@ def test_compiled_code_in_an_unsafe_folder_is_not_loaded(changeable_copy):
     assert program_output(folder) == printed and not planted.exists()
     jit.chmod(0o700)
     program_output(folder)
-    assert planted.exists()  # so that the code would have been run
+    assert planted.exists()  # the planted index does run in a folder that is safe

@@ -19,7 +19,9 @@ from kerneljit.kernel import Kernel
 from kerneljit.versions import TESTED, is_tested
 
 SWITCH = PROJECT.switch
+"""Variable of the environment that makes kernels compile by the public interface of numba alone."""
 
+# prints whether numba's internals are in use, and all numbers of a solve with their units
 SOLVE = """
 import json, sys
 import bearingwear
@@ -35,6 +37,7 @@ numbers = {
 numbers["strips"] = (None, dataset.sizes["strip"])
 print(json.dumps(["kerneljit.code" in sys.modules, numbers]))
 """
+# of a kernel: a ball of 2 mm of a bearing, as text for two processes
 ARGUMENTS = """(
     Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0),
     2e-3,
@@ -48,6 +51,7 @@ from bearingwear.kernels.params import BallLoad, Geometry
 numbers = list(body_forces(*{ARGUMENTS}))
 print(json.dumps(["kerneljit.code" in sys.modules, numbers]))
 """
+# prints the class of a kernel under another version of numba
 OTHER_VERSION = """
 import numba, sys
 numba.__version__ = sys.argv[1]
@@ -69,18 +73,23 @@ def program_output(program, *arguments, **environment):
 
 
 def test_a_kernel_gives_the_same_numbers_without_numbas_internals():
-    """One kernel here and in a process with SWITCH set; whole solves: the next test (long)."""
+    """One kernel here and in a process with SWITCH set, to 1e-12; whole solves: the next test."""
     assert isinstance(body_forces, Kernel)
-    arguments = eval(ARGUMENTS, {"Geometry": Geometry, "BallLoad": BallLoad})
+    arguments = eval(ARGUMENTS, {"Geometry": Geometry, "BallLoad": BallLoad})  # text of this file
     numbers = list(body_forces(*arguments))
     builds_on_internals, public_numbers = json.loads(program_output(KERNEL, **{SWITCH: "1"}))
-    assert not builds_on_internals and any(numbers)
+    assert not builds_on_internals
+    assert any(numbers)  # not all are zero
     np.testing.assert_allclose(public_numbers, numbers, rtol=1e-12)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("fidelity", ["race_control", "steady", "dynamic"])
 def test_the_public_interface_of_numba_gives_the_same_numbers(fidelity):
+    """All numbers of a solve, to 1e-12 of the largest of their variable.
+
+    Error estimates agree to 1e-10, and the shaft torque to its rounding, for the reasons below.
+    """
     arguments = (SOLVE, fidelity, scene_file("gyro_s1"))
     scene = load_scene(scene_file("gyro_s1"))
     builds_on_internals, numbers = json.loads(program_output(*arguments, **{SWITCH: ""}))
@@ -106,20 +115,30 @@ def test_the_public_interface_of_numba_gives_the_same_numbers(fidelity):
 
 
 def test_untested_versions_of_numba_compile_by_the_public_interface():
+    """Older and newer ones than TESTED; with one of them, kernels are functions of numba itself."""
     for version in ("0.62.1", "0.69.0", "0.69.0rc1", "1.0.0", "0.100.0dev0+12.gab"):
         assert not is_tested(version)
     assert program_output(OTHER_VERSION, "0.69.0rc1").startswith("numba.")
 
 
-def test_a_tested_version(monkeypatch):
-    assert all(map(is_tested, ("0.67.0", "0.68.1", "0.68.0rc1")))
-    for inputs, plain in (("0", False), ("1", True)):
-        monkeypatch.setenv(SWITCH, inputs)
-        assert dataclasses.replace(PROJECT).is_plain == plain
+@pytest.mark.parametrize("version", ["0.67.0", "0.68.1", "0.68.0rc1"])
+def test_releases_of_tested_minor_versions_are_tested(version):
+    """Releases for bugs, and candidates, belong to their minor version."""
+    assert is_tested(version)
+
+
+@pytest.mark.parametrize(("value", "is_plain"), [("0", False), ("1", True)])
+def test_a_switch_avoids_the_internals_of_a_tested_version(monkeypatch, value, is_plain):
+    """A copy of the project reads the variable of the environment anew."""
+    monkeypatch.setenv(SWITCH, value)
+    assert dataclasses.replace(PROJECT).is_plain == is_plain
 
 
 def test_the_pinned_numba_is_the_newest_tested_one():
-    """pyproject.toml allows older versions than those tested; constraints.txt pins one of those."""
+    """constraints.txt pins a version of the newest tested minor one, which is `TESTED[1]`.
+
+    pyproject.toml allows older versions than the oldest tested, `TESTED[0]`.
+    """
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     (allowed,) = (line for line in project["dependencies"] if line.startswith("numba"))
     name, oldest = allowed.split(">=")

@@ -26,6 +26,7 @@ if not REQUIRED:
     if not CHROMIUM:
         pytest.skip("needs Chromium", allow_module_level=True)
 
+# Elements that reach beyond the edge of the screen, that are cut, or that scroll without a cue.
 TOO_WIDE = """() => {
   const found = [];
   const shown = document.documentElement.clientWidth;
@@ -47,11 +48,13 @@ TOO_WIDE = """() => {
   return found.map((text) => text.slice(0, 200));
 }"""
 
+# Visible texts of more than 12 characters in boxes narrower than three times their letters' size.
 TOO_NARROW = """() => [...document.querySelectorAll("p, dd, td, th, li, h1, h2, figcaption")]
   .filter((node) => node.getClientRects().length && node.textContent.trim().length > 12)
   .filter((node) => node.clientWidth < 3 * parseFloat(getComputedStyle(node).fontSize))
   .map((node) => node.outerHTML.slice(0, 200))"""
 
+# Contrast by WCAG 2 of each element with a text of its own, with the beginning of its markup.
 CONTRASTS = """() => {
   const rgba = (text) => text.match(/[\\d.]+/g).map(Number);
   const light = ([r, g, b]) => [r, g, b].map((c) => c / 255)
@@ -131,7 +134,7 @@ def unfold(page):
 
 @pytest.mark.parametrize("size", [DESK, PHONE])
 def test_no_element_is_cut_off_and_the_console_is_empty(opened, size):
-    """Folded and unfolded, on a desk and on a phone; the console stays empty."""
+    """With parts folded and unfolded, on a desk and on a phone; nothing is fetched either."""
     page, messages = opened(size)
     assert messages == []
     assert page.evaluate(TOO_WIDE) == [] and page.evaluate(TOO_NARROW) == []
@@ -140,12 +143,14 @@ def test_no_element_is_cut_off_and_the_console_is_empty(opened, size):
 
 
 def test_an_element_beyond_the_edge_is_detected(opened):
+    """A heading of 500 pixels on a phone of 390: so that TOO_WIDE can fail."""
     page, _ = opened(PHONE)
     page.evaluate("document.querySelector('h1').style.width = '500px'")
     assert any("beyond the edge: <h1" in text for text in page.evaluate(TOO_WIDE))
 
 
 def test_a_table_that_scrolls_without_a_cue_is_detected(opened):
+    """On a phone, where a table scrolls; its cue is hidden: so that TOO_WIDE can fail."""
     page, _ = opened(PHONE)
     page.evaluate("document.querySelector('.cue').style.display = 'none'")
     assert any(text.startswith("no cue") for text in page.evaluate(TOO_WIDE))
@@ -164,17 +169,19 @@ def test_the_first_screen_has_bearing_question_answer_and_chart(opened, size):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_has_enough_contrast_in_both_schemes(opened, scheme):
+    """4.5 or more; the background is dark only in the dark scheme."""
     page, _ = opened(scheme=scheme)
     unfold(page)
     contrasts = page.evaluate(CONTRASTS)
     assert len(contrasts) > 100  # texts of the page
     assert [contrast for contrast in contrasts if contrast[0] < LEAST_CONTRAST] == []
     paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
-    is_dark = sum(map(int, re.findall(r"\d+", paper)[:3])) < 150  # of 765
+    is_dark = sum(map(int, re.findall(r"\d+", paper)[:3])) < 150  # of 3 x 255
     assert is_dark == (scheme == "dark")
 
 
 def test_every_link_leads_to_a_file_or_an_element(opened, path):
+    """As the browser resolves it; an element stands once."""
     page, _ = opened()
     links = page.eval_on_selector_all("a", "links => links.map((one) => one.href)")
     assert links
@@ -184,6 +191,7 @@ def test_every_link_leads_to_a_file_or_an_element(opened, path):
 
 
 def test_the_navigation_stays_at_the_top(opened):
+    """After scrolling by 2000 pixels, or to the end."""
     page, _ = opened()
     page.evaluate("scrollTo(0, 2000)")
     page.wait_for_function("scrollY > 1000")
@@ -191,6 +199,7 @@ def test_the_navigation_stays_at_the_top(opened):
 
 
 def test_the_navigation_leads_to_a_folded_part(opened):
+    """The inputs are on the screen after a click, and the time of a frame or two."""
     page, _ = opened()
     page.locator("nav a", has_text="Inputs").click()
     page.wait_for_timeout(100)
@@ -235,6 +244,7 @@ def slider(opened):
 
 
 def test_the_slider_stops_at_the_preloads_of_the_map_and_the_recommended_ones(slider):
+    """Its words have the preload of each stop, and say which are recommended."""
     assert set(slider.stars) <= set(slider.stops) and len(slider.stops) > 2
     for k, stop in enumerate(slider.stops):
         slider.input.fill(str(k))
@@ -260,6 +270,7 @@ def test_all_charts_state_their_values_at_the_slider_and_draw_a_cursor(slider):
 
 
 def test_an_arrow_key_moves_the_slider_by_one_stop(slider):
+    """From the last stop to the one before."""
     slider.input.focus()
     slider.input.fill(str(len(slider.stops) - 1))
     slider.input.press("ArrowLeft")
@@ -267,6 +278,7 @@ def test_an_arrow_key_moves_the_slider_by_one_stop(slider):
 
 
 def test_a_button_shows_the_values_at_the_recommended_preloads_again(slider):
+    """Which are those that the page shows at first."""
     initial_values = slider.values.all_inner_texts()
     slider.input.fill("0")
     slider.control.locator("button").click()
@@ -274,6 +286,7 @@ def test_a_button_shows_the_values_at_the_recommended_preloads_again(slider):
 
 
 def test_a_chart_states_the_values_at_the_mouse(opened):
+    """Near the right edge they are others than those at the recommended preloads."""
     page, _ = opened()
     chart = page.locator(".chart").first
     field, values = chart.locator(".field").bounding_box(), chart.locator(".keys b")
@@ -284,6 +297,7 @@ def test_a_chart_states_the_values_at_the_mouse(opened):
 
 
 def test_a_chart_is_zoomed_by_dragging_and_reset_by_a_double_click(opened):
+    """Ticks of its axes change, and are the first ones again."""
     page, _ = opened()
     chart = page.locator(".chart").first
     field, ticks = chart.locator(".field").bounding_box(), chart.locator(".grid text")
@@ -299,7 +313,7 @@ def test_a_chart_is_zoomed_by_dragging_and_reset_by_a_double_click(opened):
 
 
 def test_the_script_draws_marks_where_the_file_has_them(opened):
-    """As shares of the field, to the tenth of a pixel that the file states."""
+    """As shares of the field: to 2e-3, as the file states tenths of a pixel of a few hundred."""
     places = """() => [...document.querySelectorAll(".chart")].map((chart) => {
       const field = chart.querySelector(".field");
       const [w, h] = ["width", "height"].map((name) => +field.getAttribute(name));
@@ -354,6 +368,7 @@ def test_a_click_on_a_head_sorts_a_table_by_its_column(opened):
 
 
 def test_tables_charts_and_sketch_are_visible_without_the_script(opened):
+    """The slider, which would do nothing, is not."""
     page, messages = opened(script=False)
     assert messages == []
     assert not page.locator(".slider").first.is_visible()
@@ -364,6 +379,7 @@ def test_tables_charts_and_sketch_are_visible_without_the_script(opened):
 
 
 def test_the_page_prints_on_a_few_sheets(opened):
+    """Eight at most, by the number of pages in the PDF."""
     page, _ = opened()
     printed = page.pdf(prefer_css_page_size=True)
     pages = len(re.findall(rb"/Type\s*/Page\b", printed))

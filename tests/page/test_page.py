@@ -59,22 +59,23 @@ def page_text(whole_page):
     return whole_page.read_text(encoding="utf-8")
 
 
-@functools.lru_cache(maxsize=2)  # most tests ask for the same page
+@functools.lru_cache(maxsize=2)  # most tests parse the same page
 def parsed(text):
     """Returns the tree of a page; raises an error if it is not valid HTML5."""
     return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(text)
 
 
 def words(node):
-    """Returns the text of a node with single spaces."""
+    """Returns the text of a node with single plain spaces, without joiners of words."""
     text = "".join(node.itertext()).replace("\N{NO-BREAK SPACE}", " ")
     return " ".join(text.replace("\N{WORD JOINER}", "").split())
 
 
 def check_self_contained(text):
-    """Checks that a page fetches nothing, that its links lead to it, and that images have words.
+    """Checks that a page fetches nothing, and returns its tree.
 
-    Returns the tree of the page.
+    Links lead to files below ../../ or to elements of the page; images are data and have alt text;
+    ids stand once; no attribute has a script; the page is small enough.
     """
     tree = parsed(text)
     ids = [node.attrib["id"] for node in tree.iter() if "id" in node.attrib]
@@ -95,10 +96,12 @@ def check_self_contained(text):
 
 
 def test_the_page_is_one_file_that_fetches_nothing(page_text):
+    """See `check_self_contained`."""
     check_self_contained(page_text)
 
 
 def test_the_page_has_all_figures_counts_and_sections_of_a_study(page_text):
+    """Sections are the targets of links: answers, a slider, the scene, figures, terms."""
     tree = parsed(page_text)
     assert len(list(tree.iter("img"))) == len(FIGURES)
     assert "8 of 8 cases, 4 of 4 lives" in words(tree)  # 2 methods, 2 frictions, 2 losses
@@ -126,6 +129,7 @@ def test_a_security_policy_allows_only_the_script_and_style_of_the_page(page_tex
 
 
 def test_the_script_of_the_page_is_short(page_text):
+    """There is only one, of less than 20 000 characters."""
     (script,) = parsed(page_text).iter("script")
     assert len(script.text) < MOST_SCRIPT_CHARACTERS
 
@@ -136,11 +140,12 @@ def linked_files(page):
     return [unquote(link) for link in links if not link.startswith("#")]
 
 
+# ends of some paths to which a page links
 LINKED = ("study.nc", "cases.csv", "fig10.svg", "verification.md")
 
 
 def test_every_link_of_a_page_leads_to_a_file(whole_page):
-    """From results/report/, where the workflow writes it."""
+    """From results/report/, where the workflow writes it: all links begin with ../../."""
     files = linked_files(whole_page)
     for name in LINKED:
         assert any(file.endswith(name) for file in files), name
@@ -149,7 +154,7 @@ def test_every_link_of_a_page_leads_to_a_file(whole_page):
 
 
 def test_every_link_leads_to_a_file_from_the_folder_of_a_users_study(small_project, tmp_path):
-    """`bearingwear study mine.yaml` copies the page to the folder mine/."""
+    """`bearingwear study mine.yaml` copies the page to the folder mine/, with links from there."""
     shutil.copytree(small_project, tmp_path / "mine")
     page = copy_own_page(tmp_path / "mine")
     assert page == tmp_path / "mine/index.html"
@@ -161,14 +166,17 @@ def test_every_link_leads_to_a_file_from_the_folder_of_a_users_study(small_proje
 
 
 def test_a_folder_without_results_has_no_page(tmp_path):
+    """Nothing is copied, and the answer is None."""
     assert copy_own_page(tmp_path) is None
 
 
 def test_a_page_made_twice_has_the_same_bytes(page_of):
+    """It has no date."""
     assert page_of() == page_of()
 
 
 def test_markup_in_a_description_is_shown_as_text(page_text):
+    """The scene of the small study has HOSTILE as its description; the page has only its script."""
     tree = check_self_contained(page_text)
     assert HOSTILE in "".join(tree.itertext())
     assert "onerror=alert(2)>" not in page_text and page_text.count("<script") == 1
@@ -183,6 +191,7 @@ def figures_on(page_text):
 
 
 def test_reduced_figures_contain_all_that_they_refer_to(page_text):
+    """Marks and clips by their ids, and classes by their styles, s0, s1, ..., which come first."""
     for _, svg in figures_on(page_text):
         ids = {element.get("id") for element in svg.iter()}
         uses = {element.get(HREF, "").removeprefix("#") for element in svg.iter()} - {""}
@@ -202,6 +211,7 @@ def test_figures_have_their_size_in_pixels_without_the_message(page_text):
 
 
 def test_a_reduced_figure_has_every_text_and_mark_of_its_file_but_the_message(small_project):
+    """By counts of paths, marks and texts; its data URI has less than half of the file's bytes."""
     (drawing,) = figures.drawings([small_project / f"{FOLDER}/figures/fig10.svg"])
     reduced = ET.fromstring(unquote_to_bytes(drawing.uri.partition(",")[2]))
     original = ET.parse(drawing.path).getroot()
@@ -230,12 +240,14 @@ def test_a_dark_page_draws_figures_light_on_dark(tmp_path):
     assert dark_styles.startswith(f"text{{fill:{figures.INK}}}")
     assert ".s0{fill:#14171b}" in dark_styles  # the colour `PAPER`, in place of white
     assert "stroke:#3db9ff" in dark_styles  # the same hue and saturation, with a lightness of 0.62
-    assert "AAAA" in svg_text and "#000000" not in svg_text
+    assert "AAAA" in svg_text
+    assert "#000000" not in svg_text  # text takes the colour of the page, light or dark
 
 
 def test_a_figure_has_its_message_as_caption_and_its_axes_and_legend_as_alt_text(
     small_project, page_text
 ):
+    """The message is the title of the SVG; the caption leaves out the scene. Alt text has both."""
     tree = parsed(page_text)
     alt_text = " ".join(next(tree.iter("img")).attrib["alt"].split())
     svg = ET.parse(small_project / f"{FOLDER}/figures/wear_life.svg").getroot()
@@ -254,6 +266,7 @@ def test_a_figure_has_its_message_as_caption_and_its_axes_and_legend_as_alt_text
 
 
 def test_a_heavy_figure_is_a_bitmap(small_project, page_of, monkeypatch):
+    """An SVG of ten million bytes, more than HEAVY and more than its PNG has."""
     monkeypatch.setattr(figures, "HEAVY", 1000)
     monkeypatch.setattr(figures, "quote", lambda text, safe: 10_000_000 * "x")
     pictures = [node.attrib["src"] for node in parsed(page_of()).iter("img")]
@@ -262,6 +275,7 @@ def test_a_heavy_figure_is_a_bitmap(small_project, page_of, monkeypatch):
 
 
 def test_a_figure_that_is_not_heavy_is_no_bitmap(page_of, monkeypatch):
+    """With a limit of ten million bytes all figures are SVG."""
     monkeypatch.setattr(figures, "HEAVY", 10_000_000)
     assert "data:image/png" not in page_of()
 
@@ -281,7 +295,10 @@ def lives_answer(small_project):
 def test_the_recommendation_is_the_headline_and_the_lives_follow(
     choice_answer, lives_answer, page_text
 ):
-    """Headings on a page about one scene do not name it. The bearing stands before the headline."""
+    """Headings on a page about one scene leave out its name, `mine: `.
+
+    The bearing stands before the headline.
+    """
     tree = parsed(page_text)
     (headline,) = tree.iter("h1")
     assert words(headline).capitalize() == choice_answer.title.removeprefix("mine: ").capitalize()
@@ -291,15 +308,19 @@ def test_the_recommendation_is_the_headline_and_the_lives_follow(
 
 
 def test_the_page_states_the_question_with_its_requirements(small_project, page_text):
+    """Behind the word stiffness: required and reached stiffness, and the speed."""
     question = load_charts(small_project / f"{CHOICE}/charts.json").question
     assert question in words(parsed(page_text))
     _, _, stiffness_words = question.partition("stiffness")
-    # required and reached [N/um], at [r/min]
+    # N/um, N/um, r/min
     assert numbers_in(stiffness_words)[:3] == [3.0, 3.0, 30000.0]
 
 
 def test_all_cells_and_sentences_of_answers_are_on_the_page(choice_answer, lives_answer, page_text):
-    """The question states the requirements, so that their sentences are left out."""
+    """All but sentences on requirements, which stand in the question above them.
+
+    The title of a block in place `verdict` need not stand there.
+    """
     page_words = words(parsed(page_text))
     for block in (*choice_answer.blocks, *lives_answer.blocks):
         if block.rows:
@@ -318,7 +339,7 @@ def charts(small_project):
 
 
 def test_a_chart_has_a_dot_for_every_solved_preload(charts, page_text):
-    """It lies within the field of the chart; the script has the same numbers."""
+    """Dots lie within the field of their chart; data for the script are the same points."""
     nodes = [node for node in parsed(page_text).iter("figure") if node.get("class") == "chart"]
     assert nodes
     for node, chart in zip(nodes, charts, strict=True):
@@ -334,11 +355,12 @@ def test_a_chart_has_a_dot_for_every_solved_preload(charts, page_text):
         width, height = LARGE_CHART if chart is charts[0] else SMALL_CHART
         left, right, top, bottom = MARGINS
         for dot in dots:
-            x, y = map(float, re.findall(r"[-\d.]+", dot.attrib["transform"]))
+            x, y = map(float, re.findall(r"[-\d.]+", dot.attrib["transform"]))  # translate(x y)
             assert 0.0 <= x <= width - left - right and 0.0 <= y <= height - top - bottom
 
 
 def test_the_main_chart_has_the_lives_of_the_map(charts, small_project):
+    """A line for each preload method; it has a point at each preload of the map."""
     design = load(small_project / f"{CHOICE}/design.nc")
     lives = design["life"].isel(friction=0, shaft_speed=0).values
     for line, expected in zip(charts[0].lines, lives, strict=True):
@@ -348,7 +370,7 @@ def test_the_main_chart_has_the_lives_of_the_map(charts, small_project):
 
 
 def test_preloads_that_violate_a_limit_are_shaded(charts):
-    """Points within all limits lie outside of the shaded ranges, the others inside.
+    """Points with a note, which violate a limit, lie inside of the shaded ranges, others outside.
 
     Points within 0.1 % of the end of a range may be on either side.
     """
@@ -364,6 +386,7 @@ def test_preloads_that_violate_a_limit_are_shaded(charts):
 @pytest.mark.parametrize("log", [False, True])
 @pytest.mark.parametrize("ends", [(0.3, 0.4), (2.0, 12.0), (17.5, 4480.0), (1e-3, 1e6)])
 def test_an_axis_has_a_few_ticks_and_a_margin(log, ends):
+    """`share` is the place of a value along the axis, from 0 to 1; both ends lie within it."""
     axis = ChartAxis(ends, log)
     assert 0.0 < axis.share(ends[0]) < axis.share(ends[1]) < 1.0
     ticks = axis.ticks
@@ -374,6 +397,11 @@ def test_an_axis_has_a_few_ticks_and_a_margin(log, ends):
 @pytest.mark.parametrize("name", ["gyro_s1", "turbopump"])
 @pytest.mark.parametrize(("ring_name", "side"), [("inner", -1.0), ("outer", 1.0)])
 def test_in_a_sketch_the_ball_touches_both_grooves_at_the_contact_angle(name, ring_name, side):
+    """The contact lies on the ball, from its centre along the normal at the contact angle.
+
+    Places are x along the axis of the bearing and z from it. side: of the ball with the contact, -1
+    towards that axis.
+    """
     section = section_of(yaml.safe_load(scene_file(name).read_text())["bearing"])
     ring = getattr(section, ring_name)
     ball_radius, groove_radius = 0.5 * section.ball, ring.groove
@@ -389,17 +417,20 @@ def test_in_a_sketch_the_ball_touches_both_grooves_at_the_contact_angle(name, ri
 
 @pytest.mark.parametrize(("kind", "balls"), [("single", 1), ("spring_pair", 2), ("rigid_pair", 2)])
 def test_a_sketch_shows_every_bearing_of_an_arrangement(kind, balls):
+    """By one ball each."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text()) | {"arrangement": {"kind": kind}}
     svg = ET.fromstring(str(sketch(scene)).replace("ø", "o"))
     assert len([node for node in svg.iter() if node.get("class") == "ball"]) == balls
 
 
 def test_equal_scenes_have_no_differences():
+    """Of a scene and its copy, by blocks."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text())
     assert list(differences_by_block(scene, copy.deepcopy(scene))) == []
 
 
 def test_differences_of_scenes_have_units_and_whole_distributions():
+    """A block or a distribution that is missing is said to be so: `none`, `no preload`."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text())
     changed = copy.deepcopy(scene)
     changed["bearing"] |= {"ball_count": 10, "contact_angle_deg": 15.0}
@@ -420,6 +451,7 @@ def test_differences_of_scenes_have_units_and_whole_distributions():
 
 
 def test_an_assumed_input_has_an_asterisk():
+    """Of the rows of inputs of gyro_s1, only those with an assumed key."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text())
     rows = key_rows([scene], {"cage.width_mm", "uncertainty.ball_race.distribution"})
     labels = {(row.block, row.label) for row in rows if row.label.endswith("*")}
@@ -430,11 +462,13 @@ def test_an_assumed_input_has_an_asterisk():
 
 
 def test_the_page_of_a_study_without_answers_counts_its_cases(page_of):
+    """All eight are solved."""
     tree = parsed(page_of([f"{FOLDER}/study.nc"], (), ()))
     assert "8 of 8 cases" in words(next(tree.iter("main")))
 
 
 def test_unsolved_cases_come_first_on_the_page(small_project, tmp_path, page_of):
+    """The first paragraph names a life whose status is set to `not_converged`."""
     lives = load(small_project / f"{FOLDER}/wear_life.nc")
     lives["status"][0, 0] = NOT_CONVERGED
     lives.to_netcdf(tmp_path / "wear_life.nc")
@@ -459,6 +493,7 @@ def test_unsolved_cases_come_first_on_the_page(small_project, tmp_path, page_of)
 def test_a_broken_file_is_named_in_one_line_and_no_page_is_written(
     small_project, tmp_path, monkeypatch, capsys, name, content
 ):
+    """Files are no SVG, no netCDF, or no answer; one is missing (None). Exit status 2."""
     monkeypatch.chdir(small_project)
     path = tmp_path / "bad" / "tables" / name
     path.parent.mkdir(parents=True)
@@ -473,6 +508,7 @@ def test_a_broken_file_is_named_in_one_line_and_no_page_is_written(
 
 
 def test_the_file_of_a_case_is_refused_as_it_is_no_study(small_project, tmp_path, capsys):
+    """The line names the command that shows it."""
     case = small_project / FOLDER / f"{next(iter(GRID.cases()))}.nc"
     assert main(page_command(tmp_path / "index.html", [case], (), ())) == 2
     assert capsys.readouterr().err.startswith(
@@ -482,6 +518,7 @@ def test_the_file_of_a_case_is_refused_as_it_is_no_study(small_project, tmp_path
 
 @pytest.mark.parametrize("argument", ["sections", "answers"])
 def test_a_file_that_the_page_cannot_show_is_refused(argument, small_project, tmp_path, capsys):
+    """By its suffix, whether it is a section or an answer; no page is written."""
     table = small_project / FOLDER / "tables" / "cases.csv"
     inputs = {"sections": [small_project / FOLDER / "study.nc"], "answers": []}
     inputs[argument].append(table)

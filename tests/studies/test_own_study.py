@@ -189,7 +189,7 @@ def test_folder_holds_all_that_the_study_needs(mine, tmp_path):
 
 
 def test_same_command_writes_nothing_and_an_edit_of_the_scene_renews_the_copy(mine, tmp_path):
-    """Without an edit dates stay; with one, the copy has the new preload, and its base is the same."""
+    """Without an edit, dates stay; with one, the copy has the new preload and the same base."""
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     before = contents(folder)

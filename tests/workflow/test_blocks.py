@@ -83,7 +83,7 @@ def commands(path, languages=("sh", "bash")):
 
 
 def lines_of(text):
-    """Returns the lines of a block, without comments and empty ones, with continued lines joined."""
+    """Returns the lines of a block that are not empty, without comments, continued ones joined."""
     lines = (line.partition(" #")[0].strip() for line in text.replace("\\\n", " ").splitlines())
     return [line for line in lines if line]
 

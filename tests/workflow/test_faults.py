@@ -270,8 +270,8 @@ def test_a_study_goes_on_after_its_results_filled_the_disk(project, undisturbed,
 def test_a_study_on_a_full_disk_goes_on_with_more_room(tmp_path, undisturbed):
     """Configuration, logs and notes of Snakemake lie there, too; each run has more room.
 
-    Runs that fail say so without a traceback, and leave whole files. The last run succeeds. Pages
-    are not compared: they name the versions of the run.
+    Runs that fail say so without a traceback, and leave whole files. The first fails, the last
+    succeeds. Pages are not compared.
     """
     if not can_mount():
         pytest.skip("needs the right to mount a small file system of its own")
