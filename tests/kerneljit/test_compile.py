@@ -42,7 +42,7 @@ print(state_layout(2, False).cage)
 
 
 def start_python(folder, *arguments):
-    """Starts Python with a folder for compiled code, and returns the process and its pipes of text."""
+    """Starts Python with a folder for compiled code; returns the process, with pipes of text."""
     return subprocess.Popen(
         [sys.executable, *arguments],
         env={**os.environ, "NUMBA_CACHE_DIR": str(folder)},

@@ -202,6 +202,7 @@ def test_reduced_figures_contain_all_that_they_refer_to(page_text):
 
 
 def test_figures_have_their_size_in_pixels_without_the_message(page_text):
+    """The view begins below the message; 4/3 pixels to a point."""
     for node, svg in figures_on(page_text):
         _, top, width, height = (float(size) for size in svg.attrib["viewBox"].split())
         assert top > 0.0  # the height of the message

@@ -90,6 +90,8 @@ def test_a_process_that_is_killed_is_named():
 
 
 def test_a_command_says_in_one_line_that_a_process_ended(monkeypatch, capsys):
+    """With status 3. A function whose worker is killed stands in for that of the command."""
+
     def ended(args):
         list(answers_at(killed_at_one, [0, 1, 2], 2, "uncertainty", progress=False))
 
@@ -99,11 +101,12 @@ def test_a_command_says_in_one_line_that_a_process_ended(monkeypatch, capsys):
 
 
 def test_closing_early_does_not_wait_for_running_processes():
+    """Two of four answers are taken; the others would take 60 s."""
     answers = answers_at(sleep, [0.0, 0.0, 60.0, 60.0], 2, progress=False)
     assert [next(answers), next(answers)] == [{"seconds": 0.0}] * 2
     started = time.monotonic()
     answers.close()
-    assert time.monotonic() - started < 20.0  # of the 60 s that each of them sleeps
+    assert time.monotonic() - started < 20.0  # s
 
 
 def test_workers_are_at_least_one():

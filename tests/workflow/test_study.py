@@ -25,6 +25,7 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.effects.choice import choice
 
+# a case of the small study, which tests/workflow/conftest.py configures; its figures, by folder
 WORN = "fixed_position-mu0.080-loss0.50"
 FIGURES_OF_THE_SMALL_STUDY = {
     "gyro_s1/figures": {"fig07_fresh", "fig08_worn", "fig09_slip", "fig10_wear", "wear_life"},
@@ -32,6 +33,7 @@ FIGURES_OF_THE_SMALL_STUDY = {
     "figures": {"fig10_wear", "spread_drag"},
 }
 
+# rules that draw figures; and a study of one case
 DRAWN = {"figures", "friction_figures", "overlay", "wear_columns"}
 
 ONE_CASE = {
@@ -43,11 +45,13 @@ ONE_CASE = {
 
 
 def number(path, name):
+    """Returns the number that a variable of a case has."""
     with netCDF4.Dataset(path) as case:
         return float(case[name][...].item())
 
 
 def is_solved_in_time(scene):
+    """Returns whether this version has the dynamic model for a scene."""
     try:
         return choice(load_scene(scene_file(scene)), "dynamic").fidelity == "dynamic"
     except NotAvailable:
@@ -55,6 +59,7 @@ def is_solved_in_time(scene):
 
 
 def test_every_study_is_planned(repository):
+    """Targets of the command `study`, by a dry run of the project's own studies."""
     run = repository.run("-n", "--forceall", *STUDIES)
     assert run.status == 0, run.text
     assert set(STUDIES) - {"all"} <= run.jobs.keys()
@@ -67,6 +72,7 @@ def test_every_study_is_planned(repository):
 
 
 def test_the_linter_of_snakemake_asks_for_environments_alone(repository):
+    """It has findings, all of them that a rule has no environment of its own."""
     run = repository.run("--lint", jobs=None)
     findings = re.findall(r"^    \* (.*)$", run.text, re.M)
     # the study is one package in one environment: no rule needs one of its own
@@ -76,11 +82,16 @@ def test_the_linter_of_snakemake_asks_for_environments_alone(repository):
 
 @pytest.mark.parametrize("option", ["--list", "--unlock", "--summary", "--rulegraph"])
 def test_options_that_run_no_job_need_no_jobs(repository, option):
+    """They succeed without the option -j, which Snakemake asks for to run jobs."""
     run = repository.run(option, jobs=None)
     assert run.status == 0, run.text
 
 
 def test_a_run_makes_everything_and_then_nothing(first_run, solved_study):
+    """Studies, lives, tables, figures, the page with its links, and the verdict.
+
+    A copy of the project in another folder has nothing left to do.
+    """
     project, run = first_run
     assert run.jobs["solve"] == 2 * 2 + 1  # two methods and two frictions, and a second scene
     results = project.results()
@@ -107,8 +118,11 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved_study):
 
 
 def test_the_notebook_runs_on_a_study_and_draws_the_figures(solved_study):
-    """Every cell, as plain Python; Snakemake has nothing to make there."""
-    # a fixed position has 0.40 of its preload left at a loss of 0.5 um in the paper
+    """Every cell, as plain Python; Snakemake has nothing to make there.
+
+    Its variable `preload_left` has the share of the preload at a loss of 0.5 um, by method: all of
+    it under a spring, and at a fixed position 0.40 in the paper, here 0.2 to 0.6.
+    """
     cells = json.loads((ROOT / "docs/paper.ipynb").read_text(encoding="utf-8"))["cells"]
     code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
     code.append('figure.savefig("paper.svg"); spring, fixed = preload_left.values')
@@ -126,6 +140,7 @@ def test_the_notebook_runs_on_a_study_and_draws_the_figures(solved_study):
 
 @pytest.mark.long
 def test_a_forced_run_writes_the_same_bytes(first_run, solved_study):
+    """All five lines are solved again, and all files are made again."""
     run = solved_study.run("--forceall")
     assert run.status == 0 and run.jobs["solve"] == 5
     assert solved_study.results() == first_run[0].results()
@@ -133,6 +148,7 @@ def test_a_forced_run_writes_the_same_bytes(first_run, solved_study):
 
 @pytest.mark.long
 def test_a_result_is_made_again_by_the_command_study(solved_study):
+    """`bearingwear study FILE` makes a file that is there already: it has a later date."""
     case = solved_study.root / f"results/gyro_s1/cases/{WORN}.nc"
     old_date = case.stat().st_mtime_ns
     target = str(case.relative_to(solved_study.root))
@@ -147,6 +163,7 @@ def test_a_result_is_made_again_by_the_command_study(solved_study):
 
 
 def test_the_report_of_snakemake_has_every_figure(solved_study):
+    """With categories, captions and labels of ours, and a first page that names the scenes."""
     run = solved_study.run("--report", "report.html", jobs=None)
     assert run.status == 0, run.text
     report = (solved_study.root / "report.html").read_text(encoding="utf-8")
@@ -166,7 +183,11 @@ def test_the_report_of_snakemake_has_every_figure(solved_study):
 
 
 def test_captions_find_the_files_that_they_name():
-    """Jobs have files without names; a name that is unknown would stand there as nothing."""
+    """Captions are templates, rendered here for a job whose inputs have no names.
+
+    An unknown name is an error here, as it would be left out silently in a report. Only the caption
+    of running averages names the reference values, which are in b.csv.
+    """
     files = ["results/a.nc", "config/reference/b.csv", "config/reference/b.csv"]
     job = types.SimpleNamespace(input=files, config={"studies": []})
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
@@ -191,7 +212,10 @@ def test_the_page_shows_large_maps_if_the_configuration_says_so(solved_study):
 
 
 def test_a_forced_case_is_solved_again(solved_study):
-    """Its line is solved once more, to the same bytes, and nothing else is touched."""
+    """The one job solves its line, both cases with later dates and the other with the same bytes.
+
+    Cases of another line are not written.
+    """
     target = solved_study.case(WORN)
     same_line = solved_study.case("fixed_position-mu0.080-loss0.00")
     another_line = solved_study.case("fixed_position-mu0.020-loss0.00")
@@ -209,7 +233,7 @@ def test_a_forced_case_is_solved_again(solved_study):
 
 @pytest.mark.long
 def test_chunks_of_several_lines_give_the_bytes_of_single_lines(first_run, solved_study):
-    """The study has the bytes of that by lines."""
+    """With four points to a job, two jobs solve two lines each, one for each preload method."""
     before = first_run[0].results()
     shutil.rmtree(solved_study.root / "results")
     config = solved_study.config
@@ -225,7 +249,7 @@ def test_chunks_of_several_lines_give_the_bytes_of_single_lines(first_run, solve
 
 
 def test_edits_without_effect_run_no_job(solved_study):
-    """Dates, comments, texts of help, how a configuration is written, a value that no job reads."""
+    """Dates, comments, texts of help, order and digits of a configuration, values no job reads."""
     scene = "config/scenes/gyro_s1.yaml"
     with (solved_study.root / scene).open("a") as file:
         file.write("# said again\n")
@@ -242,6 +266,7 @@ def test_edits_without_effect_run_no_job(solved_study):
 
 
 def test_an_edited_solver_source_solves_again(solved_study):
+    """All five lines and both lives are planned; a case is made with twice the wear rate."""
     rate = number(solved_study.case(WORN), "ball_wear_rate")
     solved_study.edit(
         "bearingwear/solvers/bearing/outputs.py",
@@ -257,12 +282,14 @@ def test_an_edited_solver_source_solves_again(solved_study):
 
 @pytest.mark.long
 def test_an_edited_figure_runs_the_jobs_of_its_study_alone(solved_study):
+    """Its source has an old date and other contents: figures, page and verdict are made again."""
     solved_study.change_source("bearingwear/studies/grid/figures/quasistatic.py", date=0.0)
     planned = set(solved_study.run("-n").jobs)
     assert planned == {*DRAWN, "page", "verdict"}
 
 
 def test_a_file_that_no_rule_makes_is_refused_by_name(solved_study):
+    """studies.nc in place of study.nc; without a traceback."""
     run = solved_study.run("-n", "results/gyro_s1/studies.nc")
     assert run.status == 1 and "results/gyro_s1/studies.nc" in run.text
     assert "Traceback" not in run.text
@@ -270,6 +297,7 @@ def test_a_file_that_no_rule_makes_is_refused_by_name(solved_study):
 
 @pytest.mark.long
 def test_an_edited_source_of_the_study_gathers_again_and_solves_nothing(solved_study):
+    """A comment on code is an edit; of both scenes studies and lives are made again."""
     solved_study.edit(
         "bearingwear/studies/dataset.py", "import numpy as np\n", "import numpy as np  # edited\n"
     )
@@ -280,6 +308,7 @@ def test_an_edited_source_of_the_study_gathers_again_and_solves_nothing(solved_s
 
 @pytest.mark.long
 def test_an_edited_friction_solves_its_lines_alone(solved_study):
+    """0.081 in place of 0.08: a line for each preload method, and the study of one scene."""
     config = solved_study.config
     config["studies"][0]["friction"] = [0.02, 0.081]
     config["figures"].update(friction=[0.02, 0.081], wear_columns=[])
@@ -289,8 +318,10 @@ def test_an_edited_friction_solves_its_lines_alone(solved_study):
 
 
 def test_edits_that_no_case_reads_solve_none(solved_study):
-    """friction.ball_race is overridden by the study's axis, the description is words, the page is
-    drawn later."""
+    """Friction of the scene, which the study varies; its description; a text of the page.
+
+    Only the page is made again, and the verdict, which always is.
+    """
     solved_study.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.08", "ball_race: 0.09")
     assert "solve" not in solved_study.run("-n").jobs
     solved_study.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.09", "ball_race: 0.08")
@@ -301,19 +332,22 @@ def test_edits_that_no_case_reads_solve_none(solved_study):
 
 @pytest.mark.long
 def test_uncertain_values_are_read_by_lives_and_no_case(solved_study):
-    """Lives quote them."""
+    """The scene loses one of its distributions, which lives quote; no case is solved again.
+
+    Lives of both scenes and the map of preloads are made again, one scene being based on the other.
+    """
     path = "config/scenes/gyro_s1.yaml"
     text = (solved_study.root / path).read_text(encoding="utf-8")
     spread = next(line for line in text.partition("\nuncertainty:")[2].splitlines() if ":" in line)
     solved_study.edit(path, f"{spread}\n", "")
     planned = solved_study.run("-n")
-    assert planned.jobs["small_map"] == 1 and planned.jobs["wear_life"] == 2  # one is based on it
+    assert planned.jobs["small_map"] == 1 and planned.jobs["wear_life"] == 2
     assert not planned.jobs.keys() & {"solve", "gather"}
     assert solved_study.run("results/gyro_s1/preload/answer.json").status == 0
 
 
 def test_an_edited_scene_solves_its_cases_alone(solved_study):
-    """Whatever its date."""
+    """Its file has other contents and a date of 1970: one line is planned, and its study."""
     path = "config/scenes/gyro_s1_drag.yaml"
     solved_study.edit(path, "drag_density_kg_m3: 250", "drag_density_kg_m3: 240")
     os.utime(solved_study.root / path, (0, 0))
@@ -335,6 +369,7 @@ def test_a_broken_configuration_is_refused_in_one_line(new_project):
 
 
 def test_a_broken_scene_stops_with_one_line(new_project):
+    """A friction below zero: file, key and value are named once, and nothing is made."""
     project = new_project()
     project.edit("config/scenes/gyro_s1_drag.yaml", "ball_race: 0.02", "ball_race: -0.02")
     run = project.run()
@@ -346,7 +381,7 @@ def test_a_broken_scene_stops_with_one_line(new_project):
 
 @pytest.mark.long
 def test_a_given_configuration_replaces_that_of_the_folder(first_run):
-    """One that is given takes the place of config.yaml; nothing of that is left."""
+    """By `--configfile`: only its one case is planned, and nothing of config/config.yaml."""
     project, _ = first_run
     study = {**ONE_CASE, "friction": [0.03]}
     other = project.root.parent / "other.yaml"
@@ -359,6 +394,10 @@ def test_a_given_configuration_replaces_that_of_the_folder(first_run):
 @pytest.mark.long
 @pytest.mark.skipif(not is_solved_in_time("gyro_s1"), reason="no dynamic model in this version")
 def test_dynamic_cases_are_solved_and_drawn_with_the_study(new_project):
+    """One case of four strips, for half a turn, beside the steady one, with figures and a table.
+
+    Another number of turns is planned to be solved again, and no steady case.
+    """
     project = new_project()
     paper = "model: {contact: paper"
     project.edit("config/scenes/gyro_s1.yaml", paper, f"{paper}, strips: 4")

@@ -260,6 +260,7 @@ def test_a_spacer_that_is_off_by_its_tolerance_stays_within_the_range(files):
     offset, plus, minus = re.search(r"(\S+) µm.*\+(\S+)/−(\S+) µm", sentence).groups()
 
     def offset_um(preload):
+        """Returns the offset [um] of both bearings of a pair, by a solve."""
         return 2e6 * float(solve(with_method(scene, "fixed_position", preload)).values[PLACE])
 
     assert float(offset) == pytest.approx(offset_um(preload), rel=5e-3)  # three digits

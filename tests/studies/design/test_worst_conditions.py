@@ -32,6 +32,7 @@ HIGH = {"id": "high", "sentence": "it is high", "advice": "mind it"}
 
 @pytest.fixture(scope="module")
 def scene():
+    """Returns a bearing at 18000 r/min, here in place of the fixture of tests/conftest.py."""
     return bearingwear.new(designation="7008C", speed=18000.0)
 
 

@@ -327,6 +327,7 @@ def test_a_class_that_the_plan_has_not_is_refused_in_one_line(tmp_path, capsys):
     ],
 )
 def test_a_broken_plan_is_refused_in_one_line(old, new, problem, tmp_path, capsys):
+    """Each fault replaces the first occurrence of a text of the project's plan; status 2."""
     plan = tmp_path / "plan.yaml"
     text = FILE.read_text()
     assert old in text

@@ -100,6 +100,7 @@ def test_a_required_thermal_margin_limits_the_preload():
 
 
 def test_a_map_contains_the_thermal_margin_if_it_is_required():
+    """At each of three preloads, that of a design point."""
     scene = warm_spindle().with_(STIFF_TO_THE_END)
     preloads = (100.0, 140.0, 200.0)
     axes = MapAxes(
