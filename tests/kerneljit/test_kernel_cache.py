@@ -132,7 +132,7 @@ def test_a_program_runs_without_space_for_compiled_code(changeable_copy):
 def test_compiled_code_in_an_unsafe_folder_is_not_loaded(changeable_copy):
     """An index of numba's cache is a pickle, which runs any code that somebody puts there.
 
-    Here it makes a folder: not where others may write to the folder of compiled code, but else.
+    Here it would make a folder. It does so only if nobody else may write to the compiled code.
     """
     folder, printed = changeable_copy
     planted = folder / "planted"

@@ -431,7 +431,7 @@ def test_equal_scenes_have_no_differences():
 
 
 def test_differences_of_scenes_have_units_and_whole_distributions():
-    """A block or a distribution that is missing is said to be so: `none`, `no preload`."""
+    """They are those of the second scene, by blocks; what it lacks is `none` or `no preload`."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text())
     changed = copy.deepcopy(scene)
     changed["bearing"] |= {"ball_count": 10, "contact_angle_deg": 15.0}

@@ -302,11 +302,12 @@ def test_a_study_on_a_full_disk_goes_on_with_more_room(tmp_path, undisturbed):
         failed = (tmp_path / room).exists()
         logs = "".join(path.read_text() for path in folder.glob("logs/**/*.log"))
         assert "Traceback" not in text + logs, (room, text, logs)
-        assert ("No space left on device" in text + logs) >= failed, (room, text)
+        assert not failed or "No space left on device" in text + logs, (room, text)
         results = type(undisturbed)(folder).results()
         results = {name: data for name, data in results.items() if "report/" not in name}
         assert results.items() <= expected.items()
     assert (tmp_path / rooms[0]).exists() and not (tmp_path / rooms[-1]).exists()
+    # results of the last run have all cases
     assert {name for name in results if "/cases/" in name} == {
         name for name in expected if "/cases/" in name
     }

@@ -217,5 +217,6 @@ def test_a_pair_is_studied_as_a_bearing_is(study, tmp_path):
     assert float(dataset["system_axial_stiffness"].min()) >= 4.0e6 * (1.0 - 1e-6)
     status, output = study("-j2", "--stiffness", "4")
     assert status == 0 and "Nothing to be done" in output
+    # a command that is refused does not name the page that is there
     status, output = study("--no-such-option")
     assert status == 2 and "page: " not in output

@@ -57,7 +57,7 @@ def test_the_code_common_to_the_rules_is_short():
 
 
 def test_the_workflow_uses_nothing_private_of_snakemake():
-    """Nor internal objects; imported are only its public modules."""
+    """Rules, Snakefile and package name none of its internals, and import public modules only."""
     text = TEXT + (ROOT / "Snakefile").read_text(encoding="utf-8")
     text += "".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
     private = r"workflow\.(dag|get_rule|register|_)|logger\.handlers"

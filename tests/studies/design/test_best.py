@@ -340,7 +340,7 @@ def test_the_stiffness_at_which_the_other_method_is_better(scene):
 
 
 def test_numbers_have_as_few_digits_as_fit_between_two():
-    """But three at least."""
+    """Three digits at least, and more where the rounded number would not lie between the two."""
     assert round_number(381.62, 280.0, 396.0) == 382.0
     assert round_number(381.62, 381.0, 382.0) == 381.6
     assert round_number(1019.57, 990.0, 1100.0) == 1020.0

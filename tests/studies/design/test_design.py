@@ -354,29 +354,44 @@ def test_every_status_is_in_the_table(folder, tmp_path):
         assert (tmp_path / "map.csv").read_text().count(f",{name},") == count
 
 
-def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
-    """Five times with status 2 and one line each; the right parts are taken.
-
-    Wrong are other kinds of files, parts for another slip limit, and, for a recommendation and a
-    spread, a scene that is not that of the map, or a map in place of a recommendation.
-    """
-    design, out = folder / "design.nc", tmp_path / "out.nc"
+@pytest.mark.parametrize(
+    ("names", "slip_limit", "status"),
+    [
+        pytest.param(METHODS, 0.25, 0, id="right parts"),
+        pytest.param(METHODS, 0.5, 2, id="another slip limit"),
+        pytest.param(("design", "recommendation"), 0.25, 2, id="other files"),
+    ],
+)
+def test_a_map_is_gathered_of_parts_with_its_slip_limit(
+    folder, names, slip_limit, status, tmp_path, capsys
+):
+    """The parts have times to a slip share of 0.25. A fault is one line, and status 2."""
+    settings = {"limits": {"gyroscopic_slip_share": slip_limit}}
+    parts = [folder / f"{name}.nc" for name in names]
     gather = "studies.design.choice.design_map"
+    assert step(gather, tmp_path / "out.nc", settings=settings, parts=parts) == status
+    assert len(capsys.readouterr().err.splitlines()) == (status != 0)
+
+
+def test_a_map_of_another_scene_is_not_recommended_from(folder, tmp_path, capsys):
+    inputs = {"scene": scene_file("gyro_s2"), "design": folder / "design.nc"}
     recommend = "studies.design.recommend.recommendation_of"
-    limits, others = ({"limits": {"gyroscopic_slip_share": share}} for share in (0.25, 0.5))
-    parts = [folder / f"{method}.nc" for method in METHODS]
-    assert step(gather, out, settings=limits, parts=[design, folder / "recommendation.nc"]) == 2
-    assert step(gather, out, settings=others, parts=parts) == 2
-    assert step(gather, out, settings=limits, parts=parts) == 0
-    assert step(recommend, out, scene=scene_file("gyro_s2"), design=design) == 2
-    quantiles = "studies.uncertainty.quantiles.quantiles_and_indices"
+    assert step(recommend, tmp_path / "out.nc", **inputs) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [("design", "recommendation file"), ("recommendation", "another scene")],
+)
+def test_a_spread_needs_a_recommendation_for_its_scene(folder, name, problem, tmp_path, capsys):
+    """Refused are the map of gyro_s1, and its recommendation, for a spread of gyro_s2."""
     inputs = {"scene": scene_file("gyro_s2"), "methods": "constant_force"}
-    for other in (design, folder / "recommendation.nc"):
-        assert step(quantiles, out, recommendation=other, **inputs) == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 5
-    assert "recommendation file" in lines[3]
-    assert "another scene" in lines[4]
+    inputs["recommendation"] = folder / f"{name}.nc"
+    quantiles = "studies.uncertainty.quantiles.quantiles_and_indices"
+    assert step(quantiles, tmp_path / "out.nc", **inputs) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert problem in line
 
 
 def test_a_limit_can_be_changed_without_another_map(folder):

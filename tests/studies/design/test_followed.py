@@ -116,7 +116,7 @@ def test_too_little_wear_for_the_contact_to_feel_follows_no_groove(scene):
 
 
 def test_a_life_that_ends_when_new_needs_no_groove(scene):
-    """A new bearing exceeds a slip share of 0.001: the life is zero, and no solve of wear fails."""
+    """A new bearing exceeds a slip share of 0.001: the life is zero, with no wear to follow."""
     slipping = scene.with_({"wear.end_of_life.gyroscopic_slip_share": 0.001})
     assert design_point(slipping, slip_limit(None))["life"] == 0.0
 

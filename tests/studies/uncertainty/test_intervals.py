@@ -46,6 +46,7 @@ def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
     that of all. Without wear, each life stands once. rows: lives, drawn at random.
     """
     draws = 64 if wear else 1
+    # probabilities (rows, draws) of wear factors: evenly spread in each row and over all rows
     even = (np.arange(draws) + (np.arange(rows)[:, None] + 0.5) / rows) / draws
     factors = np.exp(wear * stats.norm.ppf(even))
     exact = np.exp(np.hypot(0.3, wear) * stats.norm.ppf(PROBABILITIES))

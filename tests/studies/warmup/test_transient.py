@@ -184,9 +184,8 @@ def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
         )
         for seconds in ramps
     ]
-    expected = np.interp(
-        -limit, -np.array(peaks), ramps
-    )  # negated, as `interp` needs rising points
+    # both negated, as `interp` needs rising points
+    expected = np.interp(-limit, -np.array(peaks), ramps)
     shortest, broken_by = shortest_ramp(scene, {"preload": limit})
     assert not broken_by
     assert np.all(np.diff(peaks) < 0.1)  # N, for the errors of steps
