@@ -26,7 +26,7 @@ def test_every_rule_has_a_name_and_no_rule_is_made_in_a_loop():
 
 
 def test_a_rule_says_in_a_sentence_what_it_makes():
-    """Its docstring has one line, from a capital letter to a full stop."""
+    """Its docstring has one line, from a capital letter to a full stop or a bracket."""
     without_sentence = [
         name for name, body in RULES.items() if not re.match(r'    """[A-Z].*\S[.)]"""\n', body)
     ]

@@ -422,7 +422,7 @@ def test_worn_bearings_far_from_the_last_speed_are_not_taken_for_unloaded():
 
 
 def test_the_worst_speed_may_be_just_below_the_full_one():
-    """Slip of gyro_s1 at 2.48 N exceeds its limit of 0.3 within the last tenth of its 30000 r/min."""
+    """Slip of gyro_s1 at 2.48 N exceeds its limit of 0.3 in the last tenth of its 30000 r/min."""
     scene = with_method(bearingwear.load(scene_file("gyro_s1")), "constant_force", 2.48)
     where = design_point(scene, DesignLimits(gyroscopic_slip_share=0.3))[DECIDING]
     worst = where["gyroscopic_slip_share"]

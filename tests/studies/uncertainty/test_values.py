@@ -56,7 +56,10 @@ def test_a_wrong_distribution_is_refused_in_one_line(scene, spread, problem):
 
 
 def test_a_lognormal_value_whose_median_is_zero_cannot_be_sampled(tmp_path):
-    """The scene loads, as its life without a spread needs no median; the study refuses it."""
+    """The drag density of gyro_s1 is zero. The scene loads, as its life without a spread is valid.
+
+    The study of uncertainty refuses it.
+    """
     plain = yaml.safe_load(scene_file("gyro_s1").read_text())
     plain["uncertainty"] = {"drag_density_kg_m3": {"distribution": "lognormal", "factor": 2.0}}
     (tmp_path / "scene.yaml").write_text(yaml.safe_dump(plain))

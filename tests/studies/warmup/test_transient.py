@@ -91,8 +91,9 @@ def test_a_bearing_that_runs_away_alone_does_not_with_the_other():
     """Where the rotor is held at its first place, the first bearing alone has no heat balance.
 
     On the free rotor both have one, and the warm-up ends there. The numbers are those of trial 147
-    of `benchmarks/random_warmups.py`, seed 1, which failed.
+    of `benchmarks/random_warmups.py`, seed 1.
     """
+    # 495 000 mm r/min, at a mean of bore and outside diameter of 54 mm
     scene = bearingwear.new(
         bore=40, outside=68, contact_angle=25, speed=0.495e6 / 54, preload_method="fixed_position"
     )
@@ -105,9 +106,10 @@ def test_a_bearing_that_runs_away_alone_does_not_with_the_other():
     steady = solve(scene)
     warming = warm_up(scene, ramp(0.0))
     assert steady.status == "ok" and warming.status == code.OK
-    T = np.array(steady.values["part_temperature"])[:, :3]
-    assert np.abs(warming.instants[-1].temperatures - T).max() < 1e-3 * np.abs(T - 20.0).max()
-    assert steady.values["heat_flow_residual"].max() < 1e-6
+    T = np.array(steady.values["part_temperature"])[:, :3]  # inner ring, balls, outer ring
+    distance = np.abs(warming.instants[-1].temperatures - T).max()
+    assert distance < transient.SETTLED_TO * np.abs(T - 20.0).max()
+    assert steady.values["heat_flow_residual"].max() < 1e-6  # relative: the balance is solved
 
 
 def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
@@ -239,7 +241,10 @@ def test_a_limit_that_no_ramp_keeps_has_no_shortest(spindle):
 
 
 def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):
-    """By 30 % or more, after the ramp of 10 s and before the housing has warmed in its 300 s."""
+    """By 30 % or more, after the ramp of 10 s and before the housing has warmed in its 300 s.
+
+    The peak has an estimated error of 2 % at most.
+    """
     dataset = warm_up_dataset(spindle.with_(SLOW_HOUSING), ramp(10.0))
     assert dataset["peak_residual_preload"] > 1.3 * dataset["end_residual_preload"]
     assert 10.0 < dataset["peak_residual_preload_time"] < 300.0
