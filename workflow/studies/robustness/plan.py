@@ -86,6 +86,8 @@ class Draw:
     def value(self, chance: random.Random) -> Any:
         """Returns a drawn value.
 
+        It is from `of` if there is no range, else with the probability `share` (0 if omitted).
+
         chance: generator, whose state advances.
         """
         is_range = self.log is not None or self.even is not None
@@ -179,7 +181,7 @@ def check_robustness(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> N
 
 
 def _check_scene_classes(scene_classes: Mapping[str, Any], place: str) -> None:
-    """Raises a ValueError for draws that are not allowed, or a class like one below it.
+    """Raises a ValueError for draws that are not allowed, or a class that is like none above it.
 
     scene_classes: blocks of the plan, by name.
     place: of the classes, for errors.
@@ -216,6 +218,8 @@ def plan_entry(plan: Mapping[str, Any], path: Path, kind: str, name: str) -> dic
 
 def draw_blocks(plan: Mapping[str, Any], name: str) -> dict[str, Any]:
     """Returns the blocks of the draws of a class by key, with those of the class it is like.
+
+    Its own blocks take precedence, and that class may be like a further one.
 
     plan: data of config/robustness.yaml.
     """
