@@ -10,11 +10,13 @@ import xarray as xr
 
 from bearingwear.kernels import status as code
 from bearingwear.results.variable import STATUS, Variable, table
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.warmup.transient import (
     COARSER,
     STEP_TOLERANCE,
     Instant,
+    NoState,
     SpeedCourse,
     WarmUp,
     warm_up,
@@ -86,8 +88,14 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
 
     course: of the speed, an attribute of the dataset: its times, then its shares of the full speed.
     duration: [s]; None up to the steady temperatures, or to the longest time that is followed.
+    NotAvailable: the bearings have no state as mounted, so that there is no instant.
     """
-    warmup = warm_up(scene, course, duration)
+    try:
+        warmup = warm_up(scene, course, duration)
+    except NoState as unsolved:
+        name = code.STATUS_NAMES[unsolved.status]
+        problem = f"no state at the start ({name}: {code.STATUS_SENTENCES[name]})"
+        raise NotAvailable(f"{scene.name}: {problem}") from None
     times = [instant.time for instant in warmup.instants]
     rows = [_instant_values(scene, instant) for instant in warmup.instants]
     peaks = _peaks(times, rows)
@@ -121,7 +129,7 @@ def peaks_of(scene: Scene, warmup: WarmUp) -> dict[str, float]:
     """Returns the peaks of a warm-up, their times and the last values [SI].
 
     A value is the largest over all bearings and contacts; of equal peaks, the first gives the time.
-    The names are `peak_NAME`, `peak_NAME_time` and `end_NAME` for the names of `PEAKS`. Peaks of the
+    The names are `peak_NAME`, `peak_NAME_time` and `end_NAME` for the names of `PEAKS`. Those of a
     spring are 0 where it moves only the other way, and missing without a constant force.
     """
     times = [instant.time for instant in warmup.instants]

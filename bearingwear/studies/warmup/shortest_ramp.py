@@ -8,7 +8,13 @@ from typing import NamedTuple
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
+from bearingwear.solvers.warmup.transient import (
+    COARSER,
+    STEP_TOLERANCE,
+    NoState,
+    ramp,
+    warm_up,
+)
 from bearingwear.studies.warmup.result import peaks_of
 
 
@@ -47,14 +53,17 @@ def limits_hold(
 ) -> bool:
     """Whether all limits hold from rest to the steady temperatures at speed.
 
-    They do not if the bearings have no state on the way, as when they run away. A peak may equal
-    its limit.
+    They do not if the bearings have no state at the start or on the way, as when they run away. A
+    peak may equal its limit.
 
     seconds: duration of the ramp to speed [s].
     limits: values in the units of `LIMITS`, by its names.
     tolerance: of a time step, relative.
     """
-    warmup = warm_up(scene, ramp(seconds), tolerance=tolerance)
+    try:
+        warmup = warm_up(scene, ramp(seconds), tolerance=tolerance)
+    except NoState:
+        return False
     if warmup.status != code.OK:
         return False
     peaks = peaks_of(scene, warmup)
@@ -86,8 +95,8 @@ def shortest_ramp(scene: Scene, limits: Mapping[str, float]) -> ShortestRamp | N
 def _fine_ramp(scene: Scene, limits: Mapping[str, float], k: int) -> float | None:
     """Returns the shortest ramp [s] up to `RAMPS[k]` that keeps all limits with fine time steps.
 
-    None if `RAMPS[k]`, which keeps them with coarse time steps, does not. A shorter ramp that breaks
-    a limit with fine steps is lengthened by `RAMP_TOLERANCE` until it keeps all of them.
+    None if `RAMPS[k]`, which keeps them with coarse time steps, does not. A shorter ramp that
+    breaks a limit with fine steps is lengthened by `RAMP_TOLERANCE` until it keeps all of them.
 
     limits: values in the units of `LIMITS`, by its names.
     """
