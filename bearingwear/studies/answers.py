@@ -128,6 +128,11 @@ class Workers:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Ends the processes; after an error, without waiting for what they solve.
+
+        kind: of an error in the block, which goes on; None without one.
+        ProcessEnded: replaces the error of a process that ended before it answered.
+        """
         if self._pool is None:
             return
         if kind is not None:  # do not wait for what is still being solved

@@ -41,6 +41,7 @@ class Steps:
     step: float = setting("Distance between successive values", within="(0, inf)")
 
     def __post_init__(self) -> None:
+        """Raises a ValueError if no whole number of steps leads to the last value, or too many."""
         distance = abs(self.first + (self.count - 1) * self.step - self.last)
         # beyond the rounding of decimals such as 0.1
         misses_last = distance > 1e-6 * self.step
@@ -68,6 +69,7 @@ class Values:
     values: tuple[float, ...] = setting("Values", least=1, within="(0, inf)")
 
     def __post_init__(self) -> None:
+        """Raises a SceneError if the values do not rise strictly."""
         check_rising("values", self.values)
 
 

@@ -135,6 +135,7 @@ def check_arguments(arguments: Sequence[str], is_own_study: bool) -> None:
     parser = get_argument_parser()
 
     def refuse(problem: str) -> NoReturn:
+        """Raises a UsageError, where the parser would print its usage and exit."""
         raise UsageError(f"bearingwear study: {problem}; see bearingwear study --help")
 
     parser.error = refuse

@@ -86,11 +86,16 @@ class SweepPoints:
         return json.dumps(asdict(self))
 
     def __iter__(self) -> Iterator[ScenePoint]:
+        """Returns the points scene by scene, each with its rows, or with the product of the axes.
+
+        The last axis varies fastest.
+        """
         columns = self.columns.values()
         rows = zip(*columns, strict=True) if self.in_rows else itertools.product(*columns)
         return itertools.starmap(ScenePoint, itertools.product(range(len(self.names)), rows))
 
     def __len__(self) -> int:
+        """Returns the number of points of all scenes."""
         return math.prod(self.lengths([]).values())
 
     def key_names(self, used_names: Iterable[str]) -> dict[str, str]:

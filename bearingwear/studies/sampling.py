@@ -40,6 +40,7 @@ class Sampling:
     seed: int = setting("Random seed for the sequence", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
+        """Raises a SceneError if the number of samples is no power of two."""
         if self.samples & (self.samples - 1):
             raise SceneError("samples", f"got {self.samples}, expected a power of two, such as 128")
 

@@ -133,6 +133,13 @@ class SceneQuestion:
         return scene_for_life(scene) if self.what == "life" else scene
 
     def __call__(self, point: ScenePoint) -> Answer:
+        """Returns the kept values of the scene at a point, as of `KeptVariables`.
+
+        An unsolved case or life has a status that says so; errors of a function are not caught.
+
+        SceneError: the point makes no valid scene.
+        NotAvailable: the model does not apply to the scene.
+        """
         scene = self.scene(point)
         if callable(self.what):
             return self.kept.of_function(self.what(scene))

@@ -262,6 +262,7 @@ def _without_unsolved_numbers(dataset: xr.Dataset) -> xr.Dataset:
         return dataset
 
     def without_numbers(variable: xr.DataArray) -> xr.DataArray:
+        """Returns a variable of flags unchanged, another one full of NaN."""
         if "flag_values" in variable.attrs:
             return variable
         return xr.full_like(variable, np.nan, dtype=float)

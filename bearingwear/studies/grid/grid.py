@@ -71,6 +71,7 @@ class Grid:
     ball_diameter_loss_um: tuple[float, ...]
 
     def __post_init__(self) -> None:
+        """Raises a ValueError for an axis without a value, or with one repeated or not allowed."""
         for axis, values in vars(self).items():
             if not values:
                 raise ValueError(f"{axis}: got no value, expected at least one")

@@ -66,6 +66,7 @@ def over_all_balls(dataset: xr.Dataset) -> xr.Dataset:
     """
 
     def without_balls(variable: xr.DataArray) -> xr.DataArray:
+        """Returns a variable without the dimension `ball`."""
         if "ball" not in variable.dims:
             return variable
         if "flag_meanings" in variable.attrs:

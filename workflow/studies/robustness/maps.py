@@ -130,6 +130,7 @@ class MapLine:
     """
 
     def __init__(self, base: Mapping[str, Any], key: str, x: float, axis: KeyAxis) -> None:
+        """Sets the scene data of the line: those of the map with a value of the key of x."""
         self.base = with_values(base, {key: x})
         self.axis = axis
 
@@ -149,6 +150,7 @@ class MapLine:
         """
 
         def excess_at(y: float) -> float:
+            """Returns the excess over the limit at y, by a solve."""
             return excess(limit, value, map_state(self.base, {self.axis.key: y}))
 
         numbers = [excess(limit, value, solution) for solution in solutions]
@@ -161,6 +163,7 @@ class MapLine:
         """
 
         def excess_at(y: float) -> float:
+            """Returns the excess over the limit at y, by the closed form."""
             return closed_form(limit, value, self.scene(y))
 
         return crossing(self.axis, [excess_at(y) for y in self.axis.values], excess_at)
