@@ -72,6 +72,7 @@ class Measure:
     brief: bool = False  # whether short tables contain it too
     resting: bool = False  # whether it is computed at rest, independent of the speed
     of_life: bool = False  # whether it belongs to a whole life, not to a state
+    of_wear: bool = False  # whether it is a depth of wear, which no phase of a duty has alone
 
     @property
     def of_speed(self) -> bool:
@@ -254,7 +255,7 @@ MEASURES = (
         variables=("ball_diameter_loss",),
         advice="start with less wear, or raise the criterion value",
         end=("Total wear depth at which the life ends (less than 10 % of the ball diameter)",
-            "(0, 50000]"), mark="o"),
+            "(0, 50000]"), mark="o", of_wear=True),
     Measure(key="pocket_clearance_mm", words="pocket clearance", unit="mm",
         variables=("pocket_clearance",),
         advice="start with less clearance, or raise the criterion value",
@@ -328,7 +329,7 @@ MEASURES = (
         variables=("greatest_depth",),
         advice="reduce the preload or the speed, or raise the criterion value",
         end=("Groove wear depth, at the deepest point, at which the life ends", "(0, 50000]"),
-        mark=">"),
+        mark=">", of_wear=True),
     Measure(key="cage_film_worn_share", words="film worn off the cage",
         variables=("pocket_film_worn_share", "land_film_worn_share"), kinds=("pocket", "land"),
         advice="use a thicker film, or reduce the clearance at the land",

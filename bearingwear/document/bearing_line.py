@@ -89,9 +89,12 @@ def warning_with_cases(
 ) -> dict[str, Any]:
     """Returns a warning whose sentence names the cases that have it, if not all of them do.
 
-    names: of these cases; if omitted, those without temperatures have a warning of that.
+    names: of these cases; if omitted, those without temperatures have a warning of that. That of a
+        duty names its case already.
     """
     scenes = scenes_by_case(scene)
+    if warning["sentence"].startswith(tuple(f"{name}: " for name in scenes)):
+        return dict(warning)
     if not names and warning["id"] == _NEGLECTED_TEMPERATURE:
         names = [name for name, case in scenes.items() if not _has_temperatures(case)]
     words = ""

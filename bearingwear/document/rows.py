@@ -15,6 +15,7 @@ import numpy as np
 from bearingwear.document.document import Block, Row, row_of
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.units import scale_of
+from bearingwear.scene.coefficients import is_wear_bound
 from bearingwear.scene.scene import COUNTS
 
 COUNTED_WORDS = dict(zip(COUNTS, ("the balls alone", "balls and races"), strict=True))
@@ -48,14 +49,22 @@ TABLE_TESTS = (
 """The sentence in place of `FILM_TESTS` for films whose wear follows a table of lives."""
 
 
-def film_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    """Returns the sentence on tests of film lives, for a scene with a film and no calibration."""
+LOWER_BOUND = "K_s/H of starved oil is an upper bound, so lives are lower bounds."
+
+
+def caveat_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """Returns what limits the trust in the lives of a scene that was not calibrated.
+
+    These are sentences on tests of film lives, and on a wear coefficient that is a bound.
+    """
+    if not scene or scene.get("calibrated"):
+        return ()
     friction = scene.get("friction", {})
     coated = [friction, *scene.get("materials", {}).values()]
-    if scene.get("calibrated") or not any(block.get("film") for block in coated):
-        return ()
-    has_table = bool((friction.get("film") or {}).get("wear_table"))
-    return (TABLE_TESTS if has_table else FILM_TESTS,)
+    if any(block.get("film") for block in coated):
+        has_table = bool((friction.get("film") or {}).get("wear_table"))
+        return (TABLE_TESTS if has_table else FILM_TESTS,)
+    return (LOWER_BOUND,) if is_wear_bound(scene) else ()
 
 
 def values(file: Any, name: str) -> np.ndarray:

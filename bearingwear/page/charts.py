@@ -15,7 +15,7 @@ from typing import NamedTuple
 from markupsafe import Markup
 
 from bearingwear.document.chart import Chart, ChartLine
-from bearingwear.results.units import Rough, digits
+from bearingwear.results.units import digits
 
 LARGE_CHART, SMALL_CHART = (660.0, 350.0), (400.0, 230.0)
 MARGINS = (56.0, 14.0, 10.0, 40.0)
@@ -152,7 +152,6 @@ def _script_data(chart: Chart, places: bool) -> str:
                     "notes": line.notes,
                     "star": line.star,
                     "ends": line.ends,
-                    "digits": 2 if line.band else 3,
                 }
                 for line in chart.lines
             ],
@@ -164,8 +163,7 @@ def _value_text(chart: Chart, line: ChartLine) -> str:
     """Returns the value of a line at the recommended preload, with its unit; a dash without it."""
     if not line.star:
         return "–"
-    value = line.star[1]
-    return f"{Rough(value).text if line.band else digits(value)}{_unit(chart.y_label)}"
+    return f"{digits(line.star[1])}{_unit(chart.y_label)}"
 
 
 def _value_and_preload_text(chart: Chart, line: ChartLine) -> str:

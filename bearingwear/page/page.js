@@ -34,7 +34,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
 
 // As page/charts.py draws them: margins, axes, ticks.
 const LEFT = 56, RIGHT = 14, TOP = 10, BOTTOM = 40, LANE = 9;
-const digits = (value, count = 3) => String(+value.toPrecision(count));
+const digits = (value) => String(+value.toPrecision(3));
 
 function ticksOf(low, high, log) {
   const ticks = [];
@@ -180,7 +180,7 @@ class Chart {
         [point, note] = [line.points[nearest], line.notes[nearest]];
       }
       const units = this.data.units;
-      const value = point && point[1] !== null ? digits(point[1], line.digits) + units[1] : "–";
+      const value = point && point[1] !== null ? digits(point[1]) + units[1] : "–";
       const place = point && (x === null ? this.data.places : Math.abs(point[0] / x - 1) > 1e-6);
       label.textContent = value + (place ? ` at ${+point[0].toPrecision(4)}${units[0]}` : "");
       const end = point && line.ends[line.points.findIndex(([at]) => at === point[0])];

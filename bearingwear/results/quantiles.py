@@ -14,7 +14,7 @@ import numpy as np
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, header, load_kind
-from bearingwear.results.units import Interval, Rough, key_in_words
+from bearingwear.results.units import Interval, Rough, digits, key_in_words
 from bearingwear.results.words import scene_of
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.coefficients import NINETY, usual_spread
@@ -144,10 +144,10 @@ def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None
 
 
 def hours_in_words(scene: Mapping[str, Any], life_h: float) -> str:
-    """Returns a life with its interval: `0.66 h (0.11 to 4 h if only wear is uncertain)`."""
+    """Returns a life with its interval: `0.658 h (0.11 to 4 h if only wear is uncertain)`."""
     band, _ = band_by_wear(scene, life_h)
     interval = f" ({band.text} h if only wear is uncertain)" if band else ""
-    return f"{Rough(life_h).text} h{interval}"
+    return f"{digits(life_h)} h{interval}"
 
 
 def spread_text(spread: Spread | None) -> str:

@@ -121,6 +121,10 @@ _STARVED = (
 )
 
 
+_BOUND_ROWS = ("nesc_r4", "nesc_r4_hybrid")
+_WRITTEN = 5e-3  # to which `new` rounds a wear coefficient
+
+
 def _upper_bound(row: str) -> LogSpread:
     """Returns the largest K_s/H of a row, with the assumed spread."""
     return LogSpread(median=M2_PER_N * MEASURED_WEAR[row].wear[1], factor=ASSUMED_WEAR.factor)
@@ -229,6 +233,20 @@ def rubbing(lubrication: str | None, ball_material: str | None) -> Rubbing:
         friction_rule="" if pair.friction is ASSUMED_FRICTION else rule,
         summary=summary,
     )
+
+
+def is_wear_bound(scene: Mapping[str, Any]) -> bool:
+    """Whether the K_s/H of balls and races is that of starved oil, which is an upper bound.
+
+    scene: as `Scene.to_dict` has it.
+    """
+    bearing, bounds = scene["bearing"], [_upper_bound(row).median for row in _BOUND_ROWS]
+    for part in ("ball", "race"):
+        material = scene["materials"][bearing[f"{part}_material"]]
+        wear = material["wear_coefficient"] / (1e9 * material["brinell_hardness_GPa"])
+        if not any(math.isclose(wear, bound, rel_tol=_WRITTEN) for bound in bounds):
+            return False
+    return True
 
 
 _STEEL = ((180.0, 230.0), (7400.0, 8300.0))

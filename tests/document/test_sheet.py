@@ -11,7 +11,7 @@ from support import ROOT, numbers_in, scene_file, without_waits
 
 import bearingwear
 from bearingwear.cli import main
-from bearingwear.document.rows import film_lines
+from bearingwear.document.rows import caveat_lines
 from bearingwear.document.show import sheet_of_result
 from bearingwear.lives.life import life
 from bearingwear.scene.blocks import CRITERIA
@@ -212,13 +212,23 @@ def test_a_life_of_a_film_states_its_disagreement_with_tests():
     """With the factors of the page of tests; dry bearings and calibrated films do not."""
     page = numbers_in((ROOT / "docs" / "film_tests.md").read_text(encoding="utf-8"))
     scene = load_scene(scene_file("mos2_gyro")).to_dict()
-    (sentence,) = film_lines(scene)
+    (sentence,) = caveat_lines(scene)
     sheet = sheet_of_result(life(load_scene(scene_file("mos2_gyro"))))
     assert sentence in [line for block in sheet.blocks for line in block.lines]
     (least,) = numbers_in(sentence)
     assert any(least <= factor < 1.1 * least for factor in page)
     film_law = scene["friction"]["film"] | {"wear_table": [{"relative_life": 1.0}]}
-    (by_table,) = film_lines(scene | {"friction": scene["friction"] | {"film": film_law}})
+    (by_table,) = caveat_lines(scene | {"friction": scene["friction"] | {"film": film_law}})
     assert numbers_in(by_table) and set(numbers_in(by_table)) <= set(page)
-    assert not film_lines(scene | {"calibrated": {"tests": "own.csv"}})
-    assert not film_lines(load_scene(SCENE).to_dict())
+    assert not caveat_lines(scene | {"calibrated": {"tests": "own.csv"}})
+    assert not caveat_lines(load_scene(SCENE).to_dict())
+
+
+@pytest.mark.parametrize("lubrication", ["starved", "oil"])
+@pytest.mark.parametrize("designation", ["7001C", "HCB7001C"])
+def test_a_life_by_an_upper_bound_of_wear_states_that_it_is_a_lower_bound(lubrication, designation):
+    scene = bearingwear.new(designation=designation, speed=9000.0, lubrication=lubrication)
+    (sentence,) = caveat_lines(scene.to_dict())
+    assert "lower bounds" in sentence
+    own = scene.with_({"materials.bearing_steel.wear_coefficient": 1e-9})
+    assert not caveat_lines(own.to_dict())

@@ -10,7 +10,7 @@ import bisect
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -154,14 +154,20 @@ class _Job(NamedTuple):
 
 @dataclass
 class PreloadSearch:
-    """Lives of a scene over preload, by each method."""
+    """Lives of a scene over preload, by each method.
+
+    The longest life is looked for within all requirements but that on the life itself: so it is
+    known, too, where it is too short.
+    """
 
     scene: Scene
     limits: DesignLimits
     answers_at: AnswersAt = map
     lines: list[PreloadLine] = field(init=False)
+    but_life: DesignLimits = field(init=False)  # the limits without that on the life
 
     def __post_init__(self) -> None:
+        self.but_life = replace(self.limits, life_h=None)
         centre = self.scene.operation.preload_N
         preloads = {round_factor(factor, centre) for factor in SWEPT_FACTORS}
         grid = sorted(preload for preload in preloads if preload <= largest_permitted_preload())
@@ -215,7 +221,7 @@ class PreloadSearch:
         preloads = self._preloads_beside_best(line)
         if preloads:
             return preloads
-        bests = [other.best(self.limits) for other in self.lines]
+        bests = [other.best(self.but_life) for other in self.lines]
         longest = int(np.argmax([best.life if best else 0.0 for best in bests]))
         return self._preloads_at_ends(line) if line is self.lines[longest] else []
 
@@ -235,7 +241,7 @@ class PreloadSearch:
         They also lie beside those where they come nearest to that.
         """
         points = [line.new[p] for p in sorted(line.new)]
-        least = [point.margins(self.limits).min() for point in points]
+        least = [point.margins(self.but_life).min() for point in points]
         gaps = set()
         for k, (a, b) in enumerate(itertools.pairwise(points)):
             if (least[k] >= 0.0) != (least[k + 1] >= 0.0) and _width(a, b) > _EDGE:
@@ -252,8 +258,8 @@ class PreloadSearch:
 
         Of each range that they allow, the ends and the middle are among them.
         """
-        preloads = {p for p in line.grid[::2] if line.may_live(p, self.limits)}
-        ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.limits))
+        preloads = {p for p in line.grid[::2] if line.may_live(p, self.but_life)}
+        ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.but_life))
         for inside in [[*inside] for is_allowed, inside in ranges if is_allowed]:
             preloads |= {inside[0], inside[-1]}
             if len(inside) > 1:
@@ -262,10 +268,10 @@ class PreloadSearch:
 
     def _further_preloads(self, line: PreloadLine) -> list[float]:
         """Returns the other preloads of the grid at which a life may be longer than the best."""
-        best, order, preloads = line.best(self.limits), sorted(line.lives), []
+        best, order, preloads = line.best(self.but_life), sorted(line.lives), []
         longest = best.life if best else 0.0
         for p in line.grid:
-            if p in line.lives or not line.may_live(p, self.limits):
+            if p in line.lives or not line.may_live(p, self.but_life):
                 continue
             k = bisect.bisect(order, p)
             neighbours = [line.lives[near] for near in order[max(k - 1, 0) : k + 1]]
@@ -281,19 +287,21 @@ class PreloadSearch:
         They lie between a life that is longer than the best but breaks requirements, and one that
         meets them: a narrow range between may be allowed, if another criterion soon ends the life.
         """
-        best, points, preloads = line.best(self.limits), line.points(self.limits), []
+        best, points, preloads = line.best(self.but_life), line.points(self.but_life), []
         longest = best.life if best else 0.0
         for pair in itertools.pairwise(points):
             for broken, met in (pair, pair[::-1]):
                 is_longer = broken.solved != NEW_BEARING and broken.life > longest
-                is_edge = broken.margins(self.limits).min() < 0.0 <= met.margins(self.limits).min()
+                is_edge = (
+                    broken.margins(self.but_life).min() < 0.0 <= met.margins(self.but_life).min()
+                )
                 if is_longer and is_edge and met is not best and abs(_width(*pair)) > _EDGE:
                     preloads.append(self._preload_between(met, broken))
         return preloads
 
     def _extend(self, line: PreloadLine) -> PreloadPoint | None:
         """Extends the range of a line if its best preload is at an end, and returns that point."""
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         if (
             best is None
             or line.best_beyond_end
@@ -309,7 +317,7 @@ class PreloadSearch:
 
     def _shorten(self, line: PreloadLine, end: PreloadPoint) -> None:
         """Leaves out preloads beyond an end of the range if the life is hardly longer there."""
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         assert best is not None
         if best is end or best.life >= _LITTLE_LONGER * end.life:
             return
@@ -327,14 +335,14 @@ class PreloadSearch:
         nothing else is solved.
         """
         line.lives = {p: point for p, point in line.lives.items() if self._counts(line, point)}
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         if best is None:
             return []
         preloads = {best.preload}
-        points = line.points(self.limits)
+        points = line.points(self.but_life)
         k = _index(points, best)
         for near in (*points[max(k - 1, 0) : k], *points[k + 1 : k + 2]):
-            margin, may_gain = near.margins(self.limits).min(), self._may_gain(best, near)
+            margin, may_gain = near.margins(self.but_life).min(), self._may_gain(best, near)
             if near.solved == QUICK_LIFE and margin < 0.0 and (margin > -_ROUGH or not may_gain):
                 preloads.add(near.preload)
             elif may_gain:
@@ -349,7 +357,7 @@ class PreloadSearch:
         Towards an edge, a life may rise by any power of the preload; else at most in proportion.
         """
         width = abs(_width(best, near))
-        is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.limits)
+        is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.but_life)
         if is_edge or best.end_criterion != near.end_criterion:
             return width > _EDGE
         drop = math.log(best.life / near.life)
@@ -360,7 +368,7 @@ class PreloadSearch:
 
         It is in the middle if near breaks none, or one by more than can be interpolated.
         """
-        inside, outside = best.margins(self.limits), near.margins(self.limits)
+        inside, outside = best.margins(self.but_life), near.margins(self.but_life)
         broken = (outside < 0.0) & (outside > -1.0)
         if not broken.any() or (outside <= -1.0).any():
             return _middle(best, near)
@@ -408,17 +416,17 @@ class PreloadSearch:
 
     def active_limit(self, line: PreloadLine, best: PreloadPoint) -> int:
         """Returns the index into `ACTIVE` of what keeps the best preload from a longer life."""
-        points = line.points(self.limits)
+        points = line.points(self.but_life)
         k = _index(points, best)
         neighbours = [points[j] for j in (k - 1, k + 1) if 0 <= j < len(points)]
-        names = [*self.limits.effective, ACTIVE[NOT_PRACTICAL]]
-        margins = best.margins(self.limits)
+        names = [*self.but_life.effective, ACTIVE[NOT_PRACTICAL]]
+        margins = best.margins(self.but_life)
         is_at_limit = margins.min() < _AT_LIMIT
         refused = [
-            point.margins(self.limits)
+            point.margins(self.but_life)
             for point in neighbours
             if point.values["status"] == OK
-            and point.margins(self.limits).min() < 0.0
+            and point.margins(self.but_life).min() < 0.0
             and (point.solved == NEW_BEARING or point.life > best.life)
         ]
         if refused:

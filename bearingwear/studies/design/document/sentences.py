@@ -5,22 +5,23 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import xarray as xr
 
 from bearingwear.document.bearing_line import pair_preload_N
-from bearingwear.document.rows import film_lines
+from bearingwear.document.rows import caveat_lines
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
-from bearingwear.results.units import Rough, digits, printed_unit
+from bearingwear.results.units import digits, printed_unit
 from bearingwear.results.words import methods, percent_in_text, scene_of
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines, minimum_preload_words
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.solvers.bearing.parameters import static_place
+from bearingwear.studies.design.best import SIMILAR
 from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
 from bearingwear.studies.design.document.words import (
     LIMIT_WORDS,
@@ -84,6 +85,21 @@ def recommended_points(recommendation: xr.Dataset) -> list[RecommendedPoint]:
     return sorted(with_life, key=lambda point: -point.life)
 
 
+def points_with_short_life(recommendation: xr.Dataset) -> list[RecommendedPoint]:
+    """Returns the longest life of each method that only the required life rules out, longest first.
+
+    The preloads of the points are those of these lives.
+    """
+    if "longest_life" not in recommendation:  # an older file
+        return []
+    points = [
+        RecommendedPoint(method, point.assign(preload=point["longest_preload"]), float(life))
+        for method, point in methods(recommendation)
+        if math.isfinite(life := point["longest_life"])
+    ]
+    return sorted(points, key=lambda point: -point.life)
+
+
 def method_names(dataset: xr.Dataset) -> list[str]:
     """Returns the preload methods of a file in words."""
     return [method_words(scene_of(dataset), method) for method, _ in methods(dataset)]
@@ -95,12 +111,23 @@ def headline(recommendation: xr.Dataset) -> str:
     name = scene["name"]
     if not limits_of(recommendation).given:
         return f"{name}: {without_limits(recommendation.attrs[NONE_BECAUSE])[0]}"
-    if not points:
-        return f"{name}: no preload satisfies all requirements"
-    method, point, _ = points[0]
-    device = method_words(scene, method) if is_pair(scene) else method
-    text = TAKE[device].format(preload_text(point)) + _running_preload_words(point)
-    return f"{name}: use {text}; {_why_not_longer(recommendation, point)}"
+    if points:
+        point = points[0].point
+        text = setting_words(scene, points[0]) + _running_preload_words(point)
+        return f"{name}: use {text}; {_why_not_longer(recommendation, point)}"
+    if short := points_with_short_life(recommendation):
+        required = limits_of(recommendation).life_h
+        return (
+            f"{name}: no preload reaches {required:.7g} h; the longest life is "
+            f"{digits(short[0].life)} h, with {setting_words(scene, short[0])}"
+        )
+    return f"{name}: no preload satisfies all requirements"
+
+
+def setting_words(scene: Mapping[str, Any], point: RecommendedPoint) -> str:
+    """Returns how a preload is applied: `a spring pair with a preload of 14.7 N`."""
+    device = method_words(scene, point.method) if is_pair(scene) else point.method
+    return TAKE[device].format(preload_text(point.point))
 
 
 def _running_preload_words(point: xr.Dataset) -> str:
@@ -135,19 +162,31 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
     """
     method, point, life = recommended_points(recommendation)[0]
     scene, where = scene_of(recommendation), life_condition_words(recommendation, point)
-    text = f"The computed life{f' {where}' if where else ''} is {Rough(life).text} h"
-    spread, (band, _) = spreads[method], band_by_wear(scene, life)
-    intervals = [f"{BEARINGS_BETWEEN}: {spread.bearings.text} h"] if spread else []
-    if band:  # also beside a sampled interval, because `recommend` has this one alone
-        intervals.append(f"{BEARINGS_BETWEEN}, wear only: {band.text} h")
-    text += f" ({'; '.join(intervals)})" if intervals else ""
+    text = f"The computed life{f' {where}' if where else ''} is {digits(life)} h"
+    if spread := spreads[method]:
+        text += f" ({BEARINGS_BETWEEN}: {spread.bearings.text} h)"
+    elif band := band_by_wear(scene, life)[0]:
+        text += f" ({BEARINGS_BETWEEN}, wear only: {band.text} h)"
     if end := ending_measure(point):
         limit_text = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
         reaches = "falls to" if end.falls else "reaches"
         text += f"; it ends when the {end.words} {reaches} {printed_unit(limit_text)}"
-        if scene.get("duty") and (ending := worst_condition(recommendation, point, "life")):
+        ending = worst_condition(recommendation, point, "life")
+        if scene.get("duty") and ending and not end.of_wear:
             text += f" in the case {ending['case']}"
     return f"{text}."
+
+
+def similar_life_sentence(recommendation: xr.Dataset) -> str:
+    """States that the other method lives about as long; empty if its life is much shorter."""
+    best, *others = recommended_points(recommendation)
+    if not others or others[0].life < SIMILAR * best.life:
+        return ""
+    other = setting_words(scene_of(recommendation), others[0])
+    return sentence(
+        f"{other} lives about as long ({digits(others[0].life)} h): the difference is far smaller "
+        "than the spread of the lives"
+    )
 
 
 def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
@@ -165,8 +204,8 @@ def trust_sentence(recommendation: xr.Dataset) -> str:
     scene = scene_of(recommendation)
     if calibration := scene.get("calibrated"):
         return f"{CALIBRATED.format(**calibration)}."
-    if film_sentences := film_lines(scene):
-        return " ".join([f"{NO_CLOCK}.", *film_sentences])
+    if caveats := caveat_lines(scene):
+        return " ".join([f"{NO_CLOCK}.", *caveats])
     is_short = recommended_points(recommendation)[0].life < SHORT_LIFE
     return f"{NO_CLOCK}{', and lubricant films are not modelled' if is_short else ''}."
 
