@@ -247,7 +247,7 @@ const sliders = [...document.querySelectorAll(".slider")].map((box) => {
   function stand(x) {
     const recommended = stars.some((star) => star[0] === x) ? " (recommended)" : "";
     const at = x === null ? "the recommended preloads; move the slider for other preloads" : `${+x.toPrecision(4)}${first.data.units[0]}${recommended}`;
-    output.textContent = `Values at ${at}`;
+    output.textContent = x === null && !stars.length ? "Move the slider for values" : `Values at ${at}`;
     input.setAttribute("aria-valuetext", output.textContent);
     if (x !== null) input.value = stops.indexOf(x);
   }
@@ -256,6 +256,7 @@ const sliders = [...document.querySelectorAll(".slider")].map((box) => {
   input.value = Math.max(0, stops.indexOf(stars.length ? stars[0][0] : stops[0]));
   input.addEventListener("input", () => pick(group, stops[input.value]));
   back.addEventListener("click", () => pick(group, null));
+  back.hidden = !stars.length;
   box.hidden = false;
   stand(null);
   return { group, stand };

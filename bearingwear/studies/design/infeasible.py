@@ -63,12 +63,12 @@ def life_too_short(longest: PreloadPoint, active: str, limits: DesignLimits) -> 
     """
     life = float(_LIFE.shown(longest.life))
     text = (
-        f"the life is at most {digits(life)} h (at {longest.preload:.7g} N), "
-        f"not {limits.life_h:.7g} h"
+        f"where the others are satisfied, the life is at most {digits(life)} h "
+        f"(at {longest.preload:.7g} N), not {limits.life_h:.7g} h"
     )
     if active not in limits.effective:
         return text
-    return f"{text}. It is limited by the requirement {_required_text(active, limits)}"
+    return f"{text}. A longer life is prevented by {_required_text(active, limits)}"
 
 
 def _points_without_life(

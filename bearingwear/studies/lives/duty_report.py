@@ -73,8 +73,7 @@ def duty_report(scene: Path, recommendation: Path | None = None) -> tuple[xr.Dat
         facts={
             "scene": name,
             "bearing": bearing_line(result.scene),
-            "beside": f"With the {preload.kind} of {operation['preload_N']:.7g} N ({method}): "
-            f"{message.removeprefix(f'{name}: ')}",
+            "beside": f"Duty at the {preload.kind}, {operation['preload_N']:.7g} N ({method})",
         },
         blocks=(
             Block(title, lines=tuple(sentences), place="lead"),

@@ -118,8 +118,8 @@ def headline(recommendation: xr.Dataset) -> str:
     if short := points_with_short_life(recommendation):
         required = limits_of(recommendation).life_h
         return (
-            f"{name}: no preload reaches {required:.7g} h; the longest life is "
-            f"{digits(short[0].life)} h, with {setting_words(scene, short[0])}"
+            f"{name}: no preload satisfies all requirements; the longest life is "
+            f"{digits(short[0].life)} h of {required:.7g} h, by {setting_words(scene, short[0])}"
         )
     return f"{name}: no preload satisfies all requirements"
 

@@ -164,7 +164,8 @@ def preload_document(
     figures = ("design", "map", "uncertainty")
     heading = (headline(recommendation), subtitle)
     facts = _facts(recommendation, stated)
-    return Document(heading, facts, tuple(blocks), figures, "Recommended preload")
+    subject = "Recommended preload" if has_preload else "Preload"
+    return Document(heading, facts, tuple(blocks), figures, subject)
 
 
 def _facts(recommendation: xr.Dataset, stated: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
