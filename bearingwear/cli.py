@@ -18,6 +18,7 @@ import os
 import re
 import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, TextIO
 
 from bearingwear.arguments import command_parser
@@ -31,6 +32,7 @@ from bearingwear.console import (
 )
 from bearingwear.measures import LIMITED
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
+from bearingwear.scene.new.scene_file import OPTIONS
 
 FULL_DISK, INTERRUPTED = 74, 130
 RENAMED = {"compare": "show A.nc B.nc"}
@@ -47,6 +49,9 @@ OPTIONS_MEANT = {
     "--out": "--output", "--gyro": "--slip", "--noise": "--frequency",
 }  # fmt: skip
 """Options by other words that people type for them."""
+
+_KEY_OF_OPTION = {option: key for option, key, *_ in OPTIONS}
+"""Keys of a scene by the options of `new`, which other commands take as `--set KEY=VALUE`."""
 
 _NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
 
@@ -134,6 +139,9 @@ def _parsed_arguments(argv: Sequence[str]) -> argparse.Namespace:
         hint = f"; did you mean {' or '.join(near)}" if near else _hint_on_word(left[0], argv)
         if option in RENAMED_OPTIONS:
             hint = f"; it is now {RENAMED_OPTIONS[option]}"
+        if option in _KEY_OF_OPTION and "--set" in accepted:
+            value = " ".join(left).removeprefix(option).lstrip(" =").partition(" ")[0]
+            hint = f"; write --set {_KEY_OF_OPTION[option]}={value}"
         command.error(f"got {left[0]!r}, which this command does not accept{hint}")
     return args
 
@@ -170,7 +178,9 @@ def _check_study(
     of_a_scene = [m.option for key, m in LIMITED.items() if getattr(args, key) is not None]
     of_a_scene += ["--output"] if args.output is not None else []
     if of_a_scene and not args.name.endswith(SCENE_SUFFIXES):
-        parser.error(f"got {of_a_scene[0]} without a scene; only allowed with SCENE.yaml")
+        scene_file = Path(f"{args.name}.yaml")
+        advice = f"; did you mean {scene_file}" if scene_file.is_file() else ""
+        parser.error(f"got {of_a_scene[0]} without a scene; only allowed with SCENE.yaml{advice}")
 
 
 def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:

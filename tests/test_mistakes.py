@@ -58,6 +58,9 @@ REFUSED_OF_NEW = {
     "7008C hybrid": "expected 7008C --ball-material silicon_nitride",
     "NSK7010C grease": "expected 7010C --lubrication grease",
     "7008C --pair springs": "did you mean spring",
+    "7008C --pair spacer": "did you mean rigid",
+    "5S-HSE010": "expected 7010 with --balls",
+    "2LA-BNS910LLB": "expected 71910 with --balls",
     "7008C --pair rigid --preload-method constant_force": "expected fixed_position in a rigid pair",
     "7008CDT --pair spring": "only allowed without DT (tandem)",
     "7008C --film mos2": "it is now --lubrication",
@@ -91,6 +94,12 @@ DESIGNATIONS = {
     "SNFA VEX 40/NS 7CE3 UL": (25, CERAMIC), "SNFA SEA 60 7CE1": (15, STEEL),
 }  # fmt: skip
 """Contact angle [degree] and material of the balls that makers' designations say."""
+
+DOUBTED_OF_NEW = {
+    "--bore 1.5748 --outside 2.67": "if they are in inches, write --bore 40 --outside 68",
+    "7008C --preload 300000": "548 times a heavy preload; is it in N?",
+}
+"""What `new` writes a scene of, and what it says beside its other assumptions."""
 
 REFUSED_IN_A_SCENE = {
     "shaft_speed_rpm: 18.000": "expected 18000 or 18",
@@ -196,6 +205,13 @@ REFUSED_COMMANDS = {
     "warmup a.yaml --limit pressure=2000": "if it is in MPa, write 2",
     "launch a.yaml --axial 300m/s2": "write 30.591, which is it in g",
     "study a": "did you mean a.yaml",
+    "study a --slip 0.36": "did you mean a.yaml",
+    "recommend a.yaml --speed 12000": "write --set operation.shaft_speed_rpm=12000",
+    "show results": "got a folder, expected a result file, such as results/a.nc",
+    "plot results": "got a folder, expected a result file, such as results/a.nc",
+    "check results": "got a folder, expected a scene file",
+    "page results": "got a folder, expected .nc, .md, .svg, .png",
+    "page a.yaml": "`bearingwear study a.yaml` makes its page",
     "study a.yaml --stifness 20": "did you mean --stiffness",
     "study a.yaml --stiffness 2e7": "(N/um; if it is in N/m, write 20)",
     "margin a.yaml --drive 20mNm": "write 0.02, which is it in N m",
@@ -211,6 +227,8 @@ def scene(tmp_path, monkeypatch):
     (tmp_path / "README.md").write_text("# Bearings: all of them\n\n- angle: 15, speed: 20\n")
     (tmp_path / "design.yaml").write_text("scenes: {a: {limits: {}}}\n", encoding="utf-8")
     (tmp_path / "a.nc").write_bytes(SIGNATURE + b"\xff")
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "a.nc").write_bytes(SIGNATURE + b"\xff")
     return text
 
 
@@ -263,6 +281,10 @@ def test_sixty_mistakes(scene, tmp_path, capsys):
 
     for text, problem in REFUSED_OF_NEW.items():
         expect(text, problem, refused(["new", "x.yaml", *typed(text)], capsys))
+    for text, doubt in DOUBTED_OF_NEW.items():
+        (tmp_path / "doubted.yaml").unlink(missing_ok=True)
+        assert main(["new", "doubted.yaml", *typed(text)]) == 0, text
+        expect(text, doubt, capsys.readouterr().out)
     for text, (angle, balls) in DESIGNATIONS.items():
         bearing = checked_scene(scene_text("x", None, None, {}, designation=text)[0]).bearing
         if (bearing.contact_angle_deg, bearing.ball_material) != (angle, balls):

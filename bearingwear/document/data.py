@@ -17,8 +17,8 @@ from bearingwear.results.units import Interval
 def as_json(document: Document) -> str:
     """Returns a JSON object: the facts, `sentences` by their titles, and `quantities`.
 
-    A quantity has plain numbers and their unit. All is in ASCII, other characters escaped, so that
-    any locale passes it on unchanged.
+    A quantity has plain numbers and their unit; a number that does not exist is null. All is in
+    ASCII, other characters escaped, so that any locale passes it on unchanged.
     """
     quantities = [
         {"block": block.title, "name": row.name or row.label, "label": row.label}
@@ -36,7 +36,7 @@ def as_json(document: Document) -> str:
     if sentences:
         data["sentences"] = sentences
     data["quantities"] = quantities
-    return json.dumps(data, indent=1)
+    return json.dumps(_plain(data), indent=1, allow_nan=False)
 
 
 def _value_entry(block: Block, row: Row) -> dict[str, Any]:
@@ -55,9 +55,15 @@ def _limit_entry(block: Block, row: Row) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Converts a number for JSON: two numbers for an interval, None for NaN."""
-    if isinstance(value, Interval):
-        return [_plain(end) for end in value]
+    """Converts a value for JSON, which has neither intervals nor NaN nor infinity.
+
+    An interval becomes two numbers, and a number that is not finite None, also within dicts and
+    lists.
+    """
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, Interval | list | tuple):
+        return [_plain(item) for item in value]
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     return value

@@ -143,7 +143,9 @@ class Document:
     @property
     def stored(self) -> str:
         """Returns the text that `load_document` and `sheet_in_file` read."""
-        return json.dumps(_encoded(asdict(self)), ensure_ascii=False, indent=1) + "\n"
+        return (
+            json.dumps(_encoded(asdict(self)), ensure_ascii=False, indent=1, allow_nan=False) + "\n"
+        )
 
 
 def row_of(
@@ -226,13 +228,18 @@ def _document(stored: str) -> Document:
 
 
 def _encoded(value: Any) -> Any:
-    """Converts a value for JSON; a number of a special class becomes an object with its class."""
+    """Converts a value for JSON; a number of a special class becomes an object with its class.
+
+    So does a number that is not finite, which JSON does not have.
+    """
     if isinstance(value, Rough):
-        return {"rough": float(value)}
+        return {"rough": _encoded(float(value))}
     if isinstance(value, Estimated):
-        return {"estimated": [float(value), value.error]}
+        return {"estimated": _encoded([float(value), value.error])}
     if isinstance(value, Interval):
-        return {"interval": [*value]}
+        return {"interval": _encoded([*value])}
+    if isinstance(value, float) and not math.isfinite(value):
+        return {"number": str(value)}
     if isinstance(value, Row):
         value = value._asdict()
     if isinstance(value, Mapping):
@@ -244,10 +251,12 @@ def _decoded(value: Any) -> Any:
     """Reverses `_encoded`; lists become tuples."""
     if isinstance(value, dict):
         if value.keys() == {"rough"}:
-            return Rough(value["rough"])
+            return Rough(_decoded(value["rough"]))
         if value.keys() == {"estimated"}:
-            return Estimated.of(*value["estimated"])
+            return Estimated.of(*_decoded(value["estimated"]))
         if value.keys() == {"interval"}:
-            return Interval(*value["interval"])
+            return Interval(*_decoded(value["interval"]))
+        if value.keys() == {"number"}:
+            return float(value["number"])
         return {key: _decoded(item) for key, item in value.items()}
     return tuple(_decoded(item) for item in value) if isinstance(value, list) else value

@@ -34,6 +34,7 @@ from bearingwear.scene.arrangement import METHODS
 from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.changes import KIND_KEY, METHOD_KEY
 from bearingwear.scene.checking.errors import leaves
+from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.read import as_data
 
 _TEMPLATE, _STYLE, _SCRIPT = (
@@ -344,9 +345,11 @@ def _check_suffixes(files: Iterable[Path], suffixes: Sequence[str]) -> None:
     """Refuses files that would silently be missing on the page."""
     for file in files:
         if file.suffix not in suffixes:
-            raise CaseFileError(
-                f"{file}: got the suffix {file.suffix!r}, expected {', '.join(suffixes)}"
-            )
+            got = "a folder" if file.is_dir() else f"the suffix {file.suffix!r}"
+            advice = ""
+            if file.suffix in SCENE_SUFFIXES:
+                advice = f"; `bearingwear study {file}` makes its page"
+            raise CaseFileError(f"{file}: got {got}, expected {', '.join(suffixes)}{advice}")
 
 
 def _is_life(dataset: xr.Dataset) -> bool:
@@ -360,7 +363,8 @@ def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
     for file, dataset in datasets.items():
         if "preload_method" not in dataset.dims or "status" not in dataset:
             raise CaseFileError(
-                f"{file}: got a file without preload_method or status, expected cases or lives"
+                f"{file}: got a single result, which `bearingwear show` prints, expected a file of "
+                "a study; `bearingwear study SCENE.yaml` makes a page of a scene"
             )
         section = sections.setdefault(file.parent, Section(scene_of(dataset)))
         status = dataset["status"].values

@@ -247,6 +247,10 @@ def check_readable(path: str | os.PathLike[str]) -> None:
         with open(path, "rb") as file:
             start = file.read(len(SIGNATURE))
         name.encode()
+    except IsADirectoryError:
+        files = sorted(file for file in Path(path).rglob("*.nc") if file.is_file())
+        advice = f", such as {files[0]}" if files else ""
+        raise CaseFileError(f"{name}: got a folder, expected a result file{advice}") from None
     except (OSError, UnicodeError) as error:
         raise CaseFileError(
             f"{name}: got a file that cannot be read ({reason(error)}), expected a result file"

@@ -147,3 +147,23 @@ def test_a_stored_document_is_read_without_loss(tmp_path):
 def test_an_axis_without_entries_has_no_names():
     """As the assumptions of a recommendation of one method, read from a file."""
     assert flag_names(xr.DataArray(np.zeros(0, dtype=int), dims="assumption")) == []
+
+
+def test_json_has_null_for_a_number_that_does_not_exist():
+    """NaN and infinity are no JSON; a stored document has them again when it is read."""
+    facts = {"worst": {"value": float("nan")}, "limits": [1.0, float("inf")]}
+    rows = (Row("life", "h", (float("nan"), 2.0)),)
+    document = Document(("a",), facts=facts, blocks=(Block("lives", (), rows),))
+    content = json.loads(as_json(document), parse_constant=pytest.fail)
+    assert content["worst"] == {"value": None} and content["limits"] == [1.0, None]
+    assert content["quantities"][0]["values"] == [None, 2.0]
+    assert json.loads(document.stored, parse_constant=pytest.fail)
+
+
+def test_a_stored_document_keeps_numbers_that_are_not_finite(tmp_path):
+    numbers = Interval(1.0, math.inf), Rough(math.nan), -math.inf
+    stored = Document(blocks=(Block("lives", (), (Row("life", "h", numbers),)),))
+    (tmp_path / "answer.json").write_text(stored.stored, encoding="utf-8")
+    read = load_document(tmp_path / "answer.json").blocks[0].rows[0].values
+    assert read[0] == Interval(1.0, math.inf) and read[2] == -math.inf
+    assert isinstance(read[1], Rough) and math.isnan(read[1])

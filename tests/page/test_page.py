@@ -395,7 +395,9 @@ def test_a_broken_file_is_named_in_one_line_and_no_page_is_written(
 def test_a_case_is_no_result_of_a_study(small_project, tmp_path, capsys):
     case = small_project / FOLDER / f"{next(iter(GRID.cases()))}.nc"
     assert main(page_command(tmp_path / "index.html", [case], (), ())) == 2
-    assert capsys.readouterr().err.startswith(f"{case}: got a file without preload_method")
+    assert capsys.readouterr().err.startswith(
+        f"{case}: got a single result, which `bearingwear show`"
+    )
 
 
 @pytest.mark.parametrize("among", ["sections", "answers"])

@@ -233,7 +233,7 @@ def test_bad_files(reader, case, tmp_path):
     (tmp_path / "folder.nc").mkdir()
     bad = {
         "missing": (None, "cannot be read"),
-        "folder": (None, "cannot be read"),
+        "folder": (None, "got a folder, expected a result file$"),
         "foreign": (None, "not written by"),
         "empty": (b"", "empty"),
         "text": (b"status: ok\n", "not written by"),

@@ -135,16 +135,19 @@ def check_thousands(path: str, text: str, source: str = "scene") -> None:
 
 
 _MEANT = {
-    "rigid": "fixed_position", "fixed": "fixed_position", "spacer": "fixed_position",
-    "displacement": "fixed_position", "position": "fixed_position", "spring": "constant_force",
-    "constant": "constant_force", "force": "constant_force", "springs": "constant_force",
+    "rigid": "fixed_position", "fixed": "fixed_position rigid", "spacer": "fixed_position rigid",
+    "displacement": "fixed_position", "position": "fixed_position rigid",
+    "spring": "constant_force", "constant": "constant_force spring",
+    "force": "constant_force spring", "springs": "constant_force spring",
+    "fixed_position": "rigid", "rigid_pair": "rigid", "constant_force": "spring",
+    "spring_pair": "spring",
     "ceramic": "silicon_nitride", "hybrid": "silicon_nitride",
     "si3n4": "silicon_nitride", "steel": "bearing_steel", "100cr6": "bearing_steel",
     "52100": "bearing_steel", "suj2": "bearing_steel", "440c": "bearing_steel",
     "moly": "mos2", "solid": "mos2", "vacuum": "mos2", "none": "dry", "time": "dynamic",
     "transient": "dynamic", "quasistatic": "steady", "static": "steady",
 }  # fmt: skip
-"""What people type for choices of scenes and options."""
+"""What people type for choices of scenes and options: one choice, or two with a space between."""
 
 
 def did_you_mean(typed: Any, choices: Iterable[str]) -> str:
@@ -152,8 +155,9 @@ def did_you_mean(typed: Any, choices: Iterable[str]) -> str:
     by_letters = {choice.lower(): choice for choice in choices}
     plain_text = re.sub(r"[\s-]+", "_", str(typed).strip().lower())
     for text in (plain_text, plain_text.replace("_", "")):
-        if (meant := _MEANT.get(text)) in by_letters.values():
-            return f"; did you mean {meant}"
+        for meant in _MEANT.get(text, "").split():
+            if meant in by_letters.values():
+                return f"; did you mean {meant}"
     similar = difflib.get_close_matches(plain_text, by_letters, n=2, cutoff=0.7)
     if not similar and len(plain_text) > 2:
         similar = [name for name in by_letters if plain_text in name]

@@ -77,6 +77,8 @@ def text_of(path: str | os.PathLike[str], kind: str = "YAML") -> str:
         problem = f"got bytes that are not text (byte {error.start}), expected UTF-8"
         if data.startswith(SIGNATURE):
             problem = "got a result file, which `bearingwear show` prints, expected a scene"
+    except IsADirectoryError:
+        problem = f"got a folder, expected a {kind} file"
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         problem = f"got a file that cannot be read ({reason}), expected a {kind} file"

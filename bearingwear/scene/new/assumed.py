@@ -85,6 +85,10 @@ PRELOAD_CLASSES = {"light": 0.5, "medium": 1.0, "heavy": 2.0}
 assumed; equal for all sizes, it means an equal pressure: light, about 1 GPa between steel parts.
 Medium and heavy lie within 30 % of classes M and H of a catalogue (tests/scene/test_new.py)."""
 
+_EXCESSIVE = 20.0
+"""Preload over that of class heavy above which it is doubted; about 4 GPa, where balls dent races
+at rest."""
+
 CONRAD_FILL_DEG = 186.0
 """Arc that the balls of a deep groove bearing fill when they are put between its rings."""
 
@@ -228,7 +232,9 @@ def numbers_of(
     Z, angle = decide("bearing.ball_count", ball_count), decide(angle_key, free_angle)
     is_given = preload_class is None and preload_key in given
     area = Z * D**2 * math.sin(math.radians(angle))
-    preload = Origin(given[preload_key]) if is_given else _preload(entry, preload_class, area)
+    preload = _preload(entry, preload_class, area)
+    if is_given:
+        preload = _given_preload(given[preload_key], area)
     numbers[preload_key] = preload
     speed = _usual_speed(entry, dm, preload_method, preload.value, has_film)
     decide("operation.shaft_speed_rpm", speed)
@@ -248,6 +254,18 @@ def _usual_pitch_diameter(entry: CatalogueBearing | None, bore: float, outside: 
     if entry is not None and entry.pitch is not None:
         return Origin(entry.pitch, SOURCES[entry.source], assumed=False)
     return Origin(0.5 * (bore + outside), "mean of bore and outside diameter")
+
+
+def _given_preload(preload: float, size: float) -> Origin:
+    """Returns a given preload [N], with a note where it looks like one in another unit.
+
+    size: balls x diameter^2 x sin(angle) [mm2].
+    """
+    heavy = PRELOAD_CLASSES["heavy"] * size
+    if not preload > _EXCESSIVE * heavy > 0.0:
+        return Origin(preload)
+    note = f"{preload / heavy:.0f} times a heavy preload; is it in N?"
+    return Origin(preload, note, assumed=False)
 
 
 def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: float) -> Origin:

@@ -140,6 +140,7 @@ def designation_of(text: str) -> Designation:
     )
     size = match and _size(match["series"], match["code"])
     if not match or not size:
+        _check_ntn_series(text)
         raise _unknown(text, ALLOWED)
     prefix, series, code, rest = match.group("prefix", "series", "code", "rest")
     spindles = _gmn_names(upper_text, prefix)
@@ -183,6 +184,20 @@ def designation_of(text: str) -> Designation:
         angle_rule=rule,
         letters=letters,
     )
+
+
+_NTN_HIGH_SPEED = re.compile(r"(?:HSE|BNS|BNT)(?P<series>[029])(?P<code>\d\d)")
+_NTN_SIZES = {"0": "70", "2": "72", "9": "719"}
+"""Series of the same size, by the first digit in NTN's high-speed series."""
+
+
+def _check_ntn_series(text: str) -> None:
+    """Refuses a high-speed bearing of NTN: its balls differ from those assumed for its size."""
+    match = _NTN_HIGH_SPEED.search(text.upper())
+    if match and _size(_NTN_SIZES[match["series"]], match["code"]):
+        name = f"{_NTN_SIZES[match['series']]}{match['code']}"
+        balls = "--balls, --ball-diameter and --contact-angle of NTN's high-speed series"
+        raise _unknown(text, f"{name} with {balls}")
 
 
 def _gmn_names(plain: str, prefix: str) -> str:
@@ -308,6 +323,26 @@ def _clearance_suffix(rest: str) -> _Suffix:
     if words and re.fullmatch(r"[A-E]\d?", words[0]):
         return _Suffix("", None)
     return _Suffix("", " ".join(words))
+
+
+INCH_MM = 25.4
+_INCH_ROUNDING_MM = 0.3  # of a size typed in inches to two decimals, with a margin
+
+
+def metric_size(bore: float, outside: float) -> str:
+    """Returns bore and outside diameter as options in mm of a size typed in inches; "" for others.
+
+    A size is taken as typed in inches where it is then in the table of sizes.
+    """
+    for series in ("70", "72", "73", "719"):
+        for code in _CODES:
+            size = _size(series, f"{code:02d}")
+            if size is not None and (
+                abs(size.bore - INCH_MM * bore) < _INCH_ROUNDING_MM
+                and abs(size.outside - INCH_MM * outside) < _INCH_ROUNDING_MM
+            ):
+                return f"--bore {size.bore:g} --outside {size.outside:g}"
+    return ""
 
 
 def clearance_range(group: str, bore: float) -> tuple[float, float] | None:

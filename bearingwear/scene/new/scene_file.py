@@ -36,6 +36,7 @@ from bearingwear.scene.new.assumed import (
     size_of,
 )
 from bearingwear.scene.new.catalogue import CatalogueBearing, same_size
+from bearingwear.scene.new.designations import metric_size
 from bearingwear.scene.new.letters import CLASS_OF_LETTER, gmn_parts
 from bearingwear.scene.scene import key_of_scene, most_balls
 
@@ -210,6 +211,8 @@ def _assumption_lines(
         notes.append(f"no rule for class {load}, so that of light is taken; --preload states yours")
     if size.entry is None and gmn_parts(size.name):
         notes.append("not in GMN's catalogue")
+    if inches := metric_size(size.bore, size.outside):
+        lines.append(f"--bore, --outside: taken as mm; if they are in inches, write {inches}")
     if notes:
         lines.append(f"designation: interpreted as {size.name}; {'; '.join(notes)}")
     lines += [
