@@ -18,7 +18,7 @@ from bearingwear.document.chart import Chart, ChartLine
 from bearingwear.results.units import digits
 
 LARGE_CHART, SMALL_CHART = (660.0, 350.0), (400.0, 230.0)
-MARGINS = (56.0, 14.0, 10.0, 40.0)
+MARGINS = (56.0, 14.0, 24.0, 40.0)
 """Left, right, top, bottom of the field of lines [px]."""
 _LEFT, _RIGHT, _TOP, _BOTTOM = MARGINS
 _LANE = 9.0
@@ -223,8 +223,8 @@ def _svg_content(chart: Chart, size: tuple[float, float]) -> str:
         f'<g class="grid">{_grid(x_axis, y_axis, place, width, height)}</g>'
         f'<text x="{_LEFT + width / 2:g}" y="{size[1] - 6:g}" class="x" text-anchor="middle">'
         f"{escape(chart.x_label)}</text>"
-        f'<text transform="translate(13 {_TOP + height / 2:g}) rotate(-90)" class="y" '
-        f'text-anchor="middle">{escape(_ordinate_label(chart))}</text>'
+        # above the axis: beside it, five digits in large type would lie under it
+        f'<text x="2" y="14" class="y">{escape(_ordinate_label(chart))}</text>'
         f'<svg class="field" x="{_LEFT:g}" y="{_TOP:g}" width="{width:g}" height="{height:g}">'
         f'{"".join(marks)}<path class="cursor" d=""/></svg>'
     )

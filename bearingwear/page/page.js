@@ -33,7 +33,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
 }
 
 // As page/charts.py draws them: margins, axes, ticks.
-const LEFT = 56, RIGHT = 14, TOP = 10, BOTTOM = 40, LANE = 9;
+const LEFT = 56, RIGHT = 14, TOP = 24, BOTTOM = 40, LANE = 9;
 const digits = (value) => String(+value.toPrecision(3));
 
 function ticksOf(low, high, log) {
@@ -132,8 +132,6 @@ class Chart {
     this.drawGrid();
     this.svg.querySelector("text.x").setAttribute("x", LEFT + this.width / 2);
     this.svg.querySelector("text.x").setAttribute("y", tall - 6);
-    const middle = `translate(13 ${TOP + this.height / 2}) rotate(-90)`;
-    this.svg.querySelector("text.y").setAttribute("transform", middle);
     this.show(this.x);
   }
 

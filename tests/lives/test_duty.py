@@ -703,7 +703,7 @@ def test_the_page_has_the_phases_and_their_figure(scene, tmp_path):
 
 
 def test_the_page_has_the_duty_at_the_recommended_preload(scene, tmp_path):
-    """That of the longest life where only the required life rules out all; else the input preload."""
+    """That of the longest life where no life is long enough; the input preload where none is."""
     path, file = tmp_path / "gyro.yaml", tmp_path / "recommendation.nc"
     changes = SLOW_WEAR | HERTZ | RIGID | {"cases": CASES} | duty(RAMPED, **RAMPS)
     bearingwear.save(scene("gyro_s1", changes), path)

@@ -116,10 +116,12 @@ def headline(recommendation: xr.Dataset) -> str:
         text = setting_words(scene, points[0]) + _running_preload_words(point)
         return f"{name}: use {text}; {_why_not_longer(recommendation, point)}"
     if short := points_with_short_life(recommendation):
-        required = limits_of(recommendation).life_h
+        limits = limits_of(recommendation)
+        others = " within the other requirements" if len(limits.given) > 1 else ""
         return (
-            f"{name}: no preload satisfies all requirements; the longest life is "
-            f"{digits(short[0].life)} h of {required:.7g} h, by {setting_words(scene, short[0])}"
+            f"{name}: no preload lasts {limits.life_h:.7g} h{others}; at most "
+            f"{digits(short[0].life)} h ({method_words(scene, short[0].method)}, "
+            f"{short[0].preload:.7g} N)"
         )
     return f"{name}: no preload satisfies all requirements"
 
@@ -177,16 +179,16 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
     return f"{text}."
 
 
-def similar_life_sentence(recommendation: xr.Dataset) -> str:
+def similar_life_sentences(recommendation: xr.Dataset) -> list[str]:
     """States that the other method lives about as long; empty if its life is much shorter."""
     best, *others = recommended_points(recommendation)
     if not others or others[0].life < SIMILAR * best.life:
-        return ""
+        return []
     other = setting_words(scene_of(recommendation), others[0])
-    return sentence(
-        f"{other} lives about as long ({digits(others[0].life)} h): the difference is far smaller "
-        "than the spread of the lives"
-    )
+    return [
+        sentence(f"{other} lives about as long ({digits(others[0].life)} h)"),
+        "The difference is far smaller than the spread of the lives.",
+    ]
 
 
 def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:

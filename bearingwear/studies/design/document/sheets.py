@@ -54,7 +54,7 @@ from bearingwear.studies.design.document.sentences import (
     recommended_points,
     sentence,
     setting_sentence,
-    similar_life_sentence,
+    similar_life_sentences,
     spacer_offset,
     trust_sentence,
 )
@@ -144,11 +144,8 @@ def preload_document(
     has_preload = bool(recommended_points(recommendation))
     blocks = []
     if has_preload:
-        sentences = (
-            life_sentence(recommendation, spreads),
-            similar_life_sentence(recommendation),
-        )
-        lines = tuple(filter(None, sentences))
+        expected_life = life_sentence(recommendation, spreads)
+        lines = (expected_life, *similar_life_sentences(recommendation))
         blocks.append(Block("Expected life", lines=lines, place="verdict"))
         blocks.append(_setting_block(recommendation))
     blocks += _none_blocks(recommendation)
@@ -350,11 +347,12 @@ def _measure_row(measure: Measure, label: str, values: Iterable[Any], name: str)
 def _worst_note(recommendation: xr.Dataset, name: str) -> str:
     """Returns where a quantity is the worst, by each method that has a preload.
 
-    A life over a duty that ends by a depth of wear has no such place.
+    A life over a duty that ends by a depth of wear ends in all phases.
     """
     words, has_duty = [], bool(scene_of(recommendation).get("duty"))
     for _, point in methods(recommendation):
         if name == "life" and has_duty and (end := ending_measure(point)) and end.of_wear:
+            words.append("all phases")
             continue
         active = ACTIVE[int(point["active_limit"])]
         is_of_limit = name == "active_limit" and active in LIMITED
