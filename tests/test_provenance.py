@@ -35,10 +35,10 @@ def test_data_belong_to_the_module_that_names_them():
     assert "plotting/style.mplstyle" in source_files("bearingwear.studies.grid.figures.draw")
     assert "scene/new/new_scene.yaml.j2" in source_files("bearingwear.scene.new.scene_file")
     # warnings compare speed and preload with the limits of the bearing's maker
-    assert [p for p in source_files(*SOLVER) if not p.endswith(".py")] == [
+    assert {path for path in source_files(*SOLVER) if not path.endswith(".py")} == {
         "scene/new/skf_minimum_load.csv",
         "scene/new/catalogue.csv",
-    ]
+    }
 
 
 @pytest.fixture(autouse=True)
