@@ -64,7 +64,7 @@ def _shorter_life_lines(file: Any) -> tuple[str, ...]:
         return ()
     name = str(file.phases).split()[int(values(file, "ending_phase"))]
     return (
-        "The life over the duty is shorter than the life in any phase alone: all phases wear the "
+        "The life over the duty is shorter than the life in any phase alone. All phases wear the "
         f"bearing, and phase {name} meets its criterion at a wear that the others would survive.",
     )
 

@@ -52,19 +52,30 @@ TABLE_TESTS = (
 LOWER_BOUND = "K_s/H of starved oil is an upper bound, so lives are lower bounds."
 
 
-def caveat_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    """Returns what limits the trust in the lives of a scene that was not calibrated.
-
-    These are sentences on tests of film lives, and on a wear coefficient that is a bound.
-    """
-    if not scene or scene.get("calibrated"):
+def film_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """Returns the sentence on tests of film lives, for a scene with a film and no calibration."""
+    if scene.get("calibrated") or not _has_film(scene):
         return ()
-    friction = scene.get("friction", {})
-    coated = [friction, *scene.get("materials", {}).values()]
-    if any(block.get("film") for block in coated):
-        has_table = bool((friction.get("film") or {}).get("wear_table"))
-        return (TABLE_TESTS if has_table else FILM_TESTS,)
-    return (LOWER_BOUND,) if is_wear_bound(scene) else ()
+    has_table = bool((scene["friction"].get("film") or {}).get("wear_table"))
+    return (TABLE_TESTS if has_table else FILM_TESTS,)
+
+
+def bound_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """Returns the sentence on lives that are lower bounds; empty unless K_s/H is an upper bound."""
+    if not scene or scene.get("calibrated") or _has_film(scene) or not is_wear_bound(scene):
+        return ()
+    return (LOWER_BOUND,)
+
+
+def caveat_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """Returns the sentences on what limits the trust in lives."""
+    return (*film_lines(scene), *bound_lines(scene))
+
+
+def _has_film(scene: Mapping[str, Any]) -> bool:
+    """Whether balls, races or their contact have a film."""
+    coated = [scene.get("friction", {}), *scene.get("materials", {}).values()]
+    return any(block.get("film") for block in coated)
 
 
 def values(file: Any, name: str) -> np.ndarray:

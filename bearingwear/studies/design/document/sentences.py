@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from bearingwear.document.bearing_line import pair_preload_N
-from bearingwear.document.rows import caveat_lines
+from bearingwear.document.rows import film_lines
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
@@ -180,13 +180,13 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
 
 
 def similar_life_sentences(recommendation: xr.Dataset) -> list[str]:
-    """States that the other method lives about as long; empty if its life is much shorter."""
+    """States that the other method gives about the same life; empty if its life is much shorter."""
     best, *others = recommended_points(recommendation)
     if not others or others[0].life < SIMILAR * best.life:
         return []
     other = setting_words(scene_of(recommendation), others[0])
     return [
-        sentence(f"{other} lives about as long ({digits(others[0].life)} h)"),
+        sentence(f"{other} gives about the same life ({digits(others[0].life)} h)"),
         "The difference is far smaller than the spread of the lives.",
     ]
 
@@ -206,8 +206,8 @@ def trust_sentence(recommendation: xr.Dataset) -> str:
     scene = scene_of(recommendation)
     if calibration := scene.get("calibrated"):
         return f"{CALIBRATED.format(**calibration)}."
-    if caveats := caveat_lines(scene):
-        return " ".join([f"{NO_CLOCK}.", *caveats])
+    if film_sentences := film_lines(scene):
+        return " ".join([f"{NO_CLOCK}.", *film_sentences])
     is_short = recommended_points(recommendation)[0].life < SHORT_LIFE
     return f"{NO_CLOCK}{', and lubricant films are not modelled' if is_short else ''}."
 
@@ -230,8 +230,8 @@ def setting_sentence(recommendation: xr.Dataset) -> str:
         return f"Specify {setting}."
     minus, plus = (_rounded_down(abs(end - middle)) for end in ends)
     return (
-        f"Specify {setting}, tolerance +{plus:g}/\N{MINUS SIGN}{minus:g}\N{NO-BREAK SPACE}{unit}: "
-        f"from {low:.7g} to {high:.7g} N, all requirements are satisfied and the life is at least "
+        f"Specify {setting}, tolerance +{plus:g}/\N{MINUS SIGN}{minus:g}\N{NO-BREAK SPACE}{unit}. "
+        f"From {low:.7g} to {high:.7g} N, all requirements are satisfied, and the life is at least "
         "90 % of this life."
     )
 

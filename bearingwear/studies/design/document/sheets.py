@@ -17,6 +17,7 @@ import xarray as xr
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row, quantity_row
 from bearingwear.document.markdown import as_markdown
+from bearingwear.document.rows import bound_lines
 from bearingwear.document.study import by_wear_row, spread_rows
 from bearingwear.document.table import dataset_csv, flag_names
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -145,7 +146,7 @@ def preload_document(
     blocks = []
     if has_preload:
         expected_life = life_sentence(recommendation, spreads)
-        lines = (expected_life, *similar_life_sentences(recommendation))
+        lines = (expected_life, *bound_lines(scene), *similar_life_sentences(recommendation))
         blocks.append(Block("Expected life", lines=lines, place="verdict"))
         blocks.append(_setting_block(recommendation))
     blocks += _none_blocks(recommendation)
