@@ -185,10 +185,8 @@ def similar_life_sentences(recommendation: xr.Dataset) -> list[str]:
     if not others or others[0].life < SIMILAR * best.life:
         return []
     other = setting_words(scene_of(recommendation), others[0])
-    return [
-        sentence(f"{other} gives about the same life ({digits(others[0].life)} h)"),
-        "The difference is far smaller than the spread of the lives.",
-    ]
+    hours = digits(others[0].life)
+    return [f"Within the spread of lives, {other} gives the same life: {hours} h."]
 
 
 def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
