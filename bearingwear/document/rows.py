@@ -62,9 +62,9 @@ def film_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
 
 def bound_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
     """Returns the sentence on lives that are lower bounds; empty unless K_s/H is an upper bound."""
-    if not scene or scene.get("calibrated") or _has_film(scene) or not is_wear_bound(scene):
+    if "materials" not in scene or scene.get("calibrated") or _has_film(scene):
         return ()
-    return (LOWER_BOUND,)
+    return (LOWER_BOUND,) if is_wear_bound(scene) else ()
 
 
 def caveat_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:

@@ -236,6 +236,7 @@ KEY_UNITS = {
     "_W": "W",
     "_C": "°C",
     "_g": "g",
+    "_s": "s",
 }
 """Units at the ends of the keys of scenes and limits."""
 
