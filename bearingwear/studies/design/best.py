@@ -167,7 +167,8 @@ class PreloadSearch:
     but_life: DesignLimits = field(init=False)  # the limits without that on the life
 
     def __post_init__(self) -> None:
-        self.but_life = replace(self.limits, life_h=None)
+        no_life: dict[str, Any] = {"life_h": None}
+        self.but_life = replace(self.limits, **no_life)
         centre = self.scene.operation.preload_N
         preloads = {round_factor(factor, centre) for factor in SWEPT_FACTORS}
         grid = sorted(preload for preload in preloads if preload <= largest_permitted_preload())
