@@ -694,6 +694,10 @@ def test_the_page_has_the_phases_and_their_figure(scene, tmp_path):
         block.title for block in answer.blocks_in("open")
     }
     assert "phase idle meets its criterion" in str(answer.blocks_in("lead"))
+    rows = {row.name: row for block in answer.blocks_in("open") for row in block.rows}
+    percent = 100.0 * float(lived["palmgren_miner_error"])
+    assert numbers_in(rows["palmgren_miner_life"].note) == [float(f"{percent:.2g}")]
+    assert "more" in rows["palmgren_miner_life"].note and "palmgren_miner_error" not in rows
     assert float(lived["life_cycles"]) > 0.0 and len(figure.axes) == 2
     bare = {"cases": {"bare": {"friction.ball_race": 0.0}}}
     phases = duty({"still": {"hours": 1.0, "case": "bare"}})
