@@ -153,7 +153,7 @@ def preload_document(
     if has_preload:
         blocks += [_recommended_block(recommendation, spreads), _changes_block(recommendation)]
     if stated:
-        lines = tuple(sentence(f"{text['sentence']}; {text['advice']}") for text in stated)
+        lines = tuple(f"{sentence(w['sentence'])} {sentence(w['advice'])}" for w in stated)
         blocks.append(Block("Warnings (worst values)", lines=lines, place="strip"))
     blocks += machine_blocks(recommendation)
     blocks += [] if design is None else [_map_block(design)]
