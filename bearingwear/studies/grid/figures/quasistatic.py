@@ -33,7 +33,7 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread_of
-from bearingwear.results.units import Display, Interval, Rough, display
+from bearingwear.results.units import Display, Interval, digits, display
 from bearingwear.results.words import friction_text, methods, percent, scene_of
 
 WEAR_RATE = display("m3 s-1")
@@ -321,7 +321,7 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     if not lives_found:
         return "no end of life was found"
     (shortest, condition), (longest, _) = min(lives_found), max(lives_found)
-    ends = " to ".join(dict.fromkeys(Rough(hours).text for hours in (shortest, longest)))
+    ends = " to ".join(dict.fromkeys(digits(hours) for hours in (shortest, longest)))
     condition = f"; {condition}" if len(lives_found) == 1 else ""
     return f"life {ends} h (wear of {counted_words(scene_of(lives))}{condition})"
 
