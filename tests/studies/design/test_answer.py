@@ -173,6 +173,18 @@ def test_achieved_values_have_no_power_of_ten(files, tmp_path):
     assert "1230 W" in question.replace("\N{NO-BREAK SPACE}", " ")
 
 
+def test_the_chart_of_life_has_the_required_life(files, tmp_path):
+    """In hours, as its lines; the stiffness beside it is in N/um."""
+    required = {"life_h": 1.5, STIFFNESS: 3.0}
+    for name, path in files.items():
+        changed = load(path).assign_attrs(limits=json.dumps(required))
+        changed.to_netcdf(tmp_path / f"{name}.nc")
+    charts = json.loads(design_charts(*(tmp_path / f"{name}.nc" for name in files)))["charts"]
+    limits = {chart["title"]: (chart["limit"], chart["at_least"]) for chart in charts}
+    assert limits["Life versus initial preload"] == (1.5, True)
+    assert (3.0, True) in [limits[title] for title in limits if "tiffness" in title]
+
+
 def test_a_method_without_a_preload_has_no_groove_model(files):
     dataset = load(files["recommendation"])
     dataset["life"][1] = np.nan

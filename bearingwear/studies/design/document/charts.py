@@ -134,9 +134,11 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
                     band=bands.get(method) if is_life else None,
                 )
             )
-        measure = LIMITED.get(row.name)
-        _, factor = scale_of(row.unit)
-        limit = limits.get(row.name) if measure else None
+        key = "life_h" if is_life else row.name
+        measure, limit = LIMITED.get(key), limits.get(key)
+        if limit is not None and measure and not is_life:  # lives are in hours in files, too
+            _, factor = scale_of(row.unit)
+            limit = factor * measure.file_limit(limit, 1.0)
         bounds = [bound for band in bands.values() for bound in band] if is_life else []
         positive = [value for value in (*row.values, *bounds) if value > 0.0]
         yield Chart(
@@ -144,7 +146,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
             x_label=X_LABEL,
             y_label=row.head,
             lines=chart_lines,
-            limit=None if limit is None or not measure else factor * measure.file_limit(limit, 1.0),
+            limit=limit,
             at_least=bool(measure and measure.falls),
             log_x=max(preloads) > _DECADES * min(preloads),
             log_y=bool(positive) and max(positive) > _DECADES * min(positive),
