@@ -58,7 +58,10 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    # numba and xarray take half a second to import: only who solves shall wait for them
+    """Returns a public name, whose module is imported only now.
+
+    The command line imports the package without numba and xarray, which take half a second.
+    """
     if name in _FUNCTIONS:
         module, function = f"bearingwear.{_FUNCTIONS[name]}", name
     elif name in __all__:
@@ -69,4 +72,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
+    """Returns the public names, also those whose modules are not imported yet."""
     return sorted(__all__)

@@ -13,29 +13,34 @@ from bearingwear.process import set_environment
 
 
 def run_program() -> int:
-    """Run a command; return its exit status."""
+    """Runs a command and returns its exit status."""
     process = os.getpid()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        # a shell has Ctrl-C ignored for what runs in the background
-        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
-            # Python restores the default as it ends: the signal would kill it after its work
-            atexit.register(signal.signal, number, signal.SIG_IGN)
-            signal.signal(number, lambda n, _: _end(process, n))
+    for signal_number in (signal.SIGINT, signal.SIGTERM):
+        # in a background job, the shell has Ctrl-C ignored, and that stays
+        if signal.getsignal(signal_number) in (signal.SIG_DFL, signal.default_int_handler):
+            # Python restores the default handler as it ends, and a late signal would kill it
+            atexit.register(signal.signal, signal_number, signal.SIG_IGN)
+            signal.signal(signal_number, lambda number, _: _exit_on_signal(process, number))
     set_environment()
     from bearingwear.cli import main
 
     return main()
 
 
-def _end(process: int, number: int) -> None:
-    if os.getpid() == process:  # else forked from it, and ended with it
+def _exit_on_signal(process: int, number: int) -> None:
+    """Ends this process at once with the status of a signal, 128 and its number.
+
+    process: id of the process of the command. A process forked from it has the same handler, but
+        leaves it to that one to tidy up and to tell.
+    """
+    if os.getpid() == process:
         _tidy_up()
         os.write(2, b"interrupted\n" if number == signal.SIGINT else b"terminated\n")
     os._exit(128 + number)
 
 
 def _tidy_up() -> None:
-    """Stop other processes and remove what is half written."""
+    """Stops worker processes and removes unfinished files."""
     if multiprocessing := sys.modules.get("multiprocessing"):
         for child in multiprocessing.active_children():
             child.terminate()

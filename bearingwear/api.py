@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 import tempfile
 import warnings
@@ -12,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.kernels.status import STATUS_SENTENCES
 from bearingwear.measures import LIMITED
-from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
+from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, imported_function, kind_of
 from bearingwear.results.labels import coded, labelled
-from bearingwear.results.netcdf import CaseFileError, dataset
+from bearingwear.results.netcdf import CaseFileError, dataset_of_result
 from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
@@ -26,7 +25,7 @@ from bearingwear.scene.new.assumed import CLASSES
 from bearingwear.scene.new.catalogue import MAKERS
 from bearingwear.scene.new.designations import CLEARANCES
 from bearingwear.scene.new.scene_file import BALL_MATERIALS, PAIR_KINDS
-from bearingwear.scene.read import Source, as_scene, for_life, load_scene, written_data
+from bearingwear.scene.read import Source, as_scene, load_scene, scene_for_life, written_data
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
 from bearingwear.studies import STUDY_PLOTS, STUDY_SHEETS
 from bearingwear.studies.sweep import sweep
@@ -66,8 +65,6 @@ CHOICES: Mapping[str, Collection[str]] = {
 """Choices of the options of `new`."""
 
 RADIAL_CLEARANCE = "radial_clearance_um"
-
-_OF_NEW = "name", "designation", "bore", "outside"  # parameters with a name of their own
 
 
 def solve(
@@ -110,10 +107,10 @@ def solve(
         warnings (attribute `warnings`).
     """
     checked = as_scene(scene)
-    from bearingwear.solvers.solve import solve as solved
+    from bearingwear.solvers.solve import solve as solved_result
 
     state = None if restart is None else restart_from(restart, checked)
-    return _with_warnings(solved(checked, fidelity, state, progress), checked)
+    return _dataset_with_warnings(solved_result(checked, fidelity, state, progress), checked.name)
 
 
 def life(
@@ -149,10 +146,10 @@ def life(
         No life was found (`status` and `message` give the reason), or the result has warnings
         (attribute `warnings`).
     """
-    checked = for_life(as_scene(scene))
-    from bearingwear.lives.life import life as lived
+    checked = scene_for_life(as_scene(scene))
+    from bearingwear.lives.life import life as life_result
 
-    return _with_warnings(lived(checked, fidelity, progress), checked)
+    return _dataset_with_warnings(life_result(checked, fidelity, progress), checked.name)
 
 
 def uncertainty(
@@ -228,17 +225,18 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
     """
     from bearingwear.scene.checking.check import record
     from bearingwear.studies.design.plan import DesignLimits
-    from bearingwear.studies.design.recommend import best_method, recommended
+    from bearingwear.studies.design.recommend import best_method, recommendation_and_map
     from bearingwear.studies.solve import life_scene
 
     keys = {_argument(measure.option): key for key, measure in LIMITED.items()}
     keys |= {"at_speed_only": "at_speed_only", "warmup": "warmup_s"}
-    if unknown := sorted(requirements.keys() - keys):
-        raise TypeError(f"recommend: got {unknown[0]!r}, expected {', '.join(sorted(keys))}")
-    limits_given = {keys[name]: value for name, value in requirements.items() if value is not None}
-    limits = record(DesignLimits, limits_given, "recommend")
+    for name in sorted(requirements):
+        if name not in keys:
+            raise TypeError(f"recommend: got {name!r}, expected {', '.join(sorted(keys))}")
+    values = {keys[name]: value for name, value in requirements.items() if value is not None}
+    limits = record(DesignLimits, values, "recommend")
     checked = life_scene(scene, films=True)
-    recommendation, lives = recommended(checked, limits, checked.name, workers)
+    recommendation, lives = recommendation_and_map(checked, limits, checked.name, workers)
     if limits.given and best_method(recommendation) is None:
         text = f"{checked.name}: no preload satisfies all requirements"
         warnings.warn(text, stacklevel=2)
@@ -288,23 +286,24 @@ def warmup(
 
     ramp_s = checked.start_s if seconds is None else seconds
     shaft_course = ramp(ramp_s) if course is None else course_of(checked, course)
-    warmed = labelled(warm_up_dataset(checked, shaft_course, duration))
-    if (status := str(warmed["status"].item())) != "ok":
-        end = float(warmed["end_time"])
-        text = f"{checked.name}: {warmed['ending'].item()} after {end:.4g} s ({status})"
+    warm_up = labelled(warm_up_dataset(checked, shaft_course, duration))
+    status = str(warm_up["status"].item())
+    if status != "ok":
+        end = float(warm_up["end_time"])
+        text = f"{checked.name}: {warm_up['ending'].item()} after {end:.4g} s ({status})"
         warnings.warn(text, stacklevel=2)
-    return warmed
+    return warm_up
 
 
-def _with_warnings(result: Result, scene: Scene) -> xr.Dataset:
-    """Return the dataset of a result, and issue its warnings."""
-    result_dataset = dataset(result, by_name=True)
+def _dataset_with_warnings(result: Result, scene_name: str) -> xr.Dataset:
+    """Return the dataset of a result, and issue its warnings where `solve` or `life` was called."""
+    result_dataset = dataset_of_result(result, by_name=True)
     result_dataset.attrs["message"] = STATUS_SENTENCES[result.status]
     if result.status != "ok":
-        text = f"{scene.name}: {result.status}: {STATUS_SENTENCES[result.status]}"
+        text = f"{scene_name}: {result.status}: {STATUS_SENTENCES[result.status]}"
         warnings.warn(text, stacklevel=3)
     for warning in warnings_in(result_dataset.attrs):
-        warnings.warn(f"{scene.name}: {warning['sentence']}; {warning['advice']}", stacklevel=3)
+        warnings.warn(f"{scene_name}: {warning['sentence']}; {warning['advice']}", stacklevel=3)
     return result_dataset
 
 
@@ -356,15 +355,16 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
     """
     from bearingwear.atomic import OutputError, write_text
 
-    if isinstance(data, Scene) != (Path(path).suffix in SCENE_SUFFIXES):
-        got, allowed = ("a scene", "with") if isinstance(data, Scene) else ("a dataset", "without")
-        raise OutputError(
-            f"{path}: got {got}, expected a file name {allowed} the suffix "
-            f"{' or '.join(SCENE_SUFFIXES)}"
-        )
+    suffixes, has_scene_suffix = " or ".join(SCENE_SUFFIXES), Path(path).suffix in SCENE_SUFFIXES
     if isinstance(data, Scene):
+        if not has_scene_suffix:
+            problem = f"got a scene, expected a file name with the suffix {suffixes}"
+            raise OutputError(f"{path}: {problem}")
         write_text(path, yaml_of(written_data(data)))
     else:
+        if has_scene_suffix:
+            problem = f"got a dataset, expected a file name without the suffix {suffixes}"
+            raise OutputError(f"{path}: {problem}")
         from bearingwear.studies.dataset import write_dataset
 
         write_dataset(coded(data), Path(path))
@@ -393,8 +393,9 @@ def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False)
         return scene_sheet(data)
     if isinstance(data, str | os.PathLike):
         return sheet(data, STUDY_SHEETS, every)
-    with tempfile.TemporaryDirectory() as folder:
-        save(data, path := Path(folder) / "result.nc")
+    with tempfile.TemporaryDirectory() as folder:  # sheets of all kinds are made from open files
+        path = Path(folder) / "result.nc"
+        save(data, path)
         return sheet(path, STUDY_SHEETS, every)
 
 
@@ -437,31 +438,40 @@ def new(
     if isinstance(bore, str):
         problem = f"got {bore!r}, expected a number, or designation={bore!r}"
         raise SceneError("", problem, source="bore")
-    keys = {_argument(option): key for option, key, *_ in OPTIONS}
     if designation is not None and not isinstance(designation, str):
         raise TypeError(f"new: got {designation!r}, expected a designation such as '7008C'")
-    text_options = inspect.signature(scene_text).parameters.keys() - {"given", *_OF_NEW}
-    allowed = [*text_options, *keys, RADIAL_CLEARANCE]
-    if unknown := sorted(known.keys() - allowed):
-        raise TypeError(f"new: got {unknown[0]!r}, expected {', '.join(sorted(allowed))}")
-    for option, choices in CHOICES.items():
-        text = known.get(option)
-        if isinstance(text, str) and text not in choices:
-            advice = did_you_mean(text, choices)
-            problem = f"got {text!r}, expected {', '.join(choices)}{advice}"
-            raise SceneError("", problem, source=option)
+    keys = {_argument(option): key for option, key, *_ in OPTIONS}
+    allowed = sorted([*CHOICES, *keys, RADIAL_CLEARANCE])
+    for option in sorted(known):
+        if option not in allowed:
+            raise TypeError(f"new: got {option!r}, expected {', '.join(allowed)}")
+    _check_choices(known)
     if RADIAL_CLEARANCE in known:
         if "clearance" in known:
             raise TypeError(f"new: got clearance and {RADIAL_CLEARANCE}, expected only one of them")
         known["clearance"] = known.pop(RADIAL_CLEARANCE)
-    numbers: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
-    options: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
-    options |= {"bore": bore, "outside": outside, "designation": designation}
+    numbers: dict[str, Any] = {}
+    options: dict[str, Any] = {"bore": bore, "outside": outside, "designation": designation}
+    for option, value in known.items():
+        if option in keys:
+            numbers[keys[option]] = value
+        else:
+            options[option] = value
     try:
         text, assumed = scene_text(name, given=numbers, **options)
         return checked_scene(text, f"Assumed or catalogue values: {'; '.join(assumed)}.")
     except SceneError as error:
         raise error.in_source(_argument(error.source)) from None
+
+
+def _check_choices(options: Mapping[str, float | str]) -> None:
+    """Refuse an option of `new` whose text is none of its choices."""
+    for option, choices in CHOICES.items():
+        text = options.get(option)
+        if isinstance(text, str) and text not in choices:
+            advice = did_you_mean(text, choices)
+            problem = f"got {text!r}, expected {', '.join(choices)}{advice}"
+            raise SceneError("", problem, source=option)
 
 
 def _argument(option: str) -> str:
@@ -509,11 +519,12 @@ class Plot:
         return self._figure(data, STUDY_PLOTS, bearing)
 
     def __getattr__(self, name: str) -> Callable[..., Figure]:
+        """Return the function that draws results of one kind, such as `plot.case`."""
         kinds = {kind.replace(" ", "_"): kind for kind in STUDY_PLOTS}
         if name not in kinds:
             raise AttributeError(f"plot: got {name!r}, expected {', '.join(kinds)}")
         kind = kinds[name]
-        drawing = function(STUDY_PLOTS[kind])
+        drawing = imported_function(STUDY_PLOTS[kind])
 
         def figure(data: str | os.PathLike[str] | xr.Dataset, bearing: str | None = None) -> Figure:
             return self._figure(data, {kind: STUDY_PLOTS[kind]}, bearing)
@@ -522,19 +533,23 @@ class Plot:
         return figure
 
     def __dir__(self) -> list[str]:
+        """Return the names of the functions for each kind, too, for completion."""
         return [*super().__dir__(), *(kind.replace(" ", "_") for kind in STUDY_PLOTS)]
 
     @staticmethod
     def _figure(
         data: str | os.PathLike[str] | xr.Dataset, figures: Registry, bearing: str | None
     ) -> Figure:
-        """Draw a file or a dataset by the function of its kind in `figures`."""
+        """Draw a file or a dataset by the function of its kind in `figures`.
+
+        CaseFileError: a kind that `figures` lacks, or neither a path nor a dataset.
+        """
         import matplotlib
         import xarray as xr
 
         from bearingwear.plotting.plot import figure_of
 
-        with matplotlib.rc_context():  # figures have a style of their own
+        with matplotlib.rc_context():  # drawing sets the package's style, and this takes it back
             if isinstance(data, str | os.PathLike):
                 return figure_of(read_file(data), os.fspath(data), figures, bearing)
             if isinstance(data, xr.Dataset):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -64,30 +65,52 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Exits with one line that says what was given and what is expected."""
-        for pattern, expected in _EXPECTED.items():
-            if match := re.search(f"invalid {pattern}", message):
-                hint = _integer_hint(match[1]) or number_hint(match[1])
-                hint = f" ({hint})" if hint else ""
-                message = f"{message[: match.start()]}got {match[1]!r}, expected {expected}{hint}"
-        if match := _CHOICE.search(message):
-            choices = [c for c in match[2].replace("'", "").split(", ") if c != "[]"]
-            message = (
-                f"{message[: match.start()]}got {match[1]!r}, expected {', '.join(choices)}"
-                f"{did_you_mean(match[1], choices)}"
-            )
-            if "argument --maker:" in message:
-                message += "; designations of other makers are read without it"
-        if match := re.match("argument --preload: got '([a-z]+)'", message):
-            if match[1] in PRELOAD_CLASSES:
-                message += f"; did you mean --preload-class {match[1]}"
+        message = _choice_message(_number_message(message))
+        preload = re.match("argument --preload: got '([a-z]+)'", message)
+        if preload and preload[1] in PRELOAD_CLASSES:
+            message += f"; did you mean --preload-class {preload[1]}"
         self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
 
-def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
-    """Returns the parser of every command; `run` is the dotted name of the handler.
+def _number_message(message: str) -> str:
+    """Returns argparse's message on an invalid number in the words of this program.
 
-    typed: the command to parse, where that is known; applications with another command then get no
-        options.
+    Any other message is unchanged.
+    """
+    for pattern, expected in _EXPECTED.items():
+        if match := re.search(f"invalid {pattern}", message):
+            typed = match[1]
+            hint = _integer_hint(typed) or number_hint(typed)
+            note = f" ({hint})" if hint else ""
+            return f"{message[: match.start()]}got {typed!r}, expected {expected}{note}"
+    return message
+
+
+def _choice_message(message: str) -> str:
+    """Returns argparse's message on an invalid choice in the words of this program.
+
+    Any other message is unchanged.
+    """
+    match = _CHOICE.search(message)
+    if match is None:
+        return message
+    typed, listed = match.groups()
+    # argparse lists the empty list, which stands for no argument at all
+    choices = [choice for choice in listed.replace("'", "").split(", ") if choice != "[]"]
+    message = (
+        f"{message[: match.start()]}got {typed!r}, expected {', '.join(choices)}"
+        f"{did_you_mean(typed, choices)}"
+    )
+    if "argument --maker:" in message:
+        message += "; designations of other makers are read without it"
+    return message
+
+
+def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
+    """Returns the parser of every command; `run` is the dotted name of its handler.
+
+    typed: the command to parse, where that is known. Applications with other commands then get no
+        options, which saves their imports.
     """
     parser = _Parser(
         prog="bearingwear",
@@ -101,39 +124,13 @@ def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     def command(name: str, text: str, handler: str = "") -> argparse.ArgumentParser:
+        """Adds a command, whose handler has its name by default, and returns its parser."""
         sub = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
         sub.set_defaults(run=handler or f"bearingwear.commands:{name}")
         return sub
 
     _add_new(command("new", "write a commented scene file from a few catalogue values"))
-    check = command("check", "check a scene; report its model and a table of effects")
-    solve = command("solve", "solve a scene and print a summary sheet; -o writes a case file")
-    life = command("life", "compute the wear life and print a summary sheet; -o writes a life file")
-    for sub in (check, solve, life):
-        _add_fidelity(sub)
-    add_formats(check)
-    solve.add_argument(
-        "--restart",
-        metavar="CASE.nc",
-        help="continue a dynamic case from its final state; the two scenes may differ only in "
-        "wear, model and friction.slip_regularisation_m_s",
-    )
-    for sub in (check, solve, life):
-        add_case(sub)
-    _add_result(solve, several=True)
-    _add_result(life)
-    for sub in (solve, life):
-        add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
-    spread = command(
-        "uncertainty", "compute the spread in life due to the uncertain values in the scene"
-    )
-    _add_uncertainty(spread)
-    add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
-    recommend = command("recommend", "recommend a preload for given requirements")
-    add_scene(recommend)
-    _add_limits(recommend)
-    add_formats(recommend)
-    _add_warmup(command("warmup", "compute temperatures and preload from rest to the steady state"))
+    _add_one_scene(command)
     _add_show(
         command(
             "show", "print the main values of a result file, of two side by side, or of a scene"
@@ -151,6 +148,41 @@ def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
 
 
 # fmt: off
+def _add_one_scene(add_command: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    """Adds the commands that check or solve a scene, or choose its preload."""
+    check = add_command("check", "check a scene; report its model and a table of effects")
+    _add_fidelity(check)
+    add_formats(check)
+    add_case(check)
+    solve = add_command("solve", "solve a scene and print a summary sheet; -o writes a case file")
+    _add_fidelity(solve)
+    solve.add_argument("--restart", metavar="CASE.nc",
+        help="continue a dynamic case from its final state; the two scenes may differ only in "
+        "wear, model and friction.slip_regularisation_m_s")
+    add_case(solve)
+    _add_result(solve, several=True)
+    _add_quiet_formats(solve)
+    life = add_command("life",
+        "compute the wear life and print a summary sheet; -o writes a life file")
+    _add_fidelity(life)
+    add_case(life)
+    _add_result(life)
+    _add_quiet_formats(life)
+    _add_uncertainty(add_command("uncertainty",
+        "compute the spread in life due to the uncertain values in the scene"))
+    recommend = add_command("recommend", "recommend a preload for given requirements")
+    add_scene(recommend)
+    _add_limits(recommend)
+    add_formats(recommend)
+    _add_warmup(add_command("warmup",
+        "compute temperatures and preload from rest to the steady state"))
+
+
+def _add_quiet_formats(sub: argparse.ArgumentParser) -> None:
+    """Adds the formats of the output, and `--quiet` as an alternative to them."""
+    add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
+
+
 def _add_sweep(sweep: argparse.ArgumentParser) -> None:
     """Adds the arguments of `sweep`."""
     sweep.add_argument("scenes", nargs="+", metavar="SCENE.yaml",
@@ -280,15 +312,14 @@ def _add_fidelity(sub: argparse.ArgumentParser) -> None:
 def _add_limits(sub: argparse.ArgumentParser) -> None:
     """Adds the requirements of a preload."""
     for key, measure in LIMITED.items():
-        text = measure.limit[0][0].lower() + measure.limit[0][1:]
-        unit, metavar = f", {measure.unit}", measure.unit.upper().replace("/", "_")
-        if measure.unit == "%":
-            unit, metavar = "", "SHARE"
-        if measure.unit == "1":
-            unit, metavar = "", "RATIO"
-        part = Part("number", Key("", measure.key_unit, measure.limit[1]))
-        sub.add_argument(measure.option, dest=key, type=number_in(part), metavar=metavar,
-            help=f"{text}{unit}")
+        meaning, allowed_range = measure.limit
+        text = meaning[0].lower() + meaning[1:]
+        metavar = {"%": "SHARE", "1": "RATIO"}.get(measure.unit)
+        if metavar is None:
+            text = f"{text}, {measure.unit}"
+            metavar = measure.unit.upper().replace("/", "_")
+        part = Part("number", Key("", measure.key_unit, allowed_range))
+        sub.add_argument(measure.option, dest=key, type=number_in(part), metavar=metavar, help=text)
     sub.add_argument("--at-speed-only", action="store_true", help="apply the requirements at the "
         "speed of each case alone, not from operation.lowest_speed_rpm to that speed")
     sub.add_argument("--warmup", dest="warmup_s", type=number_in(_SECONDS), nargs="?",
@@ -297,7 +328,7 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_result(sub: argparse.ArgumentParser, several: bool = False) -> None:
-    """Adds the options for a result file, or for `several` files."""
+    """Adds the options for a result file; with `several`, also those for a file for each value."""
     if several:
         sub.add_argument("--each", metavar="KEY=VALUE,VALUE...",
             help="solve a case for each value of a key in the scene; -o then names a file for each")
@@ -328,6 +359,7 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
         help="exit with status 0 even if no life could be computed")
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=result_name,
         help="the file to write (default: SCENE-uncertainty.nc)")
+    _add_quiet_formats(sub)
 
 
 def _add_study(study: argparse.ArgumentParser) -> None:
@@ -365,11 +397,11 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
         help="time at which to end (default: once the temperatures are steady)")
     sub.add_argument("-o", "--output", metavar="FILE.nc", type=result_name,
         help="the file to write (default: SCENE-warmup.nc)")
-    add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
+    _add_quiet_formats(sub)
 
 
 def _limit_of_ramp(text: str) -> tuple[str, float]:
-    """Reads the name and the value of a limit during a warm-up."""
+    """Returns the name of a limit during a warm-up, and its value [GPa or N]: `pressure=1.8`."""
     name, equals, value = text.partition("=")
     if name not in ("pressure", "preload") or not equals:
         raise argparse.ArgumentTypeError(f"got {text}, expected pressure=GPA or preload=N")
@@ -378,19 +410,21 @@ def _limit_of_ramp(text: str) -> tuple[str, float]:
 
 
 def _course(text: str) -> list[tuple[float, float]]:
-    """Reads times [s] and shaft speeds [r/min]."""
-    try:
-        pairs = [tuple(map(float, pair.split(":"))) for pair in text.split(",")]
-        if not all(len(pair) == 2 for pair in pairs):
-            raise ValueError
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"got {text}, expected times and speeds such as 0:0,10:6000,60:12000"
-        ) from None
-    times = [time for time, _ in pairs]
-    if times[0] != 0.0 or any(b <= a for a, b in zip(times, times[1:], strict=False)):
+    """Returns times [s] and shaft speeds [r/min] of a text such as `0:0,10:6000`."""
+    points = []
+    for pair in text.split(","):
+        try:
+            time, speed = map(float, pair.split(":"))
+        except ValueError:
+            raise argparse.ArgumentTypeError(
+                f"got {text}, expected times and speeds such as 0:0,10:6000,60:12000"
+            ) from None
+        points.append((time, speed))
+    times = [time for time, _ in points]
+    rises = all(earlier < later for earlier, later in itertools.pairwise(times))
+    if times[0] != 0.0 or not rises:
         raise argparse.ArgumentTypeError(f"got {text}, expected times that rise from 0")
-    return pairs  # type: ignore[return-value]
+    return points
 
 
 def _add_show(sub: argparse.ArgumentParser) -> None:
@@ -417,17 +451,17 @@ def _add_plot(sub: argparse.ArgumentParser) -> None:
 
 
 def is_result(text: str) -> bool:
-    """Whether the name of a study is that of one of its results."""
+    """Whether the NAME of `bearingwear study` is a file in the folder `results`."""
     return Path(text).parts[:1] == ("results",)
 
 
 def _names(text: str) -> list[str]:
-    """Splits names at commas."""
+    """Returns the names in a text that are separated by commas."""
     return text.split(",")
 
 
 def _part(text: str) -> tuple[int, int]:
-    """Reads the number of a part and the number of all parts from K/N."""
+    """Returns the number of a part and the number of all parts of a text K/N."""
     part, _, parts = text.partition("/")
     if not (part.isdecimal() and parts.isdecimal()):
         raise argparse.ArgumentTypeError(f"got {text!r}, expected K/N such as 3/10")

@@ -13,8 +13,8 @@ from pathlib import Path
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """What a netCDF-4 file starts with."""
 
-PROBE_BYTES = 16_000_000  # more than what others, who fail as well, free meanwhile
-"""Written to learn whether a disk is full."""
+PROBE_BYTES = 16_000_000
+"""Written to learn whether a disk is full; more than other processes free as they fail there."""
 
 _WRITABLE = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 
@@ -28,30 +28,30 @@ class OutputError(OSError):
 
 @contextlib.contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yields a name to write to; the file there is renamed to `path` if nothing went wrong.
+    """Yields a temporary name to write to; at the end, its file is renamed to `path`.
 
-    Folders are made. Whatever goes wrong, a file of before is left as it was, and no part of the
-    new one stays, unless the process is killed.
+    Missing folders are made. After an error, an existing file is as it was, and the temporary one
+    is removed.
 
-    OutputError: no permission, a file marked read-only, a full disk, a name that cannot be.
+    OutputError: no permission, a file marked read-only, a full disk, an impossible name.
     """
     path = Path(path)
     if "\0" in str(path):
         raise OutputError(f"{path}: cannot be written (the file name contains a null character)")
-    # no other thread of any process has this number; it is the process's for its first thread
+    # the number of a thread is unique among all threads of all processes
     part = path.with_name(f".{path.name}.{threading.get_native_id()}.part")
     UNFINISHED.add(part)
     try:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             _check_writable(path)
-            # netCDF4 says only "Permission denied" for all that can go wrong here
+            # netCDF4 calls every fault here "Permission denied", so they are provoked before it
             part.open("wb").close()
-            os.fspath(part).encode()  # and nothing of use about a name that is not UTF-8
+            os.fspath(part).encode()  # fails for a name that is not UTF-8
             try:
                 yield part
             except (OSError, RuntimeError):
-                _append(part)
+                _check_disk_space(part)
                 raise
             os.replace(part, path)
         finally:
@@ -65,7 +65,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def remove_unfinished() -> None:
-    """Remove what an interrupted process leaves."""
+    """Removes the temporary files and folders of an interrupted process."""
     for part in UNFINISHED:
         if part.is_dir():
             shutil.rmtree(part, ignore_errors=True)
@@ -74,13 +74,13 @@ def remove_unfinished() -> None:
 
 
 def _check_writable(path: Path) -> None:
-    """Refuse to replace a file that is marked read-only; for root, too, who may write to it."""
+    """Refuses to replace a file that is marked read-only, even for root, who could write to it."""
     if path.is_file() and not (path.stat().st_mode & _WRITABLE and os.access(path, os.W_OK)):
         raise OutputError(f"{path}: got a read-only file, expected a different file name")
 
 
-def _append(part: Path) -> None:
-    """Fail as a plain write to a full disk does.
+def _check_disk_space(part: Path) -> None:
+    """Raises the OSError of a full disk by a plain write, if the disk is full.
 
     HDF5 fails there with a RuntimeError that does not say why, or calls it "Permission denied".
     """
@@ -89,7 +89,10 @@ def _append(part: Path) -> None:
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text as UTF-8."""
+    """Writes a text as UTF-8 to a file that appears only when it is complete.
+
+    OutputError: it cannot be written.
+    """
     with whole_file(path) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
 
@@ -103,7 +106,10 @@ def reason(error: BaseException) -> str:
 
 
 def check_output(path: Path, scene: str) -> None:
-    """Refuse, before anything is solved, an output that must not be replaced."""
+    """Refuses, before anything is solved, an output that cannot or must not be written.
+
+    scene: file of the scene, which the output must not replace.
+    """
     try:
         check_folder(path)
         if path.exists():
@@ -120,7 +126,7 @@ def check_output(path: Path, scene: str) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Refuse more than one new folder: it is likelier a slip of the pen."""
+    """Refuses more than one new folder, because the path is then probably mistyped."""
     if path.parent.exists() and not path.parent.is_dir():
         raise OutputError(f"{path.parent}: got a file, expected a folder")
     if not path.parent.parent.exists():
@@ -128,7 +134,7 @@ def check_folder(path: Path) -> None:
 
 
 def _check_replaceable(path: Path) -> None:
-    """Refuse to write a result over anything else, above all over a scene."""
+    """Refuses to write a result over a file of another kind, such as a scene."""
     with path.open("rb") as file:
         start = file.read(len(SIGNATURE))
     if start and start != SIGNATURE:

@@ -17,9 +17,9 @@ import io
 import os
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from bearingwear.arguments import command_parser
 from bearingwear.console import (
@@ -31,8 +31,12 @@ from bearingwear.console import (
     one_line,
 )
 from bearingwear.measures import LIMITED
+from bearingwear.scene.checking.errors import synonym
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.new.scene_file import OPTIONS
+
+if TYPE_CHECKING:
+    from bearingwear.scene.checking.errors import NotAvailable
 
 FULL_DISK, INTERRUPTED = 74, 130
 RENAMED = {"compare": "show A.nc B.nc"}
@@ -41,28 +45,23 @@ RENAMED = {"compare": "show A.nc B.nc"}
 RENAMED_OPTIONS = {"--film": "--lubrication"}
 """Options of earlier versions."""
 
-OPTIONS_MEANT = {
-    "-n": "--speed", "--n": "--speed", "--rpm": "--speed", "-d": "--bore", "--id": "--bore",
-    "-D": "--outside", "--od": "--outside", "--diameter": "--outside", "--mu": "--friction",
-    "--alpha": "--contact-angle", "--material": "--ball-material", "--hybrid": "--ball-material",
-    "--class": "--preload-class", "--arrangement": "--pair", "--lubricant": "--lubrication",
-    "--out": "--output", "--gyro": "--slip", "--noise": "--frequency",
-}  # fmt: skip
-"""Options by other words that people type for them."""
-
 _KEY_OF_OPTION = {option: key for option, key, *_ in OPTIONS}
 """Keys of a scene by the options of `new`, which other commands take as `--set KEY=VALUE`."""
 
-_NEW_OBJECTS = 100_000  # before Python looks for garbage; 700 by default
+_GARBAGE_THRESHOLD = 100_000
+"""New objects after which Python looks for garbage; by default, it is 700."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command; return its exit status."""
-    _look_for_garbage_rarely()
+    """Runs a command and returns its exit status.
+
+    argv: arguments after the name of the program; by default those of this process.
+    """
+    _collect_garbage_rarely()
     if sys.stdout.errors == "strict" and isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a locale without `°` or `–`
     try:
-        status = _status(sys.argv[1:] if argv is None else argv)
+        status = _exit_status(sys.argv[1:] if argv is None else argv)
         # buffered text that cannot be printed is noticed here, not when Python shuts down
         print(end="", flush=True)
         return status
@@ -83,79 +82,97 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 @functools.cache
-def _look_for_garbage_rarely() -> None:
-    """Saves a quarter of a short command: modules and their tables are no garbage.
+def _collect_garbage_rarely() -> None:
+    """Saves a quarter of the time of a short command, in which nothing is garbage.
 
-    Python looks through all of them again and again while they are loaded, and twice at its end.
+    By default, Python searches all modules and tables many times while they are loaded, and twice
+    as it ends.
     """
-    gc.set_threshold(_NEW_OBJECTS, *gc.get_threshold()[1:])
+    gc.set_threshold(_GARBAGE_THRESHOLD, *gc.get_threshold()[1:])
     atexit.register(gc.freeze)
 
 
-def _status(argv: Sequence[str]) -> int:
+def _exit_status(argv: Sequence[str]) -> int:
+    """Runs a command and returns its exit status; turns SystemExit into one."""
     try:
         return _run(_parsed_arguments(argv))
     except SystemExit as stop:
-        if isinstance(stop.code, str):  # of a library
+        if isinstance(stop.code, str):  # libraries exit with their message
             sys.stderr.write(one_line(stop.code))
         return stop.code if isinstance(stop.code, int) else BAD_INPUT
 
 
 def _drop(stream: TextIO) -> None:
-    """Discard what is still buffered, because Python would try to print it once more."""
+    """Discards the buffered text of a stream, which Python would try to print again as it ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _parsed_arguments(argv: Sequence[str]) -> argparse.Namespace:
+    """Parses a command line; exits with one line if it has no command or an unknown argument."""
     if "_ARGCOMPLETE" in os.environ:  # the shell asks how a line may go on
         import argcomplete
 
         argcomplete.autocomplete(command_parser())
     parser = command_parser(argv[0] if argv else "")
-    of_commands: Mapping[str, Any] = parser._subparsers._group_actions[0].choices  # type: ignore[union-attr,assignment]
-    if argv and not argv[0].startswith("-") and argv[0] not in of_commands:
-        people = [name for name in of_commands if name != "step"]
-        near = difflib.get_close_matches(argv[0], people, n=2)
-        allowed = f"did you mean {' or '.join(near)}" if near else f"expected {', '.join(people)}"
-        if argv[0] in RENAMED:
-            allowed = f"it is now bearingwear {RENAMED[argv[0]]}"
-        parser.error(f"got the command {argv[0]!r}; {allowed}")
-    args, left = parser.parse_known_args(argv)
+    parsers: Mapping[str, Any] = parser._subparsers._group_actions[0].choices  # type: ignore[union-attr,assignment]
+    if argv and not argv[0].startswith("-") and argv[0] not in parsers:
+        parser.error(f"got the command {argv[0]!r}; {_command_hint(argv[0], parsers)}")
+    args, unknown = parser.parse_known_args(argv)
     if args.command == "plot":
         _sort_plot(parser, args)
     if args.command == "study":
-        args.more, left = left, []
-        _check_study(of_commands["study"], args, argv)
+        args.more, unknown = unknown, []
+        _check_study(parsers["study"], args, argv)
     # `--set A=1 B=2` is read as `--set A=1 --set B=2`
-    if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
-        args.set += left
-    elif left:
-        command = of_commands[args.command]
-        option = left[0].partition("=")[0]
-        accepted = command._option_string_actions
-        near = difflib.get_close_matches(option, accepted, n=2)
-        if OPTIONS_MEANT.get(option) in accepted:
-            near = [OPTIONS_MEANT[option]]
-        hint = f"; did you mean {' or '.join(near)}" if near else _hint_on_word(left[0], argv)
-        if option in RENAMED_OPTIONS:
-            hint = f"; it is now {RENAMED_OPTIONS[option]}"
-        if option in _KEY_OF_OPTION and "--set" in accepted:
-            value = " ".join(left).removeprefix(option).lstrip(" =").partition(" ")[0]
-            hint = f"; write --set {_KEY_OF_OPTION[option]}={value}"
-        command.error(f"got {left[0]!r}, which this command does not accept{hint}")
+    if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in unknown):
+        args.set += unknown
+    elif unknown:
+        command = parsers[args.command]
+        hint = _argument_hint(unknown, command._option_string_actions, argv)
+        command.error(f"got {unknown[0]!r}, which this command does not accept{hint}")
     return args
 
 
-def _hint_on_word(word: str, argv: Sequence[str]) -> str:
-    """Returns why a word may have been typed that no option takes; "" if nothing is likely."""
+def _command_hint(typed: str, commands: Iterable[str]) -> str:
+    """Returns what is typed in place of a command that does not exist."""
+    if typed in RENAMED:
+        return f"it is now bearingwear {RENAMED[typed]}"
+    names = [name for name in commands if name != "step"]  # only rules of the workflow call `step`
+    if similar := difflib.get_close_matches(typed, names, n=2):
+        return f"did you mean {' or '.join(similar)}"
+    return f"expected {', '.join(names)}"
+
+
+def _argument_hint(unknown: Sequence[str], options: Collection[str], argv: Sequence[str]) -> str:
+    """Returns advice on arguments that a command does not accept, after a semicolon, or "".
+
+    unknown: these arguments; the advice is on the first one.
+    options: of the command.
+    argv: the whole command line.
+    """
+    option, _, value = unknown[0].partition("=")
+    if option in _KEY_OF_OPTION and "--set" in options:
+        value = value or "".join(unknown[1:2])
+        return f"; write --set {_KEY_OF_OPTION[option]}={value}"
+    if option in RENAMED_OPTIONS:
+        return f"; it is now {RENAMED_OPTIONS[option]}"
+    if other_name := synonym(option, options):
+        return f"; did you mean {other_name}"
+    if similar := difflib.get_close_matches(option, options, n=2):
+        return f"; did you mean {' or '.join(similar)}"
+    return _word_hint(unknown[0], argv)
+
+
+def _word_hint(word: str, argv: Sequence[str]) -> str:
+    """Returns why a word that no option takes may have been typed, or ""."""
     place = argv.index(word) if word in argv else 0
     if place < 2 or word.startswith("-"):
         return ""
-    option, before = argv[place - 2 : place]
-    if re.fullmatch(r"[-+]?[\d.,]+", before):
-        return f"; numbers are typed without a unit and without spaces ({before} alone)"
-    if option == "--set" and "=" not in before:
-        return f"; did you mean --set {before}={word}"
+    option, value = argv[place - 2 : place]
+    if re.fullmatch(r"[-+]?[\d.,]+", value):
+        return f"; numbers are typed without a unit and without spaces ({value} alone)"
+    if option == "--set" and "=" not in value:
+        return f"; did you mean --set {value}={word}"
     return ""
 
 
@@ -166,61 +183,55 @@ def _check_study(
     from bearingwear.studies.launch import DRY_RUN
 
     options = [measure.option for measure in LIMITED.values()] + ["--output", "--jobs"]
-    typed = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
-    for text in typed:
-        if near := difflib.get_close_matches(text.partition("=")[0], options, n=1, cutoff=0.8):
-            parser.error(
-                f"got {text!r}, which this command does not accept; did you mean {near[0]}"
-            )
-    before = argv[: argv.index(args.name)] if args.name in argv else []
-    if first := [text for text in typed if text in before]:
-        parser.error(f"got {args.name} after {first[0]}, expected the name of the study first")
-    of_a_scene = [m.option for key, m in LIMITED.items() if getattr(args, key) is not None]
-    of_a_scene += ["--output"] if args.output is not None else []
-    if of_a_scene and not args.name.endswith(SCENE_SUFFIXES):
+    snakemake_options = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
+    for text in snakemake_options:
+        for option in difflib.get_close_matches(text.partition("=")[0], options, n=1, cutoff=0.8):
+            parser.error(f"got {text!r}, which this command does not accept; did you mean {option}")
+    before_name = argv[: argv.index(args.name)] if args.name in argv else []
+    for text in snakemake_options:
+        if text in before_name:
+            parser.error(f"got {args.name} after {text}, expected the name of the study first")
+    scene_options = [
+        measure.option for key, measure in LIMITED.items() if getattr(args, key) is not None
+    ]
+    if args.output is not None:
+        scene_options.append("--output")
+    if scene_options and not args.name.endswith(SCENE_SUFFIXES):
         scene_file = Path(f"{args.name}.yaml")
         advice = f"; did you mean {scene_file}" if scene_file.is_file() else ""
-        parser.error(f"got {of_a_scene[0]} without a scene; only allowed with SCENE.yaml{advice}")
+        problem = f"got {scene_options[0]} without a scene"
+        parser.error(f"{problem}; only allowed with SCENE.yaml{advice}")
 
 
 def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-    """Let the file that is drawn stand after the figures: `plot -o figure.png FILE.nc`."""
+    """Sets the file that is drawn and the figures, which `-o` takes for one list.
+
+    In `plot -o figure.png FILE.nc`, the file stands after the figures.
+    """
     if args.file is None:
-        results = [path for path in args.output if path.suffix == ".nc"]
-        if len(results) != 1:
-            parser.error(f"plot: got {len(results)} result files, expected one (FILE.nc)")
-        (args.file,) = results
+        files = [path for path in args.output if path.suffix == ".nc"]
+        if len(files) != 1:
+            parser.error(f"plot: got {len(files)} result files, expected one (FILE.nc)")
+        args.file = files[0]
         args.output.remove(args.file)
     args.output = args.output or [args.file.with_suffix(".svg")]
 
 
 def _run(args: argparse.Namespace) -> int:
-    # imported here: `--help` shall not wait
+    """Calls the handler of a command and returns its exit status; prints errors as lines."""
+    # imported here, because `--help` does not need them
     from bearingwear.atomic import OutputError
-    from bearingwear.results.kinds import function
+    from bearingwear.results.kinds import imported_function
     from bearingwear.results.netcdf import CaseFileError
     from bearingwear.scene.checking.errors import NotAvailable
     from bearingwear.scene.scene import SceneError
 
-    handler = function(args.run)
+    handler = imported_function(args.run)
     try:
         status: int = handler(args)
         return status
     except NotAvailable as error:
-        # the model knows the scene by its name, the user by its file
-        problem = str(error).partition(": ")[2]
-        key, _, rest = problem.partition(": ")
-        at_fault = key in [text.partition("=")[0] for text in getattr(args, "set", ())]
-        if key == "model.fidelity" and getattr(args, "fidelity", None):
-            problem = f"--fidelity: {rest}"
-        elif key == "restart":
-            problem = f"--restart: {rest}"
-        elif at_fault:
-            problem = f"--set {problem}"
-        else:
-            file = args.name if args.command == "study" else args.scene
-            problem = f"{file}: {problem}"
-        sys.stderr.write(one_line(problem))
+        sys.stderr.write(one_line(_not_available_line(error, args)))
     except ProcessEnded as error:
         sys.stderr.write(one_line(str(error)))
         return NOT_SOLVED
@@ -228,3 +239,21 @@ def _run(args: argparse.Namespace) -> int:
         for problem in (error, *getattr(error, "further", ())):
             sys.stderr.write(one_line(str(problem)))
     return BAD_INPUT
+
+
+def _not_available_line(error: NotAvailable, args: argparse.Namespace) -> str:
+    """Returns the line on a scene that no model solves: the option or file, and the problem.
+
+    The error begins with the name of the scene, where the user typed a file or an option.
+    """
+    _, _, problem = str(error).partition(": ")
+    key, _, explanation = problem.partition(": ")
+    if key == "model.fidelity" and getattr(args, "fidelity", None):
+        return f"--fidelity: {explanation}"
+    if key == "restart":
+        return f"--restart: {explanation}"
+    changed_keys = [text.partition("=")[0] for text in getattr(args, "set", ())]
+    if key in changed_keys:
+        return f"--set {problem}"
+    file = args.name if args.command == "study" else args.scene
+    return f"{file}: {problem}"

@@ -41,6 +41,7 @@ from bearingwear.scene.new.letters import OTHER_MAKERS
 from bearingwear.scene.new.scene_file import OPTIONS
 
 if TYPE_CHECKING:
+    from bearingwear.scene.new.scene_file import UsualLimits
     from bearingwear.scene.scene import Scene
     from bearingwear.solvers.result import Result
     from bearingwear.studies.design.plan import DesignLimits
@@ -73,44 +74,72 @@ def new(args: argparse.Namespace) -> int:
         problem = f"got no designation, expected {example}, or --bore and --outside"
         raise SceneError("", problem, source="new")
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
-    given_values = {key: value for key, value in values.items() if value is not None}
-    names = (
-        "bore outside clearance ball_material preload_method preload_class maker lubrication pair"
-    )
-    options = {name: getattr(args, name) for name in names.split()}
     check_folder(Path(path))
     tell_of_new_folder(Path(path))
-    lines = write_scene(path, given=given_values, designation=designation, **options)
+    assumptions = write_scene(
+        path,
+        given={key: value for key, value in values.items() if value is not None},
+        designation=designation,
+        bore=args.bore,
+        outside=args.outside,
+        clearance=args.clearance,
+        ball_material=args.ball_material,
+        preload_method=args.preload_method,
+        preload_class=args.preload_class,
+        maker=args.maker,
+        lubrication=args.lubrication,
+        pair=args.pair,
+    )
     print(f"{path}: written; values assumed or taken from a catalogue, as marked in the file:")
-    for line in lines:
+    for line in assumptions:
         print(f"  {line}")
     for line in _trial_lines(path):
         print(line)
     print("next:")
-    usual = usual_limits(load_scene(path))
-    limits = ["--stiffness", f"{usual.stiffness:g}", "--pressure", f"{usual.pressure:g}"]
-    stem = str(Path(path).with_suffix(""))
-    for name, output in NEXT:
-        words = ["bearingwear", name, path, *(["-o", f"{stem}{output}"] if output else [])]
-        print(f"  {shlex.join([*words, *(limits if name in TO_CHOOSE_BY else ())])}")
+    for line in _next_commands(path, usual_limits(load_scene(path))):
+        print(f"  {line}")
     return SUCCESS
 
 
+def _next_commands(path: str, limits: UsualLimits) -> list[str]:
+    """Returns the commands that a new scene file suggests, as lines for a shell.
+
+    limits: that `recommend` and `study` get.
+    """
+    stem = str(Path(path).with_suffix(""))
+    lines = []
+    for command, output in NEXT:
+        words = ["bearingwear", command, path]
+        if output:
+            words += ["-o", f"{stem}{output}"]
+        if command in TO_CHOOSE_BY:
+            words += ["--stiffness", f"{limits.stiffness:g}", "--pressure", f"{limits.pressure:g}"]
+        lines.append(shlex.join(words))
+    return lines
+
+
 def _print_bearings(words: list[str]) -> int:
-    """Prints the bearings of a maker."""
+    """Prints the bearings in a maker's catalogue; returns the exit status.
+
+    words: of `--list`: the maker and, optionally, the beginning of the designations.
+    """
     from bearingwear.scene.checking.errors import shown
     from bearingwear.scene.new.catalogue import MAKERS, bearings_table
 
-    maker = words[0].upper()
-    if maker not in MAKERS:
-        problem = f"got {shown(words[0])}, expected {', '.join(MAKERS)}"
+    maker, *series = words
+    if maker.upper() not in MAKERS:
+        problem = f"got {shown(maker)}, expected {', '.join(MAKERS)}"
         raise SceneError("", problem, source="--list")
-    print_text("\n".join(bearings_table(maker, " ".join(words[1:]))))
+    print_text("\n".join(bearings_table(maker.upper(), " ".join(series))))
     return SUCCESS
 
 
 def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
-    """Splits typed words into the scene's file and the designation, which may have spaces."""
+    """Returns the scene's file and the designation of some typed words.
+
+    The file is named after a designation alone. The designation may have spaces; it is None where a
+    file alone is typed.
+    """
     if not names:
         problem = "got nothing, expected MYBEARING.yaml, a designation such as 7008C, or both"
         raise SceneError("", problem, source="new")
@@ -134,12 +163,12 @@ def check(args: argparse.Namespace) -> int:
     from bearingwear.solvers.effects.choice import choice
 
     scene = given_scene(args)
-    chosen = choice(scene, args.fidelity)
+    model = choice(scene, args.fidelity)
     if scene.duty is not None:
         from bearingwear.lives.duty.result import choices_of_phases
 
-        choices_of_phases(scene, args.fidelity)
-    print_sheet(check_document(args.scene, scene, chosen), args)
+        choices_of_phases(scene, args.fidelity)  # refuses phases without a common steady model
+    print_sheet(check_document(args.scene, scene, model), args)
     return SUCCESS
 
 
@@ -150,18 +179,20 @@ def solve(args: argparse.Namespace) -> int:
     args.output = _only_output(args.output)
     with ProgressLines(args.scene) as tell:
         scene = given_scene(args)
-        from bearingwear.solvers.solve import solve as solved
+        from bearingwear.solvers.solve import solve as solved_result
 
-        restart = _restart(scene, args) if args.restart is not None else None
-        result = solved(scene, args.fidelity, restart, tell)
+        restart = _restart_state(scene, args) if args.restart is not None else None
+        result = solved_result(scene, args.fidelity, restart, tell)
     return _finish(result, args)
 
 
 def _only_output(paths: list[str] | None) -> str | None:
-    """Returns the file that a solve writes; refuses several."""
-    if paths is None or len(paths) == 1:
-        return paths[0] if paths else None
-    raise UsageError(f"-o: got {len(paths)} files, expected one, or --each KEY=VALUE,VALUE...")
+    """Returns the file that a solve writes, or None if -o names none; refuses several."""
+    if paths is None:
+        return None
+    if len(paths) > 1:
+        raise UsageError(f"-o: got {len(paths)} files, expected one, or --each KEY=VALUE,VALUE...")
+    return paths[0]
 
 
 def _solve_each(args: argparse.Namespace) -> int:
@@ -182,9 +213,9 @@ def _solve_each(args: argparse.Namespace) -> int:
     from bearingwear.studies.solve import solved_variants
 
     variants = [changes_of([*args.set, f"{key}={value}"]) for value in values]
-    solved = solved_variants(args.scene, variants, args.fidelity, args.case)
+    results = solved_variants(args.scene, variants, args.fidelity, args.case)
     status = SUCCESS
-    for result, path in zip(solved, outputs, strict=True):
+    for result, path in zip(results, outputs, strict=True):
         if args.record_timing:
             result.attrs["wall_time_s"] = float(result.wall_time_s)
         write_result(result, path)
@@ -195,9 +226,9 @@ def _solve_each(args: argparse.Namespace) -> int:
 
 def sweep(args: argparse.Namespace) -> int:
     """Solves scenes at many values of their keys and writes a dataset."""
-    args.scene = args.scenes[0]  # which errors name
-    part = "-{}of{}".format(*args.part) if args.part else ""
-    args.output = output_of(args, f"-sweep{part}.nc")
+    args.scene = args.scenes[0]  # the file that messages name
+    part, parts = args.part or (1, 1)
+    args.output = output_of(args, f"-sweep-{part}of{parts}.nc" if args.part else "-sweep.nc")
     from bearingwear.scene.changes import changes_of
     from bearingwear.scene.read import variant
     from bearingwear.studies.sweep import Sweep
@@ -205,13 +236,14 @@ def sweep(args: argparse.Namespace) -> int:
 
     changes = changes_of(args.set)
     scenes = [variant(path, changes) for path in args.scenes]
+    # one word may be `extremes` or `study`, which stand for variables
     keep = args.keep[0] if args.keep is not None and len(args.keep) == 1 else args.keep
     points = typed_points(args.axis, args.rows)
     planned = Sweep.of(scenes, points, args.what, args.fidelity, keep)
     if args.dry_run:
         from bearingwear.studies.sweep_cost import cost_lines
 
-        print("\n".join(cost_lines(planned, args.jobs, args.part[1] if args.part else 1)))
+        print("\n".join(cost_lines(planned, args.jobs, parts)))
         return SUCCESS
     for path in args.scenes:
         check_output(args.output, path)
@@ -240,18 +272,18 @@ def gather(args: argparse.Namespace) -> int:
 
         write_dataset(coded(gathered_parts(args.files)), args.output)
         return SUCCESS
-    from bearingwear.studies.grid.gather import study as gathered
+    from bearingwear.studies.grid.gather import gathered_study
 
-    write_dataset(gathered(args.files), args.output)
+    write_dataset(gathered_study(args.files), args.output)
     return SUCCESS
 
 
 def page(args: argparse.Namespace) -> int:
     """Writes the report page of a study."""
     from bearingwear.atomic import write_text
-    from bearingwear.page.page import page as written
+    from bearingwear.page.page import page as page_html
 
-    write_text(args.output, written(args.results, args.docs, args.answers, args.scenes))
+    write_text(args.output, page_html(args.results, args.docs, args.answers, args.scenes))
     return SUCCESS
 
 
@@ -269,12 +301,12 @@ def compile(args: argparse.Namespace) -> int:
 def life(args: argparse.Namespace) -> int:
     """Computes the life of a scene."""
     with ProgressLines(args.scene) as tell:
-        from bearingwear.scene.read import for_life
+        from bearingwear.scene.read import scene_for_life
 
-        scene = for_life(given_scene(args), args.scene)
-        from bearingwear.lives.life import life as lived
+        scene = scene_for_life(given_scene(args), args.scene)
+        from bearingwear.lives.life import life as life_result
 
-        result = lived(scene, args.fidelity, tell)
+        result = life_result(scene, args.fidelity, tell)
     return _finish(result, args)
 
 
@@ -314,11 +346,13 @@ def recommend(args: argparse.Namespace) -> int:
 
         scene = life_scene(args.scene, args.set, films=True)
         from bearingwear.studies.design.document.sheets import preload_document
-        from bearingwear.studies.design.recommend import best_method, recommended
+        from bearingwear.studies.design.recommend import best_method, recommendation_and_map
         from bearingwear.studies.sampling import usable_cores
 
         limits = _design_limits(args, scene)
-        recommendation, lives = recommended(scene, limits, args.scene, usable_cores(), tell)
+        recommendation, lives = recommendation_and_map(
+            scene, limits, args.scene, usable_cores(), tell
+        )
         sheet = preload_document(recommendation, lives)
     if lives is not None and not (lives["status"] == 0).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))
@@ -339,29 +373,41 @@ def warmup(args: argparse.Namespace) -> int:
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.warmup.result import warm_up_dataset
 
-    check_heat_capacities(scene.one_of_alike.sides, args.scene)
+    check_heat_capacities(scene.symmetric_half.sides, args.scene)
     check_output(args.output, args.scene)
     with ProgressLines(args.scene):
         seconds = scene.start_s if args.seconds is None else args.seconds
         if args.limit:
-            from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
-
-            if (shortest := shortest_ramp(scene, dict(args.limit))) is None:
-                sys.stderr.write(one_line(f"{args.scene}: no ramp to speed keeps these limits"))
+            seconds = _shortest_ramp_seconds(scene, args)
+            if seconds is None:
                 return NOT_SOLVED
-            seconds = shortest.seconds
-            if shortest.broken_by:
-                words = ", ".join(f"{longer:g} s" for longer in shortest.broken_by)
-                text = f"a ramp of {seconds:g} s keeps these limits, but one of {words} does not"
-                sys.stderr.write(one_line(f"{args.scene}: {text}"))
         course = course_of(scene, args.course) if args.course else ramp(seconds)
-        warmed = warm_up_dataset(scene, course, args.duration)
+        temperatures = warm_up_dataset(scene, course, args.duration)
     tell_of_new_folder(args.output)
-    write_dataset(warmed, args.output)
+    write_dataset(temperatures, args.output)
     tell_of_file(args)
     if not args.quiet:
         print_file(args.output, args)
-    return SUCCESS if warmed["status"] == 0 else NOT_SOLVED
+    return SUCCESS if temperatures["status"] == 0 else NOT_SOLVED
+
+
+def _shortest_ramp_seconds(scene: Scene, args: argparse.Namespace) -> float | None:
+    """Returns the time [s] of the shortest ramp to speed that keeps the limits of `--limit`.
+
+    It is None if no ramp keeps them; a line on standard error then says so. Another line names
+    longer ramps that do not keep them.
+    """
+    from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
+
+    shortest = shortest_ramp(scene, dict(args.limit))
+    if shortest is None:
+        sys.stderr.write(one_line(f"{args.scene}: no ramp to speed keeps these limits"))
+        return None
+    if shortest.broken_by:
+        words = ", ".join(f"{longer:g} s" for longer in shortest.broken_by)
+        text = f"a ramp of {shortest.seconds:g} s keeps these limits, but one of {words} does not"
+        sys.stderr.write(one_line(f"{args.scene}: {text}"))
+    return shortest.seconds
 
 
 def show(args: argparse.Namespace) -> int:
@@ -383,13 +429,13 @@ def show(args: argparse.Namespace) -> int:
 
 def plot(args: argparse.Namespace) -> int:
     """Draws a result file."""
-    from bearingwear.plotting.plot import plot as draw
+    from bearingwear.plotting.plot import plot as draw_file
     from bearingwear.studies import STUDY_PLOTS
 
     for path in args.output:
         check_folder(path)
         tell_of_new_folder(path)
-    draw(args.file, args.output, STUDY_PLOTS, args.bearing)
+    draw_file(args.file, args.output, STUDY_PLOTS, args.bearing)
     for path in args.output:
         print(f"{path}: written")
     return SUCCESS
@@ -398,44 +444,46 @@ def plot(args: argparse.Namespace) -> int:
 def study(args: argparse.Namespace) -> int:
     """Runs a study of the workflow, or that of one scene."""
     from bearingwear.arguments import is_result
-    from bearingwear.studies.launch import (
-        DRY_RUN,
-        check_arguments,
-        own_findings,
-        run_own_study,
-        run_study,
-    )
+    from bearingwear.studies.launch import check_arguments, run_study
     from bearingwear.studies.sampling import usable_cores
 
     jobs = args.jobs or usable_cores()
-    is_own_study = args.name.endswith(SCENE_SUFFIXES)
-    check_arguments(args.more, is_own_study)
-    if not is_own_study:
-        force_options = ["--force"] if is_result(args.name) else []
-        return run_study(args.name, jobs, [*args.more, *force_options, "--rerun-incomplete"])
+    is_study_of_scene = args.name.endswith(SCENE_SUFFIXES)
+    check_arguments(args.more, is_study_of_scene)
+    if is_study_of_scene:
+        return _study_of_scene(args, jobs)
+    force_options = ["--force"] if is_result(args.name) else []
+    return run_study(args.name, jobs, [*args.more, *force_options, "--rerun-incomplete"])
+
+
+def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
+    """Runs the study of one scene, prints its findings and its page, and returns the status."""
     from bearingwear.scene.read import load_scene
+    from bearingwear.studies.launch import DRY_RUN, own_headlines, run_own_study
     from bearingwear.studies.own_study import write_study
 
     file = Path(args.name)
     folder = args.output or Path(file.stem)
     check_folder(folder / file.name)
     with contextlib.ExitStack() as stack:
-        if DRY_RUN & {*args.more} and not folder.exists():  # it makes no folder
+        if DRY_RUN & {*args.more} and not folder.exists():  # a dry run leaves no folder behind
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         with ProgressLines(args.name):
             write_study(file, folder, _design_limits(args, load_scene(file)))
         status, page = run_own_study(folder, jobs, args.more)
-    if page:
-        for title in own_findings(folder, file.stem) if status == SUCCESS else ():
+    if not page:
+        return status
+    if status == SUCCESS:
+        for title in own_headlines(folder, file.stem):
             print_text(title)
-        print_text(f"page: {page}")
-    if status == SUCCESS and page and _is_infeasible(folder, file.stem):
+    print_text(f"page: {page}")
+    if status == SUCCESS and _is_infeasible(folder, file.stem):
         return INFEASIBLE
     return status
 
 
 def _is_infeasible(folder: Path, scene_name: str) -> bool:
-    """Returns whether a study has requirements that no preload satisfies."""
+    """Whether a study has requirements that no preload satisfies."""
     from bearingwear.results.netcdf import load
     from bearingwear.studies.design.choice import limits_of
     from bearingwear.studies.design.recommend import best_method
@@ -457,7 +505,7 @@ def step(args: argparse.Namespace) -> int:
 
 
 def _is_designation(text: str) -> bool:
-    """Returns whether typed words are a designation, without a file: SKF 7008 CD/P4A."""
+    """Whether typed words are a designation, without a file: SKF 7008 CD/P4A."""
     from bearingwear.scene.new.assumed import size_of
 
     try:
@@ -468,7 +516,10 @@ def _is_designation(text: str) -> bool:
 
 
 def _trial_lines(path: str) -> list[str]:
-    """Solves the written scene and returns lines on its status, stiffness and warnings."""
+    """Solves a scene file that was written; returns lines on its status, stiffness and warnings.
+
+    It is not solved where that would first compile the solver.
+    """
     from bearingwear.kernels.project import PROJECT
     from bearingwear.results.warnings import warning_lines
     from bearingwear.solvers.effects.choice import LARGEST_KERNEL
@@ -479,29 +530,37 @@ def _trial_lines(path: str) -> list[str]:
             f"{PROJECT.compile_time}"
         ]
     from bearingwear.scene.read import load_scene
-    from bearingwear.solvers.solve import solve as solved
+    from bearingwear.solvers.solve import solve as solved_result
 
     scene = load_scene(path)
-    result = solved(scene)
+    result = solved_result(scene)
     if result.status != "ok":
         return [f"cannot be solved ({result.status}): {result.reason}"]
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
     lines = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
     if scene.bearing.maker is not None:
-        from bearingwear.solvers.bearing.at_rest import RestingPair
-
-        pair = RestingPair.of(scene)
-        axial, radial = (1e-6 * stiffness for stiffness in pair.rigidity)
-        lines.append(
-            f"stiffness of a rigid pair of these bearings at rest: {plain(axial)} N/um axial, "
-            f"{plain(radial)} N/um radial; an axial force of {plain(pair.lift_off)} N unloads one "
-            "bearing"
-        )
+        lines.append(_resting_pair_line(scene))
     return lines + [f"  {line}" for line in warning_lines(result.attrs)]
 
 
+def _resting_pair_line(scene: Scene) -> str:
+    """Returns a line on the stiffness at rest of a rigid pair, as makers print it."""
+    from bearingwear.solvers.bearing.at_rest import RestingPair
+
+    pair = RestingPair.of(scene)
+    axial, radial = (1e-6 * stiffness for stiffness in pair.rigidity)
+    return (
+        f"stiffness of a rigid pair of these bearings at rest: {plain(axial)} N/um axial, "
+        f"{plain(radial)} N/um radial; an axial force of {plain(pair.lift_off)} N unloads one "
+        "bearing"
+    )
+
+
 def _design_limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
-    """Returns the limits that the options give for a scene."""
+    """Returns the limits that the options give for a scene.
+
+    `--warmup` without a time takes that of a start in the scene's duty.
+    """
     from bearingwear.arguments import AS_IN_DUTY
     from bearingwear.studies.design.plan import DesignLimits
 
@@ -511,8 +570,11 @@ def _design_limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
     return DesignLimits(**values)
 
 
-def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
-    """Reads the file of `--restart`, for a scene that the dynamic model solves."""
+def _restart_state(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
+    """Returns the state in the file of `--restart`, as `restart_from` has it.
+
+    Refuses a scene that the dynamic model does not solve.
+    """
     from bearingwear.results.restart import restart_from
     from bearingwear.solvers.effects.choice import choice
     from bearingwear.solvers.solve import check_restart
@@ -530,7 +592,7 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
 
         tell_of_new_folder(args.output)
         write_result(result, args.output)
-    if args.quiet or args.json or args.csv:  # the sheet as text has them
+    if args.quiet or args.json or args.csv:  # only the sheet as text contains the warnings
         print_warnings(result.attrs)
     if not args.quiet:
         from bearingwear.document.show import sheet, sheet_of_result

@@ -17,9 +17,12 @@ LINE_EVERY = 2.0
 """Seconds between two lines of progress, and before the first."""
 
 SILENCE = 2.6
-"""Seconds without a line, after which one states what runs."""
+"""Seconds without a line, after which one states what runs; it comes within 3 s."""
 
-_AGAIN = "\r\x1b[K"  # on a terminal: from the start of the line, without what stands there
+POLL_SECONDS, TERMINAL_SILENCE = 0.2, 1.0
+"""Seconds between looks at the clock, and without a line after which a terminal shows one."""
+
+_CLEAR_LINE = "\r\x1b[K"  # on a terminal: to the start of the line, and delete it
 
 
 class UsageError(ValueError):
@@ -31,7 +34,7 @@ class ProcessEnded(RuntimeError):
 
 
 def printable(text: str) -> str:
-    """Returns a text whose control characters are question marks; a no-break space is none."""
+    """Returns a text with question marks for control characters; no-break spaces stay."""
     return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else "?" for c in text)
 
 
@@ -44,7 +47,7 @@ class ProgressLines:
     """Lines of progress on standard error and, where there are none, what runs for how long.
 
     A terminal shows that in a line that is renewed each second; elsewhere, lines come after 3, 5,
-    10, ... s. Nothing is written after the block of which this is the context.
+    10, ... s. Used as a context, it writes nothing after its block.
 
     source: file that lines begin with.
     """
@@ -53,9 +56,11 @@ class ProgressLines:
 
     def __init__(self, source: str = "") -> None:
         self._source = f"{source}: " if source else ""
-        self._last = self._since = time.monotonic()
-        self._running = ""
-        self._lock, self._ended = threading.RLock(), threading.Event()
+        self._last = time.monotonic()  # of the last line
+        self._running = ""  # what runs, in words
+        self._since = self._last  # the time since which that runs
+        self._lock = threading.RLock()
+        self._ended = threading.Event()
         self._shown = ""  # in the line that is renewed
         self._thread = threading.Thread(target=self._break_silence, daemon=True)
 
@@ -69,9 +74,9 @@ class ProgressLines:
         self._write("")
 
     def __call__(self, text: str) -> None:
-        """Print a line of progress, with the time left if that is known."""
-        self.running = text.partition(", about ")[0]
-        # a run goes on where nobody reads about its progress any more
+        """Prints a line of progress, with the time left if that is known."""
+        self.running, _, _ = text.partition(", about ")
+        # a closed terminal must not end the run
         with contextlib.suppress(OSError, ValueError):
             self.print_line(one_line(f"{self._source}{text}{self._time_left()}"))
 
@@ -82,11 +87,12 @@ class ProgressLines:
 
     @running.setter
     def running(self, text: str) -> None:
+        """Sets what runs; its time starts anew if that changes."""
         if text != self._running:
             self._running, self._since = text, time.monotonic()
 
     def print_line(self, text: str, stream: TextIO | None = None) -> None:
-        """Print a text with its line break, in place of the line of progress."""
+        """Prints a text that ends with a line break, in place of the line of progress."""
         with self._lock:
             self._write("")
             stream = stream or sys.stderr
@@ -95,29 +101,36 @@ class ProgressLines:
             self._last = time.monotonic()
 
     def _time_left(self) -> str:
+        """Returns the time left in words, after a comma; "" if it is not known."""
         seconds = self.left.seconds if self.left else 0.0
         return f", about {seconds:.0f} s left" if seconds else ""
 
     def _write(self, text: str) -> None:
-        """Show the line that is renewed; none without a text."""
+        """Shows a text as the line that is renewed; "" removes the line."""
         with self._lock, contextlib.suppress(OSError, ValueError):
-            if text != self._shown:  # what others print replaces it
-                sys.stderr.write(f"{_AGAIN}{text}\r" if text else _AGAIN)
+            if text != self._shown:
+                sys.stderr.write(f"{_CLEAR_LINE}{text}\r" if text else _CLEAR_LINE)
                 sys.stderr.flush()
             self._shown = text
 
     def _break_silence(self) -> None:
-        is_terminal, wait = sys.stderr.isatty(), SILENCE
-        while not self._ended.wait(0.08 * SILENCE):
-            now = time.monotonic()
-            quiet, what = now - self._last, f": {self.running}" if self.running else ""
-            text = f"{self._source}running for {now - self._since:.0f} s{self._time_left()}{what}"
-            if is_terminal and quiet > 0.4 * SILENCE:
-                self._write(printable(text)[: shutil.get_terminal_size().columns - 1])
-            elif quiet < SILENCE:
-                wait = SILENCE
-            elif quiet > wait and not is_terminal:
-                wait *= 2.0
+        """Shows what runs for how long, while there are no other lines; runs in a thread."""
+        is_terminal = sys.stderr.isatty()
+        next_line = SILENCE  # seconds of silence
+        while not self._ended.wait(POLL_SECONDS):
+            silence = time.monotonic() - self._last
+            if is_terminal and silence > TERMINAL_SILENCE:
+                self._write(printable(self._status())[: shutil.get_terminal_size().columns - 1])
+            elif silence < SILENCE:
+                next_line = SILENCE
+            elif silence > next_line and not is_terminal:
+                next_line *= 2.0
                 with contextlib.suppress(OSError, ValueError):
-                    sys.stderr.write(one_line(text))
+                    sys.stderr.write(one_line(self._status()))
                     sys.stderr.flush()
+
+    def _status(self) -> str:
+        """Returns what runs, for how long, and the time left if that is known."""
+        seconds = time.monotonic() - self._since
+        running = f": {self.running}" if self.running else ""
+        return f"{self._source}running for {seconds:.0f} s{self._time_left()}{running}"

@@ -12,24 +12,32 @@ import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
+
+
+class _Unit(NamedTuple):
+    """A unit for people."""
+
+    si: str  # the SI unit of files
+    size: float  # in that unit
+
 
 _UNITS = {
-    "1": ("1", 1.0),
-    "%": ("1", 1.0),
-    "um": ("m", 1e-6),
-    "mm": ("m", 1e-3),
-    "N/um": ("N m-1", 1e6),
-    "GPa": ("Pa", 1e9),
-    "W": ("W", 1.0),
-    "Hz": ("Hz", 1.0),
-    "g": ("m s-2", 9.80665),
-    "h": ("s", 3600.0),
+    "1": _Unit("1", 1.0),
+    "%": _Unit("1", 1.0),  # keys and limits are shares, which only texts show in percent
+    "um": _Unit("m", 1e-6),
+    "mm": _Unit("m", 1e-3),
+    "N/um": _Unit("N m-1", 1e6),
+    "GPa": _Unit("Pa", 1e9),
+    "W": _Unit("W", 1.0),
+    "Hz": _Unit("Hz", 1.0),
+    "g": _Unit("m s-2", 9.80665),
+    "h": _Unit("s", 3600.0),
 }
-"""The SI unit in files for each unit for people, and the size of the latter in the former."""
 
 
 _ROUNDING = 1e-9
+"""Negative margin that may come from rounding, and counts as none."""
 
 
 def plain(value: float, digits: int = 3, sign: str = "") -> str:
@@ -92,59 +100,68 @@ class Measure:
     @property
     def si_unit(self) -> str:
         """Returns the unit of its variables in files."""
-        return _UNITS[self.unit][0]
+        return _UNITS[self.unit].si
 
     @property
     def shown_as(self) -> str:
-        """Returns how SI values are shown (`Variable.shown`), if the unit does not state it."""
+        """Returns `%` for a share that is shown in percent, else "", as `Variable.shown` has it."""
         return "%" if self.unit == "%" else ""
 
     @property
     def worst_word(self) -> str:
-        """Returns the word for the worse extreme."""
+        """Returns the word for the worse extreme: `minimum` or `maximum`."""
         return "minimum" if self.falls else "maximum"
 
     @property
     def extremes(self) -> tuple[str, ...]:
-        """Returns the variables of a map with the worst values from new to the end of life."""
+        """Returns the variables of a design map with the worst values from new to the end of life.
+
+        The residual preload has one under its key, as a share of the initial preload.
+        """
         return (self.key,) if self.over_preload else self.variables
 
     def extreme(self, values: Any) -> float:
-        """Returns the worst of some values."""
+        """Returns the least of some values if the measure `falls`, else the largest magnitude."""
         if isinstance(values, float):  # NumPy takes ten times as long
             return float(values) if self.falls else abs(float(values))
-        import numpy as np  # not to name options
+        import numpy as np  # here, because the command line needs only the names
 
         return float(np.min(values) if self.falls else np.abs(values).max())
 
     def value(self, values: Any, preload_N: Any = 1.0) -> float:
-        """Returns the worst of the values of one variable [SI]; `preload_N` as in `critical`."""
+        """Returns the worst of the values of one variable [SI].
+
+        preload_N: initial preload, over which the residual preload counts.
+        """
         return self.extreme(values / preload_N if self.over_preload else values)
 
     def critical(self, value_of: Callable[[str], Any], preload_N: Any = 1.0) -> tuple[float, str]:
-        """Returns the worst value [SI], and the variable with it.
+        """Returns the worst value of all variables [SI], and the name of its variable.
 
         value_of: returns the values of a variable by its name, in a state or at a step of a life.
-        preload_N: initial, for each value of the residual preload.
+        preload_N: initial preload, over which the residual preload counts; one number, or one for
+            each value.
         """
-        return self._critical(
-            [(self.value(value_of(name), preload_N), name) for name in self.variables]
-        )
+        worst_values = [self.value(value_of(name), preload_N) for name in self.variables]
+        return self._worst_with_name(worst_values, self.variables)
 
     def critical_extreme(self, value_of: Callable[[str], Any]) -> tuple[float, str]:
-        """Returns the worst of the extremes in a map or at a point of it [SI], and its variable."""
-        return self._critical([(self.extreme(value_of(name)), name) for name in self.extremes])
+        """Returns the worst of all extremes in a design map [SI], and the name of its variable.
 
-    def _critical(self, candidates: list[tuple[float, str]]) -> tuple[float, str]:
-        """Returns the worst of some values with their variables; NaN only if all are NaN."""
-        if len(candidates) == 1:
-            return candidates[0]
-        finite = [pair for pair in candidates if pair[0] == pair[0]] or candidates
-        return min(finite) if self.falls else max(finite)
+        value_of: returns the values of an extreme by its name, in the map or at a point of it.
+        """
+        worst_values = [self.extreme(value_of(name)) for name in self.extremes]
+        return self._worst_with_name(worst_values, self.extremes)
+
+    def _worst_with_name(self, values: list[float], names: tuple[str, ...]) -> tuple[float, str]:
+        """Returns the worst of some values, and its name; NaN only if all are NaN."""
+        pairs = list(zip(values, names, strict=True))
+        numbers = [pair for pair in pairs if not math.isnan(pair[0])] or pairs
+        return min(numbers) if self.falls else max(numbers)
 
     def ratio(self, value: Any, limit: float) -> Any:
-        """Returns a value [SI] over a limit [as in its key]."""
-        return (value / _UNITS[self.unit][1] + self.base) / (limit + self.base)
+        """Returns a value [SI] over a limit [as in its key]; `base` is added to both."""
+        return (value / _UNITS[self.unit].size + self.base) / (limit + self.base)
 
     def margin(self, value: Any, limit: float) -> Any:
         """Returns the distance of a value [SI] from a limit [as in its key], over the limit.
@@ -155,7 +172,10 @@ class Measure:
         return ratio - 1.0 if self.falls else 1.0 - ratio
 
     def margins(self, values: Any, limit: float) -> Any:
-        """Returns the least `margin` of all extremes in a map, or at a point of it."""
+        """Returns the least `margin` of all extremes: at each point of a map, or at one point.
+
+        values: the map or point, with a value by the name of each extreme.
+        """
         import numpy as np
 
         return functools.reduce(
@@ -163,34 +183,46 @@ class Measure:
         )
 
     def worst(self, values: Any) -> Any:
-        """Returns the worst of all extremes in a map, or at a point of it [SI]."""
+        """Returns the worst of all extremes [SI]: at each point of a map, or at one point.
+
+        values: as for `margins`.
+        """
         import numpy as np
 
         return functools.reduce(np.fmin if self.falls else np.fmax, self._extremes_in(values))
 
     def _extremes_in(self, values: Any) -> list[Any]:
-        """Returns the extremes that a map, or a point of it, contains [SI]."""
+        """Returns the values [SI] of those extremes that a map, or a point of it, contains."""
         return [_in_si(values[name]) for name in self.extremes if name in values]
 
     def words_of(self, name: str, short: bool = False) -> str:
-        """Returns the words for one of its variables or extremes; the label if `short`."""
+        """Returns the words for one of its variables or extremes, with the adjective of its kind.
+
+        short: whether to take the label of a row in place of the name in a sentence.
+        """
         kinds = dict(zip(self.variables, self.kinds, strict=True))
         return f"{kinds.get(name, '')} {self.short if short else self.words}".strip()
 
     def shown(self, value: Any) -> Any:
-        """Converts a value [SI] to its unit."""
-        return self.shown_limit(value / _UNITS[self.unit][1])
+        """Returns a value [SI] in the unit for people."""
+        return self.shown_limit(value / _UNITS[self.unit].size)
 
     def shown_limit(self, limit: Any) -> Any:
-        """Converts a limit [as in its key] to its unit."""
+        """Returns a limit [as in its key] in the unit for people: a share in percent."""
         return 100.0 * limit if self.unit == "%" else limit
 
     def file_limit(self, limit: float, preload_N: float) -> float:
-        """Converts a limit [as in its key] to the unit of its variable [SI]."""
-        return limit * _UNITS[self.unit][1] * (preload_N if self.over_preload else 1.0)
+        """Returns a limit [as in its key] in the unit of its variable in files [SI].
+
+        preload_N: initial preload, of which the limit of the residual preload is a share.
+        """
+        return limit * _UNITS[self.unit].size * (preload_N if self.over_preload else 1.0)
 
     def excess(self, value: float, limit: float) -> float:
-        """Returns a value [SI] over its limit, or the limit over the value if it `falls`."""
+        """Returns a value [SI] over its limit; if it `falls`, the limit over the value.
+
+        It exceeds 1 beyond the limit, and is infinite for a falling value of 0.
+        """
         ratio = self.ratio(value, limit)
         if not self.falls:
             return float(ratio)
@@ -223,9 +255,9 @@ class Measure:
 
 
 def _in_si(values: Any) -> Any:
-    """Returns values of a point or file in SI units; only lives are in hours there."""
-    in_hours = getattr(values, "attrs", {}).get("units") == "h"
-    return values * _UNITS["h"][1] if in_hours else values
+    """Returns values of a point or file in SI units; those of lives are in hours there."""
+    units = getattr(values, "attrs", {}).get("units")
+    return values * _UNITS["h"].size if units == "h" else values
 
 
 _STIFFNESSES = "dynamic", "quasi-static"

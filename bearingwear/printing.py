@@ -17,17 +17,26 @@ if TYPE_CHECKING:
 
 
 def print_sheet(sheet: Document, args: argparse.Namespace) -> None:
+    """Prints a sheet as text, or as `--json` or `--csv` ask for."""
     from bearingwear.document.data import as_csv, as_json
     from bearingwear.document.text import as_text
 
     if args.csv and isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8")  # whatever the locale, as files are
-    render = as_json if args.json else as_csv if args.csv else as_text
-    print_text(render(sheet))
+    if args.json:
+        text = as_json(sheet)
+    elif args.csv:
+        text = as_csv(sheet)
+    else:
+        text = as_text(sheet)
+    print_text(text)
 
 
 def print_file(path: str | Path, args: argparse.Namespace, every: bool = False) -> None:
-    """Prints the sheet of a result file of any kind."""
+    """Prints the sheet of a result file of any kind.
+
+    every: whether with residuals, error estimates and versions.
+    """
     from bearingwear.document.show import sheet
     from bearingwear.studies import STUDY_SHEETS
 
@@ -35,6 +44,7 @@ def print_file(path: str | Path, args: argparse.Namespace, every: bool = False) 
 
 
 def print_warnings(attributes: Mapping[str, Any]) -> None:
+    """Prints the warnings in the attributes of a result on standard error, a line each."""
     from bearingwear.results.warnings import warning_lines
 
     for line in warning_lines(attributes):
@@ -42,24 +52,24 @@ def print_warnings(attributes: Mapping[str, Any]) -> None:
 
 
 def print_text(text: str) -> None:
-    """Mask control characters: names in a foreign file may hold some."""
+    """Prints a text with question marks for control characters, which a foreign file may hold."""
     print("\n".join(map(printable, text.split("\n"))))
 
 
 def tell_line(text: str) -> None:
-    """Write a line at once; a run goes on where nobody reads about its progress any more."""
+    """Writes a line on standard error at once; goes on if nobody reads it any more."""
     with contextlib.suppress(OSError, ValueError):
         sys.stderr.write(one_line(text))
         sys.stderr.flush()
 
 
 def tell_of_new_folder(path: Path) -> None:
-    """Tell of folders that are made, since a name may be mistyped."""
+    """Writes a line if the folder of a file will be made, since its name may be mistyped."""
     if not path.parent.exists():
         tell_line(f"{path.parent}: new folder")
 
 
 def tell_of_file(args: argparse.Namespace) -> None:
-    """Name the file that was written where nobody named it."""
+    """Writes the name of the file that was written, unless -o named it."""
     if not args.is_named:
         tell_line(f"{args.output}: written")

@@ -16,10 +16,10 @@ _CACHES = "bearingwear", "snakemake/source-cache/snakemake-runtime-cache"
 
 
 def set_environment() -> None:
-    """Set what this process and all that it starts shall find, before libraries are imported."""
-    # figures go to files: a backend that needs a display, or that is not installed, is for others
+    """Sets the environment of this process and its children, before libraries are imported."""
+    # figures go to files: a user's backend may need a display, or not be installed
     os.environ["MPLBACKEND"] = "agg"
-    os.environ["PYTHONSAFEPATH"] = "1"  # a file `signal.py` of the user is no library
+    os.environ["PYTHONSAFEPATH"] = "1"  # a file `signal.py` of the user is not imported
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
     _set_home()
@@ -27,7 +27,7 @@ def set_environment() -> None:
 
 
 def _set_home() -> None:
-    """Give libraries a folder for their caches where the user has no home that serves."""
+    """Sets a folder for the caches of libraries where the user's home cannot hold them."""
     home = os.path.expanduser("~")
     is_home = os.path.isabs(home) and os.path.isdir(home) and os.access(home, os.R_OK | os.X_OK)
     caches = os.environ.get("XDG_CACHE_HOME") or os.path.join(home, ".cache")
@@ -42,14 +42,17 @@ def _set_home() -> None:
 
 
 def _can_be_written(folder: str) -> bool:
-    """Whether a folder can be written to, or made where it is missing."""
+    """Whether a folder can be written to, or could be made."""
     while not os.path.lexists(folder):
         folder = os.path.dirname(folder)
     return os.path.isdir(folder) and os.access(folder, os.W_OK | os.X_OK)
 
 
 def _private_folder() -> str:
-    """Returns a folder for temporary files that is the user's alone; the same one each time."""
+    """Returns a folder below that for temporary files that only this user can write to.
+
+    It is the same one each time, unless another user has taken its name.
+    """
     import tempfile
 
     from kerneljit.project import is_private
@@ -61,7 +64,7 @@ def _private_folder() -> str:
 
 
 def _set_user() -> None:
-    """Name a user who has only a number, which Snakemake asks for."""
+    """Sets LOGNAME for a user who has only a number, since Snakemake asks for a name."""
     if not any(map(os.environ.get, ("LOGNAME", "USER", "LNAME", "USERNAME"))):
         try:
             pwd.getpwuid(os.getuid())

@@ -41,39 +41,43 @@ def sources(*modules: str) -> tuple[Path, ...]:
         themselves.
     """
     paths: dict[str, Path] = {}
-    waiting = list(modules)
-    while waiting:
-        name = waiting.pop()
+    unread = list(modules)
+    while unread:
+        name = unread.pop()
         if name not in paths:
-            paths[name] = _file(name)
-            waiting += _imported(paths[name])
-    data = (file for path in paths.values() for file in _data(path))
-    return tuple(sorted({*paths.values(), *data}))
+            paths[name] = _module_file(name)
+            unread += _imported_modules(paths[name])
+    data_files = (file for path in paths.values() for file in _data_files(path))
+    return tuple(sorted({*paths.values(), *data_files}))
 
 
 @functools.cache
-def _data(path: Path) -> tuple[Path, ...]:
-    """Files beside a module that are not Python and whose names stand in it."""
-    data_files = _not_python(path.parent)
-    text = path.read_text(encoding="utf-8") if data_files else ""
-    return tuple(file for file in data_files if f'"{file.name}"' in text)
+def _data_files(path: Path) -> tuple[Path, ...]:
+    """Returns the files beside a module that are not Python and whose names stand in it."""
+    other_files = _other_files(path.parent)
+    text = path.read_text(encoding="utf-8") if other_files else ""
+    return tuple(file for file in other_files if f'"{file.name}"' in text)
 
 
 @functools.cache
-def _not_python(folder: Path) -> tuple[Path, ...]:
+def _other_files(folder: Path) -> tuple[Path, ...]:
+    """Returns the files in a folder that are not Python."""
     return tuple(file for file in folder.iterdir() if file.suffix != ".py" and file.is_file())
 
 
 @functools.cache
-def _file(module: str) -> Path:
-    top, *rest = module.split(".")
-    path = (PACKAGE if top == "bearingwear" else PACKAGE.parent / top).joinpath(*rest)
+def _module_file(module: str) -> Path:
+    """Returns the file of a module by its dotted name; of a package, its `__init__.py`."""
+    top, *names = module.split(".")
+    folder = PACKAGE if top == "bearingwear" else PACKAGE.parent / top
+    path = folder.joinpath(*names)
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
 @functools.cache
 def _is_module(name: str) -> bool:
-    return _file(name).is_file()
+    """Whether a dotted name is that of a module, and not of something in one."""
+    return _module_file(name).is_file()
 
 
 # The text is searched, not parsed: a command shall not spend a tenth of a second on naming sources.
@@ -86,20 +90,21 @@ _FOR_THE_TYPE_CHECKER = re.compile(r"^if TYPE_CHECKING:.*\n(?:[ ].*\n|\n)*", re.
 
 
 @functools.cache
-def _imported(path: Path) -> tuple[str, ...]:
-    """Modules of the package that a file imports."""
-    names: dict[str, None] = {}
+def _imported_modules(path: Path) -> tuple[str, ...]:
+    """Returns the dotted names of the modules of this repository that a file imports."""
+    modules: dict[str, None] = {}
     text = _FOR_THE_TYPE_CHECKER.sub("", path.read_text(encoding="utf-8"))
-    for module, listed, rest, plain in _IMPORT.findall(text):
-        if plain:
-            names[plain] = None
+    for module, names_in_brackets, names_in_line, plain_import in _IMPORT.findall(text):
+        if plain_import:
+            modules[plain_import] = None
+        names = re.sub("#.*", "", names_in_brackets or names_in_line)
         # `from package import name`: a module of that package, or a name in it
-        for name in re.findall(r"(\w+)(?: as \w+)?", re.sub("#.*", "", listed or rest)):
+        for name in re.findall(r"(\w+)(?: as \w+)?", names):
             inner = f"{module}.{name}"
-            names[inner if module and _is_module(inner) else module] = None
-    # the package itself imports its Python interface only where somebody asks for it
+            modules[inner if module and _is_module(inner) else module] = None
+    # `bearingwear` without a dot is left out: it imports the Python interface only on request
     ours = ("bearingwear.", "kerneljit.", "workflow.")
-    return tuple(name for name in names if name.startswith(ours))
+    return tuple(module for module in modules if module.startswith(ours))
 
 
 def contents_hash(paths: Iterable[str | Path]) -> str:
@@ -117,6 +122,7 @@ def text_hash(text: str) -> str:
 
 @functools.cache
 def _file_hash(path: str) -> bytes:
+    """Returns the SHA-256 of the contents of a file; a missing file counts as empty."""
     return hashlib.sha256(Path(path).read_bytes() if os.path.isfile(path) else b"").digest()
 
 
@@ -124,36 +130,41 @@ def _file_hash(path: str) -> bytes:
 def sources_hash(*modules: str) -> str:
     """Returns the hash of the names and contents of `sources`, 16 hexadecimal digits."""
     paths = sources(*modules)
-    folders = f"{PACKAGE}/", f"{PACKAGE.parent}/"
-    names = "\n".join(str(path).removeprefix(folders[0]).removeprefix(folders[1]) for path in paths)
+    names = "\n".join(
+        str(path).removeprefix(f"{PACKAGE}/").removeprefix(f"{PACKAGE.parent}/") for path in paths
+    )
     return hashlib.sha256(f"{names}\n{contents_hash(paths)}".encode()).hexdigest()[:16]
 
 
 def result_hash(module: str) -> str:
-    """Returns the hash of the sources that decide what a function of a module returns.
+    """Returns the hash of the sources that determine the results of a module.
 
-    What solves a scene names the sources of the solver in its result. These count as well, or
-    results of one study would name different ones when some of them are made again.
+    Where a module solves scenes, all sources of `SOLVER` count, even those that it does not import.
+    Its results contain their hash, which must be the same in all files of a study.
     """
-    solves = any("solvers" in path.parts for path in sources(module))
-    return sources_hash(module, *SOLVER) if solves else sources_hash(module)
+    solves_scenes = any("solvers" in path.parts for path in sources(module))
+    return sources_hash(module, *SOLVER) if solves_scenes else sources_hash(module)
 
 
 def other_copy() -> Path | None:
-    """Returns the copy of the package installed in this environment, if its sources differ."""
-    site = Path(sysconfig.get_path("purelib"))
-    copy = site / PACKAGE.name
+    """Returns the folder of another copy of the package that is installed in this environment.
+
+    It is None if there is none, or if its sources are the same.
+    """
+    installed = Path(sysconfig.get_path("purelib"))
+    copy = installed / PACKAGE.name
     if copy == PACKAGE or not (copy / "__init__.py").is_file():
         return None
-    ours, theirs = (
-        {
-            path.relative_to(folder): path.read_bytes()
-            for name in (PACKAGE.name, COMPILER)
-            for path in (folder / name).rglob("*.py")
-        }
-        for folder in (PACKAGE.parent, site)
-    )
-    return None if ours == theirs else copy
+    return None if _python_sources(installed) == _python_sources(PACKAGE.parent) else copy
+
+
+def _python_sources(folder: Path) -> dict[Path, bytes]:
+    """Returns the contents of the Python files of package and compiler below a folder."""
+    return {
+        path.relative_to(folder): path.read_bytes()
+        for name in (PACKAGE.name, COMPILER)
+        for path in (folder / name).rglob("*.py")
+    }
 
 
 def source_hash() -> str:

@@ -6,8 +6,10 @@ take any file of a user that is called `signal.py` or `numpy.py` for the library
 
 import signal
 
-before = signal.getsignal(signal.SIGINT)
-if before is signal.default_int_handler:  # an interrupt before the module runs needs no traceback
+previous_handler = signal.getsignal(signal.SIGINT)
+if (
+    previous_handler is signal.default_int_handler
+):  # an interrupt before the module runs needs no traceback
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 import os  # noqa: E402
@@ -18,8 +20,15 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 import bearingwear  # noqa: E402, F401  its modules are found from it from here on
 
 del sys.path[0], sys.argv[0]
-as_before = sys.excepthook
-# nor does one that nobody handles later, as while Snakemake reads its rules
-sys.excepthook = lambda kind, *rest: kind is KeyboardInterrupt or as_before(kind, *rest)
-signal.signal(signal.SIGINT, before)
+previous_hook = sys.excepthook
+
+
+def print_exception(kind, *details):
+    """Prints an exception that nobody handles, except an interrupt while Snakemake reads rules."""
+    if kind is not KeyboardInterrupt:
+        previous_hook(kind, *details)
+
+
+sys.excepthook = print_exception
+signal.signal(signal.SIGINT, previous_handler)
 runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)

@@ -53,16 +53,21 @@ SHARED = frozenset(
         "worst_thermal_margin",
     }
 )
-"""What of a case or life both bearings have in common."""
+"""Variables of a case or life with one value for both bearings."""
 
 
 OF_ARRANGEMENT = {
     "system_axial_stiffness": "axial_stiffness",
     "system_quasistatic_axial_stiffness": "quasistatic_axial_stiffness",
 }
-"""What of the arrangement follows from that of one bearing, where both are alike."""
+"""Variables of an arrangement of two equal bearings, and those of one bearing they follow from."""
 
 
-def of_bearing(values: Mapping[str, Any], k: int) -> dict[str, Any]:
-    """Returns values of one bearing of a pair and of both, from those of a result."""
+def values_of_bearing(values: Mapping[str, Any], k: int) -> dict[str, Any]:
+    """Returns the values of one bearing of a pair, and those that both bearings share.
+
+    values: of a result of the pair, by the names of variables; all but those of `SHARED` have a
+        first axis over the two bearings.
+    k: index of the bearing, 0 or 1.
+    """
     return {name: value if name in SHARED else value[k] for name, value in values.items()}

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.applications.cage.ensemble import half_interval, is_met, resumed_ensemble
+from bearingwear.applications.cage.ensemble import half_interval, is_narrow_enough, resumed_ensemble
 from bearingwear.applications.cage.plan import FEWEST, Ensemble
 from bearingwear.applications.cage.show import shares_in_words
 from bearingwear.scene.read import variant
@@ -70,7 +70,7 @@ def resampled(reference: xr.Dataset, ensembles: int = 4000) -> None:
     inside = dict.fromkeys(PARTS, 0)
     for _ in range(ensembles):
         some = [rows[k] for k in random.integers(0, len(rows), plan.runs)]
-        size = next(n for n in range(FEWEST, plan.runs + 1, 10) if is_met(some[:n], plan))
+        size = next(n for n in range(FEWEST, plan.runs + 1, 10) if is_narrow_enough(some[:n], plan))
         for part in PARTS:
             values = np.array([row[part] for row in some[:size]])
             off = abs(values.mean() - float(reference[f"mean_{part}"][0]))

@@ -146,7 +146,7 @@ class _Surfaces(_Grooves):
     """A phase of evenly worn surfaces, whose films all phases share."""
 
     def __init__(self, scene):
-        self.way = Surfaces(scene.one_of_alike, solver_of(scene))
+        self.way = Surfaces(scene.symmetric_half, solver_of(scene))
         self.start = self.way.start
 
     def share(self, first):

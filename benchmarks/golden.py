@@ -205,7 +205,7 @@ def of_command(verb: str, scene: str, *options: str) -> dict[str, Any]:
     sheet = json.loads(said.getvalue())
     return {
         "exit_status": status,
-        "verdict": sheet["verdict"],
+        "sentences": sheet["sentences"],
         **{f"{q['block']}, {q['name']}, {q['label']}": q["values"] for q in sheet["quantities"]},
     }
 
@@ -232,6 +232,9 @@ def differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
             yield f"{job}: missing in {'A' if job not in a else 'B'}"
             continue
         one, other = a[job]["values"], b[job]["values"]
+        if failed := one.get("failed") or other.get("failed"):
+            yield f"{job}: failed in {'A' if 'failed' in one else 'B'}: {failed}"
+            continue
         for name in (*one, *(other.keys() - one.keys())):
             if name not in one or name not in other:
                 yield f"{job}, {name}: missing in {'A' if name not in one else 'B'}"

@@ -105,7 +105,7 @@ def drawn_scene(draw: dict[str, Any], share: float = 1.0) -> Scene:
 
 def life_end(scene: Scene, way: str) -> tuple[str, float, int]:
     """Status and length of a life [s], and how many of its states are kept."""
-    scene = scene.one_of_alike
+    scene = scene.symmetric_half
     life = follow_grooves(Grooves(scene, EXACT_GROOVES if way == "exact" else QUICK_GROOVES))
     is_solved = life.nodes[0].status == 0
     return STATUS_NAMES[life.status], life.last.time, len(life.nodes) if is_solved else 0

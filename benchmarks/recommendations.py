@@ -36,14 +36,14 @@ from comparison import table as table_text
 from bearingwear.kernels.status import OK
 from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.results.warnings import warnings_in
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.best import SWEPT_FACTORS
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.condition_extremes import new_states, state_extremes, worn_states
-from bearingwear.studies.design.conditions import as_mounted, at_share, is_warm
+from bearingwear.studies.design.conditions import as_mounted, at_speed_share, is_warm
 from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import recommendation
@@ -270,7 +270,7 @@ def allowed_life(
     scene: Scene, method: str, limits: DesignLimits, preload: float, speeds: int = SPEEDS
 ) -> tuple[float, np.ndarray]:
     """Life [h] and how far the limits are, at so many speeds from rest on."""
-    held = held_by(scene, method, preload)
+    held = with_method(scene, method, preload)
     alone = replace(limits, at_speed_only=True)
     values = design_point(held, alone)
     if values["status"] != OK:
@@ -296,10 +296,10 @@ def least_elsewhere(scene: Scene, limits: DesignLimits, speeds: int) -> float:
             *((share, True) for share in shares),
             *((share, False) for share in cold),
         ]:
-            one = at_share(scene, share) if warm else as_mounted(at_share(scene, share))
+            one = at_speed_share(scene, share) if warm else as_mounted(at_speed_share(scene, share))
             states = solve(one)
             if warm and any(state.status != OK for state in states):
-                near = at_share(scene, share + 0.5 / speeds)
+                near = at_speed_share(scene, share + 0.5 / speeds)
                 states = solve(near)  # the motion may go over to another one just there
             if any(state.status != OK for state in states):
                 return -math.inf

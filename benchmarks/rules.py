@@ -37,7 +37,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.kernels.steady.balance import Seat, orbit_equilibrium
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.bearing.parameters import ellipse_rule
-from bearingwear.solvers.bearing.quadrature import gathered, gauss_legendre
+from bearingwear.solvers.bearing.quadrature import gathered_points, gauss_legendre
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
@@ -161,7 +161,7 @@ def rules():
         yield f"split, plain {m}", quadrature_points, split_power(m, 1)
         yield f"split, square {m}", quadrature_points, split_power(m, 2)
         yield f"split, sinh {m}", place_sinh, split_power(m, 1)
-        yield f"split {m}", quadrature_points, Rule(True, *gathered(m), np.ones(m))
+        yield f"split {m}", quadrature_points, Rule(True, *gathered_points(m), np.ones(m))
 
 
 # The cases

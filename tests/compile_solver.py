@@ -1,7 +1,7 @@
-"""Compiles what most tests call, before they begin: `make test` does it while it checks the text.
+"""Compiles the kernels that most tests call; `make test` runs it while it checks the sources.
 
-One process types once what kernels share, where the processes of the tests would each do it, and
-wait for each other. `unworn` and `worn` share little, and take a core each.
+Otherwise the processes of the tests would each compile kernels, and wait for each other. The
+arguments `unworn` and `worn` name kernels that share little code, so that each may take a core.
 """
 
 import sys
@@ -12,8 +12,8 @@ from bearingwear.lives.life import life
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.solve import solve
 
-FOLLOWED = ["model.contact=auto", "model.normal_balance=frictionless"]
-"""Grooves as they wear."""
+WORN_GROOVES = ["model.contact=auto", "model.normal_balance=frictionless"]
+"""Settings with which a life follows the profiles of the grooves."""
 
 if "unworn" in sys.argv:
     plain = load_scene(scene_file("gyro_s1"), ["model.simulated_turns=0.1"])
@@ -21,4 +21,4 @@ if "unworn" in sys.argv:
         solve(plain, fidelity)
     life(load_scene(scene_file("gyro_s1")))
 if "worn" in sys.argv:
-    life(load_scene(scene_file("gyro_s1"), FOLLOWED))
+    life(load_scene(scene_file("gyro_s1"), WORN_GROOVES))

@@ -11,22 +11,23 @@ import pytest
 from support import ROOT, scene_file
 
 SPREAD_OUT = ROOT / "tests" / "workflow"
-"""Tests of one file here need not run in one process: what they share is made once for all."""
+"""Folder whose tests of one file may run in several processes: their fixtures are `made_once`."""
 
 OF_SOURCES = {"test_imports.py", "test_names.py", "test_provenance.py"}
 """Files whose tests go through the sources of the whole package, which one process parses once."""
 
 LONGEST_FIRST = "workflow", "studies", "lives", "solvers", "kernels"
-"""Folders whose files take seconds to half a minute: a process has no work beside a late one."""
+"""Folders whose files take seconds to half a minute. They start first, so that no process waits for
+another at the end."""
 
 _NEW_OBJECTS = 20_000  # before Python looks for garbage; 700 by default
 
 
 def pytest_configure():
-    """Let the programs that tests start be as a user's.
+    """Gives the programs that tests start the settings of a user's.
 
-    They heed Ctrl-C, also where pytest runs in the background, and keep what Python makes of their
-    sources: each would do that anew, for a quarter of a second.
+    Ctrl-C ends them also where pytest runs in the background. They store compiled Python, without
+    which each of them would start a quarter of a second later.
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -34,7 +35,7 @@ def pytest_configure():
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
-    """In a new clone, one process prepares the tests' assertions, and the others read its files."""
+    """Lets one process compile the tests in a new clone, while the others wait for its files."""
     with open(__file__) as file:
         if not any(Path(__file__).parent.glob("__pycache__/test_*")):
             try:
@@ -46,26 +47,28 @@ def pytest_collection():
 
 
 def pytest_collection_finish():
-    """What is loaded by now is no garbage, and is not looked through again and again."""
+    """Excludes all objects loaded so far from garbage collection, which takes time."""
     gc.freeze()
     gc.set_threshold(_NEW_OBJECTS, *gc.get_threshold()[1:])
 
 
 def pytest_collection_modifyitems(items):
-    """Tests of the folders above come first."""
+    """Sorts tests by their folders in the order of `LONGEST_FIRST`; those of others come last."""
     rank = {ROOT / "tests" / name: k for k, name in enumerate(LONGEST_FIRST)}
 
-    def place(item):
-        return min((rank[folder] for folder in item.path.parents if folder in rank), default=9)
+    def folder_rank(item):
+        """Returns the place of the folder of a test in `LONGEST_FIRST`."""
+        ranks = [rank[folder] for folder in item.path.parents if folder in rank]
+        return min(ranks, default=len(LONGEST_FIRST))
 
-    items.sort(key=place)
+    items.sort(key=folder_rank)
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Keep the tests of a file in one process of pytest-xdist: they share its fixtures.
+    """Keeps the tests of a file, which share fixtures, in one process of pytest-xdist.
 
-    Its own `--dist loadgroup` does that no more with pytest 9.2, which fixes the names of tests.
+    Its `--dist loadgroup` no longer does so with pytest 9.2, which does not let it rename tests.
     """
     from xdist.scheduler import LoadScopeScheduling
 
@@ -81,7 +84,10 @@ def pytest_xdist_make_scheduler(config, log):
 
 @pytest.fixture(scope="session")
 def made_once(tmp_path_factory):
-    """Function (name, make) -> folder that make(folder) filled, once for all processes."""
+    """Returns a function that makes a folder once for all processes of a run of the tests.
+
+    Its arguments are the name of the folder and a function that fills it; it returns the path.
+    """
 
     def folder_of(name, make) -> Path:
         folder = tmp_path_factory.getbasetemp() / name
@@ -89,11 +95,12 @@ def made_once(tmp_path_factory):
             folder = folder.parents[1] / name
         with open(f"{folder}.lock", "w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
-            if not (done := folder.with_suffix(".done")).exists():
+            stamp = folder.with_suffix(".done")
+            if not stamp.exists():
                 shutil.rmtree(folder, ignore_errors=True)
                 folder.mkdir()
                 make(folder)
-                done.touch()
+                stamp.touch()
         return folder
 
     return folder_of
@@ -101,7 +108,7 @@ def made_once(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def small_project(made_once):
-    """Folder of a small study with all of its results."""
+    """Returns the folder of a small study with all of its results, which no test may change."""
     from small_study import make_small_study
 
     return made_once("small_study", make_small_study)
@@ -109,7 +116,10 @@ def small_project(made_once):
 
 @pytest.fixture(scope="session")
 def scene():
-    """Function (name, {key: value}) -> Scene, from config/scenes."""
+    """Returns a function that reads a scene of config/scenes by its name.
+
+    Its second argument holds values to change, by their dotted keys.
+    """
     from bearingwear.scene.read import variant
 
     def build(name="gyro_s1", changes=None):
@@ -120,7 +130,11 @@ def scene():
 
 @pytest.fixture(scope="session")
 def values(scene):
-    """Function (method, mu, loss_um, drag, **other) -> values of the solved scene gyro_s1."""
+    """Returns a function that solves the scene gyro_s1 and returns the values of its result.
+
+    Its arguments are preload method, friction, loss of ball diameter [um], drag density [kg/m3],
+    the fidelity, and other keys of the scene, with `__` for the dot.
+    """
     from bearingwear.solvers.solve import solve
 
     def solved(method="constant_force", mu=0.08, loss=0.0, drag=0.0, fidelity=None, **other):

@@ -6,7 +6,14 @@ from bearingwear.kernels.params import Geometry
 
 
 def geometry(D, dm, alpha0, f_i, f_o, Z, rho, E, nu):
-    """Geometry of a bearing of one material; lengths in m, angle in degrees, E in Pa."""
+    """Returns the geometry of a bearing of one material.
+
+    D, dm: ball and pitch diameter [m].
+    alpha0: contact angle [degree].
+    f_i, f_o: groove radii over the ball diameter.
+    Z: number of balls.
+    rho, E, nu: density [kg/m3], Young's modulus [Pa] and Poisson's ratio.
+    """
     a = math.radians(alpha0)
     return Geometry(
         n_balls=Z,

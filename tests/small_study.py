@@ -44,7 +44,7 @@ LIMITS = {"system_axial_stiffness_N_um": 3.0, "gyroscopic_slip_share": 0.25}
 
 
 def make_small_study(folder: Path) -> None:
-    """Results of the study, as the workflow would make them below `folder`."""
+    """Makes the results of the study below `folder`, as the workflow would."""
     from bearingwear.results.netcdf import write_result
     from bearingwear.scene.read import variant
     from bearingwear.solvers.solve import solve
@@ -59,48 +59,61 @@ def make_small_study(folder: Path) -> None:
         cases = [f"{FOLDER}/{case_id}.nc" for case_id in GRID.cases()]
         for case, path in zip(GRID.cases().values(), cases, strict=True):
             write_result(solve(variant(scene, case.changes)), Path(path))
-        study, lives, choice = f"{FOLDER}/study.nc", f"{FOLDER}/wear_life.nc", f"{CHOICE}/design.nc"
-        taken = f"{CHOICE}/recommendation.nc"
-        both, alone = {"friction": [0.02, 0.08]}, {"friction": 0.02}
-        design = {"design": choice, "recommendation": taken}
-        tables = [f"{FOLDER}/tables/{name}" for name in ("cases.csv", "summary.md")]
-        small_map = [choice, taken]
-        settings = {"axes": AXES, "limits": LIMITS}
-        draw, chosen = "studies.grid.figures.draw", "studies.design"
-        figure = [drawn(name) for name in (*FIGURES, f"{CHOICE}/figures/design")]
-        for status in (
-            step("studies.grid.gather.study", study, paths=cases),
-            step("studies.grid.life.study_life", lives, scene=scene, study=study),
-            step("studies.grid.tables.study_tables", *tables, study=study, lives=lives),
-            step(f"{draw}.draw_wear", *figure[0], studies=[study], settings=both),
-            step(f"{draw}.draw_life", *figure[1], lives=lives, settings=both),
-            step(f"{draw}.draw_overlay", *figure[2], studies=[study], settings=alone),
-            step("studies.grid.answer.lives_answer", LIVES_ANSWER, lives=[lives]),
-            step(f"{chosen}.recommend.small_map", *small_map, scene=scene, settings=settings),
-            step(f"{chosen}.figures.draw.draw_design", *figure[3], **design),
-            step(f"{chosen}.document.sheets.tables", *texts(), **design),
-            step(f"{chosen}.document.sheets.design_answer", f"{CHOICE}/answer.json", **design),
-            step(f"{chosen}.document.charts.design_charts", f"{CHOICE}/charts.json", **design),
-        ):
-            assert status == 0
+        make_lives_and_figures(scene, cases)
+        make_recommendation(scene)
 
 
-def drawn(name: str) -> list[str]:
+def make_lives_and_figures(scene: Path, cases: list[str]) -> None:
+    """Gathers cases, and makes their lives, tables, figures and answer in the present folder."""
+    study, lives = f"{FOLDER}/study.nc", f"{FOLDER}/wear_life.nc"
+    tables = [f"{FOLDER}/tables/{name}" for name in ("cases.csv", "summary.md")]
+    wear_figure, life_figure, overlay_figure = map(figure_files, FIGURES)
+    frictions, least_friction = {"friction": [0.02, 0.08]}, {"friction": 0.02}
+    draw = "studies.grid.figures.draw"
+    run_step("studies.grid.gather.gathered_study", study, paths=cases)
+    run_step("studies.grid.life.study_life", lives, scene=scene, study=study)
+    run_step("studies.grid.tables.study_tables", *tables, study=study, lives=lives)
+    run_step(f"{draw}.draw_wear", *wear_figure, studies=[study], settings=frictions)
+    run_step(f"{draw}.draw_life", *life_figure, lives=lives, settings=frictions)
+    run_step(f"{draw}.draw_overlay", *overlay_figure, studies=[study], settings=least_friction)
+    run_step("studies.grid.answer.lives_answer", LIVES_ANSWER, lives=[lives])
+
+
+def make_recommendation(scene: Path) -> None:
+    """Makes a map of preloads, and its figure, tables, answer and charts in the present folder."""
+    design, recommendation = f"{CHOICE}/design.nc", f"{CHOICE}/recommendation.nc"
+    inputs = {"design": design, "recommendation": recommendation}
+    tables = [f"{CHOICE}/tables/{name}" for name in ("map.csv", "design.md")]
+    settings = {"axes": AXES, "limits": LIMITS}
+    folder = "studies.design"
+    run_step(
+        f"{folder}.recommend.small_map", design, recommendation, scene=scene, settings=settings
+    )
+    figure = figure_files(f"{CHOICE}/figures/design")
+    run_step(f"{folder}.figures.draw.draw_design", *figure, **inputs)
+    run_step(f"{folder}.document.sheets.tables", *tables, **inputs)
+    run_step(f"{folder}.document.sheets.design_answer", f"{CHOICE}/answer.json", **inputs)
+    run_step(f"{folder}.document.charts.design_charts", f"{CHOICE}/charts.json", **inputs)
+
+
+def run_step(run: str, *outputs, **inputs) -> None:
+    """Runs a step of a study, which must succeed. Arguments: `support.step_arguments`."""
+    assert step(run, *outputs, **inputs) == 0
+
+
+def figure_files(name: str) -> list[str]:
+    """Returns the files of a figure."""
     return [f"{name}.{suffix}" for suffix in ("svg", "png")]
 
 
-def texts() -> list[str]:
-    return [f"{CHOICE}/tables/{name}" for name in ("map.csv", "design.md")]
-
-
 def page_command(path, sections=SECTIONS, docs=DOCS, answers=ANSWERS, scenes=()) -> list[str]:
-    """Arguments of `bearingwear` that write the page of files below the present folder."""
+    """Returns arguments of `bearingwear` that write the page of files below the present folder."""
     inputs = [*sections, "--answers", *answers, "--docs", *docs, "--scenes", *scenes, "-o", path]
     return ["page", *map(str, inputs)]
 
 
 def make_page(path, sections=SECTIONS, docs=DOCS, answers=ANSWERS) -> str:
-    """The page of files below the present folder."""
+    """Writes the page of files below the present folder, and returns its text."""
     assert main(page_command(path, sections, docs, answers)) == 0
     with open(os.fspath(path), encoding="utf-8") as file:
         return file.read()

@@ -1,4 +1,4 @@
-"""Where things are, and how a step of a study is run, for tests of every kind."""
+"""Functions that tests of several folders share: paths, scenes, differences, steps of studies."""
 
 import ast
 import functools
@@ -26,19 +26,19 @@ PACKAGES = bearingwear.__name__, COMPILER
 
 
 def copy_tree(folder: Path, *names: str) -> None:
-    """Copy packages, or other folders of the project, without what Python has made of them."""
+    """Copies packages, or other folders of the project, without compiled Python files."""
     ignored = shutil.ignore_patterns("__pycache__")
     for name in names:
         shutil.copytree(ROOT / name, folder / name, ignore=ignored)
 
 
 def scene_file(name: str) -> Path:
-    """Path of a scene of the study."""
+    """Returns the path of a scene of the project's study."""
     return ROOT / "config" / "scenes" / f"{name}.yaml"
 
 
 def warm_spindle() -> Scene:
-    """A bearing of 40 mm bore in a rigid pair, with a thermal network and heat capacities."""
+    """Returns a bearing of 40 mm bore in a rigid pair, with a thermal network and capacities."""
     conductances = {"inner_ring_shaft": 2.0, "outer_ring_housing": 4.0, "ball_race": 1.0}
     capacities = {"inner_ring": 30.0, "balls": 12.0, "outer_ring": 40.0}
     scene = bearingwear.new(
@@ -55,12 +55,12 @@ SLOW_HOUSING = {"thermal.housing_time_constant_s": 300.0, "thermal.housing_C": 3
 
 @functools.cache
 def syntax_nodes(file: Path) -> list[ast.AST]:
-    """Nodes of a source, the module first: several tests look through all of ours."""
+    """Returns the syntax nodes of a source file, the module first."""
     return list(ast.walk(ast.parse(file.read_bytes())))
 
 
 def benchmark(name: str):
-    """A program of `benchmarks/`, as a module; it may import others from there."""
+    """Returns a program of `benchmarks/` as a module, which may import others from there."""
     path = ROOT / "benchmarks" / f"{name}.py"
     if str(path.parent) not in sys.path:
         sys.path.append(str(path.parent))
@@ -73,63 +73,75 @@ def benchmark(name: str):
 
 @functools.cache
 def in_python(kernel, *compiled) -> Callable:
-    """A kernel as plain Python with all that it calls, except for what stays `compiled`.
+    """Returns a kernel as plain Python, and so all kernels that it calls but those in `compiled`.
 
     A formula that is evaluated a few times is not worth compiling, which takes seconds.
     """
     function = getattr(kernel, "py_func", kernel)
-    own = dict(function.__globals__)
+    global_names = dict(function.__globals__)
     for name in function.__code__.co_names:
-        other = own.get(name)
-        is_function = hasattr(other, "py_func") or isinstance(other, types.FunctionType)
-        if is_function and other.__module__.startswith("bearingwear.") and other not in compiled:
-            own[name] = in_python(other, *compiled)
-    more = function.__name__, function.__defaults__, function.__closure__
-    return types.FunctionType(function.__code__, own, *more)
+        callee = global_names.get(name)
+        is_function = hasattr(callee, "py_func") or isinstance(callee, types.FunctionType)
+        if is_function and callee.__module__.startswith("bearingwear.") and callee not in compiled:
+            global_names[name] = in_python(callee, *compiled)
+    return types.FunctionType(
+        function.__code__,
+        global_names,
+        function.__name__,
+        function.__defaults__,
+        function.__closure__,
+    )
 
 
 def balance_of(problem: ThrustProblem, D: float) -> BalanceProblem:
-    """The equations of motion of a ball of diameter D [m]."""
+    """Returns the equations of motion of a ball of diameter D [m]."""
     return in_python(balance_problem)(problem.bearing(D), problem.rule, problem.traction)
 
 
-def by_differences(function, c, steps) -> np.ndarray:
-    """Central differences of a function of several numbers, a row for each of them."""
-    out = []
+def by_differences(function, point, steps) -> np.ndarray:
+    """Returns central differences of a function at a point: a row for each of its numbers.
+
+    steps: of each number, in its unit.
+    """
+    rows = []
     for i, step in enumerate(steps):
-        moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
-        low, high = map(function, moved)
-        out.append((high - low) / (2.0 * step))
-    return np.array(out)
+        below, above = list(point), list(point)
+        below[i] -= step
+        above[i] += step
+        rows.append((function(tuple(above)) - function(tuple(below))) / (2.0 * step))
+    return np.array(rows)
 
 
 def numbers_in(text: str) -> list[float]:
-    """Returns the numbers in a text, in their order; digits within a name are none."""
+    """Returns the numbers in a text in their order, without digits that are part of a name."""
     return [float(number) for number in re.findall(r"(?<![\w.-])-?\d+(?:\.\d+)?(?:e-?\d+)?", text)]
 
 
 def without_waits(text: str) -> str:
-    """Output without the lines that say how long a slow machine has been at work."""
+    """Returns output without its lines on the time so far, which only a slow machine prints."""
     return re.sub(r"^.*\brunning for \d+ s.*\n", "", text, flags=re.M)
 
 
 def only_line(capsys) -> str:
-    """The line that a command has printed to standard error, and nothing else."""
+    """Returns the line that a command printed to standard error; fails if it printed more."""
     out, err = capsys.readouterr()
     assert not out and err.count("\n") == 1, (out, err)
     return err
 
 
 def step_arguments(run: str, *outputs, settings: dict | None = None, **inputs) -> list[str]:
-    """Arguments of `bearingwear` that run a step, as a rule of the workflow gives them.
+    """Returns arguments of `bearingwear` that run a step, as a rule of the workflow does.
 
     Parameters
     ----------
     run : str
-        The function, as `studies.grid.gather.study`.
+        The function, such as `studies.grid.gather.gathered_study`.
     *outputs : path
+        Files that the step writes.
     settings : dict, optional
+        Arguments of the function that are no files.
     **inputs : path, or list of paths
+        Arguments of the function that are files.
     """
     words = []
     for name, paths in inputs.items():
@@ -141,12 +153,12 @@ def step_arguments(run: str, *outputs, settings: dict | None = None, **inputs) -
 
 
 def dotted(run: str) -> str:
-    """Dotted name of a function of a study: `studies.grid.gather.study` in the package."""
+    """Returns the dotted name of a function of a study, which is in `bearingwear` or `workflow`."""
     study = run.split(".")[1]
-    there = (ROOT / "workflow" / "studies" / study).is_dir()
-    return f"{'workflow' if there else 'bearingwear'}.{run}"
+    is_in_workflow = (ROOT / "workflow" / "studies" / study).is_dir()
+    return f"{'workflow' if is_in_workflow else 'bearingwear'}.{run}"
 
 
 def step(run: str, *outputs, settings: dict | None = None, **inputs) -> int:
-    """Run a step; its exit status."""
+    """Runs a step and returns its exit status. Arguments: `step_arguments`."""
     return main(step_arguments(run, *outputs, settings=settings, **inputs))

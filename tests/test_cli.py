@@ -30,7 +30,8 @@ SCENE = Path(__file__).parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 QUICK = ["--set", "model.strips=10", "--set", "model.tolerance=1.0e-3"]
 
 
-def solve(output, *more) -> int:
+def run_solve(output, *more) -> int:
+    """Runs `bearingwear solve` with a coarse model, and returns its exit status."""
     return main(["solve", str(SCENE), "-o", str(output), *QUICK, *more])
 
 
@@ -38,7 +39,7 @@ def solve(output, *more) -> int:
 
 
 def test_solve_prints_the_sheet_that_its_file_has(tmp_path, capsys):
-    assert solve(tmp_path / "new" / "case.nc") == 0
+    assert run_solve(tmp_path / "new" / "case.nc") == 0
     sheet, err = capsys.readouterr()
     assert err.endswith("new: new folder\n")  # before it, that kernels are compiled
     assert main(["show", str(tmp_path / "new" / "case.nc")]) == 0
@@ -52,31 +53,36 @@ def test_solve_prints_the_sheet_that_its_file_has(tmp_path, capsys):
 
 
 def test_solve_twice_gives_the_same_bytes(tmp_path):
-    assert solve(tmp_path / "a.nc") == solve(tmp_path / "b.nc") == 0
+    assert run_solve(tmp_path / "a.nc") == run_solve(tmp_path / "b.nc") == 0
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
-def test_record_timing(tmp_path):
-    assert solve(tmp_path / "a.nc", "--record-timing") == 0
+def test_record_timing_stores_the_wall_time(tmp_path):
+    assert run_solve(tmp_path / "a.nc", "--record-timing") == 0
     assert load(tmp_path / "a.nc").attrs["wall_time_s"] > 0.0
 
 
-def fails(status):
-    def solved(scene, fidelity=None, restart=None, progress=None):
+def failing_solve(status):
+    """Returns a function in place of `solve` whose result has a status and no values."""
+
+    def solve_in_vain(scene, fidelity=None, restart=None, progress=None):
         return Result({"status": status}, {"fidelity": "steady"})
 
-    return solved
+    return solve_in_vain
 
 
-def test_failed_solve(tmp_path, capsys, monkeypatch):
+def test_a_failed_solve_has_exit_status_3_one_line_and_a_file_with_its_status(
+    tmp_path, capsys, monkeypatch
+):
+    """With --record-failures the exit status is 0."""
     status = code.CONTACT_LOST
-    monkeypatch.setattr(solve_model, "solve", fails(status))
-    assert solve(tmp_path / "a.nc") == 3
+    monkeypatch.setattr(solve_model, "solve", failing_solve(status))
+    assert run_solve(tmp_path / "a.nc") == 3
     err = capsys.readouterr().err
     assert err.count("\n") == 1 and err.startswith(f"{SCENE}: {code.STATUS_NAMES[status]}: ")
     case = load(tmp_path / "a.nc")
     assert int(case["status"]) == status and np.isnan(case["total_qv"])
-    assert solve(tmp_path / "b.nc", "--record-failures") == 0
+    assert run_solve(tmp_path / "b.nc", "--record-failures") == 0
 
 
 INTERRUPTED = """
@@ -117,15 +123,15 @@ __main__.run_program()
     ],
 )
 def test_an_interrupted_import_or_write_leaves_no_trace(arguments, number, problem, tmp_path):
-    """While numba is imported, and while a file is half written."""
-    done = subprocess.run(
+    """While numba is imported, or a file is half written; there is no traceback and no file."""
+    completed = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, *arguments, str(int(number))],
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(SCENE.parents[2])},
         capture_output=True,
         text=True,
     )
-    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", problem)
+    assert (completed.returncode, completed.stdout, completed.stderr) == (128 + number, "", problem)
     assert os.listdir(tmp_path) == []
 
 
@@ -144,40 +150,45 @@ sys.exit(__main__.run_program())
 """
 
 
-def test_an_interrupt_while_python_ends():
+def test_an_interrupt_while_python_ends_keeps_the_exit_status():
     """The work is done, and its exit status stands."""
-    done = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (3, "late\n", "")
+    completed = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True)
+    assert (completed.returncode, completed.stdout, completed.stderr) == (3, "late\n", "")
 
 
 # life
 
 
 def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
-    argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
-    assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
+    words = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
+    assert main([*words, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
-    err = without_waits(err)
-    warned = err.splitlines()
-    assert out == "" and all(line.startswith("warning: ") for line in warned)
+    lines = without_waits(err).splitlines()
+    assert out == "" and all(line.startswith("warning: ") for line in lines)
+    sentences = [warning["sentence"] for warning in warnings_in(load(tmp_path / "life.nc").attrs)]
+    assert sentences
+    for sentence, line in zip(sentences, lines, strict=True):
+        assert sentence in line
+
+
+def test_a_life_writes_a_file_with_its_history(tmp_path):
+    words = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
+    assert main([*words, "--quiet"]) == 0
     life = load(tmp_path / "life.nc")
-    sentences = [warning["sentence"] for warning in warnings_in(life.attrs)]
-    assert len(warned) == len(sentences) == 2
-    assert all(text in line for text, line in zip(sentences, warned, strict=True))
     assert int(life["status"]) == code.OK
     assert life["life"].dims == () and float(life["life"]) > 0.0
     assert life.attrs["wear_counts"] == "ball_and_races"
     assert life.sizes["step"] > 2
 
 
-def test_failed_life(tmp_path, monkeypatch):
-    def lived(scene, fidelity, progress):
+def test_a_life_without_an_end_has_exit_status_3(tmp_path, monkeypatch):
+    def life_without_end(scene, fidelity, progress):
         return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": NO_CRITERION})
 
-    monkeypatch.setattr(life_model, "life", lived)
-    argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc")]
-    assert main(argv) == 3
-    assert main([*argv, "--record-failures"]) == 0
+    monkeypatch.setattr(life_model, "life", life_without_end)
+    words = ["life", str(SCENE), "-o", str(tmp_path / "life.nc")]
+    assert main(words) == 3
+    assert main([*words, "--record-failures"]) == 0
     assert np.isnan(load(tmp_path / "life.nc")["life"]).all()
 
 
@@ -189,15 +200,18 @@ def test_check_names_the_model_and_why_without_a_solve(capsys):
     out, err = capsys.readouterr()
     title, *_ = out.splitlines()
     assert "gyro_s1" in title and "steady model" in title and not err
+
+
+def test_check_states_why_a_radial_load_requires_the_dynamic_model(capsys):
     assert main(["check", str(SCENE), "--set", "operation.radial_load_N=[0, 1]"]) == 0
     out = capsys.readouterr().out
     assert "dynamic model" in out and "radial load" in out
 
 
-def process(stdout, *argv, unbuffered=""):
-    """A command in a process of its own; an empty PYTHONUNBUFFERED is the same as none."""
+def command_process(stdout, *words, unbuffered=""):
+    """Runs a command in a process of its own; an empty PYTHONUNBUFFERED is the same as none."""
     return subprocess.run(
-        [sys.executable, "-m", "bearingwear", *argv],
+        [sys.executable, "-m", "bearingwear", *words],
         stdout=stdout,
         stderr=subprocess.PIPE,
         text=True,
@@ -205,16 +219,16 @@ def process(stdout, *argv, unbuffered=""):
     )
 
 
-# buffered text is written when Python shuts down, where nobody could catch what goes wrong
 @pytest.mark.parametrize("scene", ["{", "{}x", '{"name": 1}', "[" * 10_000])
-def test_show_refuses_a_scene_it_cannot_read(scene, tmp_path, capsys):
-    """Result files, too, may come from strangers."""
+def test_show_refuses_a_file_whose_scene_cannot_be_read(scene, tmp_path, capsys):
+    """Result files may come from other people."""
     rewrite_scene(tmp_path / "a.nc", lambda text: scene)
     assert main(["show", str(tmp_path / "a.nc")]) == 2
     assert "damaged file" in only_line(capsys)
 
 
-def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
+def test_show_replaces_control_characters_of_a_file(tmp_path, capsys):
+    """Which a terminal would obey."""
     rewrite_scene(tmp_path / "a.nc", lambda text: text.replace("gyro_s1", "a\\u001b[2Jb", 1))
     assert main(["show", str(tmp_path / "a.nc")]) == 0
     out = capsys.readouterr().out
@@ -222,35 +236,37 @@ def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
 
 
 def rewrite_scene(path, change):
+    """Writes a case whose attribute `scene` is changed by a function of its text."""
     import netCDF4
 
-    assert solve(path, "--quiet") == 0
+    assert run_solve(path, "--quiet") == 0
     with netCDF4.Dataset(path, "a") as file:
         file.scene = change(file.scene)
 
 
+# Python writes buffered text when it ends, where no command can catch an error.
 BUFFERING = pytest.mark.parametrize("unbuffered", ["", "1"], ids=["buffered", "unbuffered"])
 
 
 @BUFFERING
-def test_print_into_a_closed_pipe(unbuffered, tmp_path):
-    solve(tmp_path / "a.nc")
+def test_a_closed_pipe_ends_a_command_without_a_message(unbuffered, tmp_path):
+    run_solve(tmp_path / "a.nc")
     reader, writer = os.pipe()
     os.close(reader)
     try:
-        done = process(writer, "show", str(tmp_path / "a.nc"), unbuffered=unbuffered)
+        completed = command_process(writer, "show", str(tmp_path / "a.nc"), unbuffered=unbuffered)
     finally:
         os.close(writer)
-    assert done.returncode == 0 and done.stderr == ""
+    assert completed.returncode == 0 and completed.stderr == ""
 
 
 @BUFFERING
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
-def test_print_on_a_full_disk(unbuffered):
+def test_a_full_disk_ends_a_command_with_a_message(unbuffered):
     with open("/dev/full", "w") as full:
-        done = process(full, "check", str(SCENE), unbuffered=unbuffered)
-    assert done.returncode == 2
-    assert done.stderr == "bearingwear: No space left on device\n"
+        completed = command_process(full, "check", str(SCENE), unbuffered=unbuffered)
+    assert completed.returncode == 2
+    assert completed.stderr == "bearingwear: No space left on device\n"
 
 
 @pytest.mark.parametrize(
@@ -265,7 +281,7 @@ def test_print_on_a_full_disk(unbuffered):
         ["study", "--report", "a.html", "a.yaml"],
     ],
 )
-def test_wrong_arguments(argv, capsys):
+def test_wrong_arguments_are_refused_in_one_line_that_names_help(argv, capsys):
     assert main(argv) == 2
     err = only_line(capsys)
     assert err.startswith("bearingwear") and "--help" in err
@@ -288,14 +304,17 @@ def test_the_name_of_a_study_comes_first(option, capsys):
         (["--each", "friction.bal=1", "-o", "x.nc"], "--set friction.bal: got an unknown key"),
     ],
 )
-def test_values_and_files_belong_together(given, problem, tmp_path, monkeypatch, capsys):
+def test_each_is_refused_unless_it_has_a_file_for_each_value(
+    given, problem, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     assert main(["solve", str(SCENE), *given]) == 2
     assert only_line(capsys).startswith(problem)
     assert os.listdir() == []
 
 
-def test_each_value_is_solved_as_alone(tmp_path, capsys):
+def test_each_writes_the_files_that_single_solves_write(tmp_path):
+    """They can be gathered."""
     key, values = "wear.ball_diameter_loss_um", ("0", "0.5")
     case = "constant_force-mu0.050-loss{:.2f}.nc"
     files = [str(tmp_path / case.format(float(value))) for value in values]
@@ -303,16 +322,23 @@ def test_each_value_is_solved_as_alone(tmp_path, capsys):
     each_option = ["--each", f"{key}={','.join(values)}", "-o", *files]
     assert main(["solve", str(SCENE), *options, *each_option]) == 0
     for value, file in zip(values, files, strict=True):
-        alone = tmp_path / "alone.nc"
-        one_value = ["--set", f"{key}={value}", "-o", str(alone)]
-        assert main(["solve", str(SCENE), *options, *one_value]) == 0
-        assert alone.read_bytes() == Path(file).read_bytes()
+        single = tmp_path / "single.nc"
+        single_option = ["--set", f"{key}={value}", "-o", str(single)]
+        assert main(["solve", str(SCENE), *options, *single_option]) == 0
+        assert single.read_bytes() == Path(file).read_bytes()
     assert main(["gather", *files, "-o", str(tmp_path / "study.nc")]) == 0
     assert load(tmp_path / "study.nc").sizes["ball_diameter_loss"] == 2
-    # a failure is recorded, or told by the exit status
-    unsolved = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet", *each_option]
-    assert main(unsolved) == 3 and main([*unsolved, "--record-failures"]) == 0
-    assert capsys.readouterr().err.count("undetermined") == 4
+
+
+def test_each_reports_every_unsolved_value(tmp_path, capsys):
+    """By exit status 3, unless failures are to be recorded; without friction, none is solved."""
+    words = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet"]
+    words += ["--each", "wear.ball_diameter_loss_um=0,0.5"]
+    words += ["-o", str(tmp_path / "a.nc"), str(tmp_path / "b.nc")]
+    assert main(words) == 3
+    assert capsys.readouterr().err.count("undetermined") == 2
+    assert main([*words, "--record-failures"]) == 0
+    assert capsys.readouterr().err.count("undetermined") == 2
 
 
 # steps
@@ -320,10 +346,12 @@ def test_each_value_is_solved_as_alone(tmp_path, capsys):
 
 def test_every_command_has_a_handler():
     from bearingwear import commands
-    from bearingwear.results.kinds import function
+    from bearingwear.results.kinds import imported_function
 
     (choices,) = (action.choices for action in command_parser()._actions if action.choices)
-    handlers = {name: function(parser.get_default("run")) for name, parser in choices.items()}
+    handlers = {
+        name: imported_function(parser.get_default("run")) for name, parser in choices.items()
+    }
     functions = inspect.getmembers(commands, inspect.isfunction)
     own = {name for name, value in functions if value.__module__ == commands.__name__}
     of_applications = {application.command for application in applications()}
@@ -354,40 +382,36 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
             "step: got bearingwear.studies.grid.gather.nothing, which does not exist",
         ),
         (
-            "studies.nothing.gather.study",
-            "step: got bearingwear.studies.nothing.gather.study, which does",
+            "studies.nothing.gather.gathered_study",
+            "step: got bearingwear.studies.nothing.gather.gathered_study, which does",
         ),
     ],
 )
-def test_a_step_that_is_not_there(run, problem, tmp_path, capsys):
+def test_an_unknown_step_is_refused(run, problem, tmp_path, capsys):
     assert step(run, tmp_path / "a.nc") == 2
     assert only_line(capsys).startswith(problem)
     assert os.listdir(tmp_path) == []
 
 
 def test_an_unsolved_step_reports_its_status_and_ends_with_0(tmp_path, capsys):
-    """A study goes on without what could not be solved; its verdict fails."""
+    """So that a study continues without the case; the status in the file tells it."""
     settings = {"changes": {"friction.ball_race": 0}}
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
     assert only_line(capsys).startswith(f"{SCENE}: undetermined: ")
     assert int(load(tmp_path / "a.nc")["status"]) == code.UNDETERMINED
 
 
-def test_only_our_functions_are_steps(tmp_path, capsys):
+def test_a_function_of_another_package_is_no_step(tmp_path, capsys):
     assert main(["step", "os.system", "command=ls", "-o", str(tmp_path / "a.nc")]) == 2
     assert only_line(capsys).startswith("step: got os.system, expected bearingwear.MODULE.FUNCTION")
 
 
 @pytest.mark.parametrize(
-    "given", [["scene"], ["scene=a", "b"], ["scene=a", "fidelity=steady", "c=1"], ["=a"]]
+    "words", [["scene"], ["scene=a", "b"], ["scene=a", "fidelity=steady", "c=1"], ["=a"]]
 )
-def test_wrong_arguments_of_a_step(given, tmp_path, capsys):
-    assert (
-        main(
-            ["step", "bearingwear.studies.solve.solved_case", *given, "-o", str(tmp_path / "a.nc")]
-        )
-        == 2
-    )
+def test_wrong_arguments_of_a_step_are_refused_in_one_line(words, tmp_path, capsys):
+    step_words = ["step", "bearingwear.studies.solve.solved_case", *words]
+    assert main([*step_words, "-o", str(tmp_path / "a.nc")]) == 2
     only_line(capsys)
     assert os.listdir(tmp_path) == []
 
@@ -395,27 +419,27 @@ def test_wrong_arguments_of_a_step(given, tmp_path, capsys):
 # outputs that are refused
 
 
-def test_output_is_no_folder(tmp_path, capsys):
-    assert solve(tmp_path) == 2
+def test_a_folder_as_output_is_refused(tmp_path, capsys):
+    assert run_solve(tmp_path) == 2
     assert "a folder or a device" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["new/", ""])
-def test_output_is_the_name_of_a_file(name, tmp_path, capsys, monkeypatch):
+def test_an_output_without_a_file_name_is_refused(name, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert solve(name) == 2
+    assert run_solve(name) == 2
     assert f"got {name!r}, expected a file name" in only_line(capsys)
     assert os.listdir(tmp_path) == []
 
 
 @pytest.mark.parametrize("name", ["x" * 300, "x" * 250, "\udcff.nc"])
-def test_output_that_cannot_be_named(name, tmp_path, capsys):
-    assert solve(tmp_path / name) == 2
+def test_an_output_with_an_impossible_name_is_refused(name, tmp_path, capsys):
+    assert run_solve(tmp_path / name) == 2
     assert "cannot be written" in only_line(capsys)
     assert os.listdir(tmp_path) == []
 
 
-def test_output_is_not_the_scene(tmp_path, capsys):
+def test_the_scene_itself_as_output_is_refused(tmp_path, capsys):
     mine = tmp_path / "mine.yaml"
     shutil.copy(SCENE, mine)
     assert main(["solve", str(mine), "-o", str(mine)]) == 2
@@ -424,35 +448,35 @@ def test_output_is_not_the_scene(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
-def test_output_replaces_results_alone(command, tmp_path, capsys):
-    other = tmp_path / "other.yaml"
-    other.write_text("name: another scene\n")
-    assert main([command, str(SCENE), "-o", str(other)]) == 2
+def test_an_output_that_would_replace_another_file_is_refused(command, tmp_path, capsys):
+    scene_file = tmp_path / "other.yaml"
+    scene_file.write_text("name: another scene\n")
+    assert main([command, str(SCENE), "-o", str(scene_file)]) == 2
     assert "got an existing file that is not a result" in capsys.readouterr().err
-    assert other.read_text() == "name: another scene\n"
+    assert scene_file.read_text() == "name: another scene\n"
 
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
-def test_output_replaces_no_file_marked_read_only(command, tmp_path, capsys):
-    """Not even as root, who may write to it, and before anything is solved."""
-    kept = tmp_path / "kept.nc"
-    assert solve(kept) == 0
-    before = kept.read_bytes()
-    kept.chmod(0o444)
+def test_an_output_that_would_replace_a_read_only_file_is_refused(command, tmp_path, capsys):
+    """Before anything is solved, and even for root, who could write to it."""
+    result = tmp_path / "kept.nc"
+    assert run_solve(result) == 0
+    content = result.read_bytes()
+    result.chmod(0o444)
     capsys.readouterr()
-    assert main([command, str(SCENE), "-o", str(kept)]) == 2
-    problem = f"{kept}: got a read-only file, expected a different file name"
+    assert main([command, str(SCENE), "-o", str(result)]) == 2
+    problem = f"{result}: got a read-only file, expected a different file name"
     assert only_line(capsys).strip() == problem
-    assert kept.read_bytes() == before
+    assert result.read_bytes() == content
 
 
-def test_output_in_a_folder_that_cannot_be_written(tmp_path, capsys):
+def test_an_output_in_a_folder_without_write_permission_is_refused(tmp_path, capsys):
     if os.geteuid() == 0:
         folder = Path("/proc")  # nobody can write there, root neither
     else:
         folder = tmp_path / "closed"
         folder.mkdir(mode=0o500)
-    assert solve(folder / "a.nc") == 2
+    assert run_solve(folder / "a.nc") == 2
     assert "cannot be written" in capsys.readouterr().err
 
 
@@ -463,12 +487,13 @@ def test_output_in_a_folder_that_cannot_be_written(tmp_path, capsys):
     ("command", "meant"),
     [("slove", "solve"), ("sovle", "solve"), ("plto", "plot"), ("checks", "check")],
 )
-def test_a_mistyped_command(command, meant, capsys):
+def test_a_mistyped_command_is_refused_with_the_nearest_one(command, meant, capsys):
     assert main([command]) == 2
     assert f"{command!r}; did you mean {meant}" in capsys.readouterr().err
 
 
-def test_a_mistyped_option(capsys):
+def test_a_mistyped_option_is_refused_with_the_nearest_one(capsys):
+    """Unless none is similar."""
     assert main(["recommend", "mine.yaml", "--stifness=10"]) == 2
     assert "'--stifness=10', which this command does not accept; did you mean --stiffness" in (
         capsys.readouterr().err
@@ -477,9 +502,10 @@ def test_a_mistyped_option(capsys):
     assert "did you mean" not in capsys.readouterr().err
 
 
-def test_plot_in_any_order_of_arguments(tmp_path, capsys):
+def test_plot_accepts_the_figure_and_the_result_in_either_order(tmp_path, capsys):
+    """Without a figure it draws beside the result; without a result it is refused."""
     file, figure = tmp_path / "a.nc", tmp_path / "a.png"
-    assert solve(file, "--quiet") == 0
+    assert run_solve(file, "--quiet") == 0
     assert main(["plot", "-o", str(file), str(figure)]) == 0
     assert capsys.readouterr() == (f"{figure}: written\n", "")
     assert figure.read_bytes().startswith(b"\x89PNG")
@@ -511,34 +537,45 @@ def test_warnings_are_printed_once(capsys):
     assert output == "" and error.count("warning: ") == 1 and 0.3 in numbers_in(error)
 
 
-def test_one_new_folder_is_made_and_reported(tmp_path, capsys):
-    where = tmp_path / "new"
-    tree = where / "folder" / "case.nc"
-    assert main(["solve", str(SCENE), "-o", str(tree)]) == 2 and not where.exists()
-    assert capsys.readouterr().err.startswith(f"{tree}: got more than one new folder, expected")
-    for command in (["new", "7008C"], ["study", str(SCENE), "-o"]):
-        command.insert(1 if command[0] == "new" else 3, str(where / "folder" / "a.yaml"))
-        assert main(command) == 2 and not where.exists()
-        assert "got more than one new folder, expected" in capsys.readouterr().err
-    assert main(["solve", str(SCENE), "-o", str(where / "case.nc"), "--quiet"]) == 0
-    assert capsys.readouterr().err == f"{where}: new folder\n"
-    assert main(["solve", str(SCENE), "-o", str(where / "case.nc"), "--quiet"]) == 0
-    assert main(["plot", str(where / "case.nc"), "-o", str(tmp_path / "other" / "a.svg")]) == 0
-    assert capsys.readouterr().err == f"{tmp_path / 'other'}: new folder\n"
+def test_commands_create_one_folder_and_report_it(tmp_path, capsys):
+    folder, figure_folder = tmp_path / "cases", tmp_path / "figures"
+    solve = ["solve", str(SCENE), "-o", str(folder / "case.nc"), "--quiet"]
+    assert main(solve) == 0
+    assert capsys.readouterr().err == f"{folder}: new folder\n"
+    assert main(solve) == 0
+    assert capsys.readouterr().err == ""  # the folder is not new
+    assert main(["plot", str(folder / "case.nc"), "-o", str(figure_folder / "a.svg")]) == 0
+    assert capsys.readouterr().err == f"{figure_folder}: new folder\n"
 
 
-def test_skid_ratio_has_one_sign(capsys):
-    """That of its meaning, a lag behind rolling: in a case and along a life."""
-    shown = []
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["solve", str(SCENE), "-o", "new/folder/case.nc"],
+        ["new", "new/folder/a.yaml", "7008C"],
+        ["study", str(SCENE), "-o", "new/folder/a.yaml"],
+    ],
+)
+def test_more_than_one_new_folder_is_refused(words, tmp_path, monkeypatch, capsys):
+    """As the path is probably mistyped."""
+    monkeypatch.chdir(tmp_path)
+    assert main(words) == 2
+    assert "got more than one new folder, expected" in capsys.readouterr().err
+    assert os.listdir() == []
+
+
+def test_the_skid_ratio_has_the_same_sign_in_a_case_and_in_a_life(capsys):
+    """It is a lag behind rolling; without drag, the balls lead."""
+    ratios = []
     for command in ("solve", "life"):
         assert main([command, str(SCENE), "--json", "--set", "lubricant.drag_density_kg_m3=0"]) == 0
         rows = json.loads(capsys.readouterr().out)["quantities"]
         (row,) = [row for row in rows if row["name"] == "skid_ratio"]
-        shown.append(row["value"] if command == "solve" else row["values"]["start"])
-    assert shown[0] == pytest.approx(shown[1], rel=1e-6) and shown[0] < 0.0
+        ratios.append(row["value"] if command == "solve" else row["values"]["start"])
+    assert ratios[0] == pytest.approx(ratios[1], rel=1e-6) and ratios[0] < 0.0
 
 
-def test_uncertainty_where_nothing_could_be_solved(tmp_path, capsys):
+def test_uncertainty_without_a_solved_life_has_exit_status_3(tmp_path, capsys):
     scene, file = tmp_path / "a.yaml", tmp_path / "a.nc"
     text = SCENE.read_text(encoding="utf-8")
     scene.write_text(text.replace("preload_N: 7.0", "preload_N: 1.0e+6"), encoding="utf-8")
@@ -547,14 +584,16 @@ def test_uncertainty_where_nothing_could_be_solved(tmp_path, capsys):
     assert not output and error.endswith(f"{scene}: no life could be computed (see {file})\n")
 
 
-def test_recommend_fails_where_nothing_could_be_solved(capsys):
-    """With status 3, and with 4 where a requirement could have been met."""
-    without_friction = ["recommend", str(SCENE), "--set", "friction.ball_race=0"]
-    assert main(without_friction) == 3
+def test_recommend_without_a_solved_life_has_exit_status_3(capsys):
+    assert main(["recommend", str(SCENE), "--set", "friction.ball_race=0"]) == 3
     output, error = capsys.readouterr()
     (line,) = without_waits(error).splitlines()
     assert output == "" and line.startswith(f"{SCENE}: no life")
-    assert main([*without_friction, "--pressure", "2"]) == 4
+
+
+def test_a_requirement_that_no_solved_life_meets_has_exit_status_4(capsys):
+    words = ["recommend", str(SCENE), "--set", "friction.ball_race=0", "--pressure", "2"]
+    assert main(words) == console.INFEASIBLE
     output, error = capsys.readouterr()
     *_, line = error.splitlines()
     assert line.startswith(f"{SCENE}: no preload") and "no life" in output
@@ -583,7 +622,7 @@ def test_recommend_refuses_in_one_line(capsys, arguments, problem):
 def test_every_exit_status_is_documented():
     text = (ROOT / "docs" / "quickstart.md").read_text(encoding="utf-8")
     documented = {int(status) for status in re.findall(r"^\| (\d+) \|", text, re.M)}
-    known = {console.SUCCESS, console.BAD_INPUT, console.NOT_SOLVED, console.INFEASIBLE}
-    assert documented == known | {cli.FULL_DISK, cli.INTERRUPTED}
+    statuses = {console.SUCCESS, console.BAD_INPUT, console.NOT_SOLVED, console.INFEASIBLE}
+    assert documented == statuses | {cli.FULL_DISK, cli.INTERRUPTED}
     epilog = command_parser().epilog
     assert all(re.search(rf"\b{status}\b", epilog) for status in documented)

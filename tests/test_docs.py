@@ -21,8 +21,8 @@ SECTION = re.compile(r"theory(?:\.md)?\W{0,3}\s*sections?\s+(\d+)")
 LINK = re.compile(r"\]\(([^)#\s]+)?(?:#([\w-]+))?\)")
 
 
-def sources():
-    """Every file that may cite an equation or a section."""
+def citing_files():
+    """Yields every file that may cite an equation or a section."""
     folders = ("bearingwear", "tests", "benchmarks", "config", "docs", "workflow")
     for folder in folders:
         for suffix in ("py", "md", "yaml", "smk", "rst"):
@@ -30,18 +30,18 @@ def sources():
 
 
 def without_code(text: str) -> str:
-    """Markdown without its code and formulas."""
+    """Returns Markdown without its code and formulas."""
     text = re.sub(r"^(```|\$\$).*?^\1", "", text, flags=re.M | re.S)
     return re.sub(r"`[^`]*`", "", text)
 
 
 def anchors(page: Path) -> set[str]:
-    """What a link to a heading of a page may say behind #."""
+    """Returns the anchors (the text after #) of the headings of a page."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
     return {re.sub(r"[^\w -]", "", h.lower()).strip().replace(" ", "-") for h in headings}
 
 
-def test_readme_is_one_screen():
+def test_the_readme_is_short_and_links_to_the_main_pages():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 70
     assert all(f"(docs/{page}.md)" in text for page in ("quickstart", "validation", "architecture"))
@@ -85,14 +85,14 @@ def test_the_site_builds_without_a_warning_or_a_network(tmp_path):
     pytest.importorskip("mkdocs")
     build = [sys.executable, "-m", "mkdocs", "build", "--strict", "-q", "-d", str(tmp_path)]
     environment = os.environ | {"NO_MKDOCS_2_WARNING": "1", "https_proxy": "http://0.0.0.0:1"}
-    done = subprocess.run(build, cwd=ROOT, env=environment, capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    completed = subprocess.run(build, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert (completed.returncode, completed.stdout, completed.stderr) == (0, "", "")
     for page in tmp_path.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
         assert not re.search(r'(?:<script[^>]*src|<link[^>]*stylesheet[^>]*href)="https?:', text)
 
 
-def test_blocks_of_code_end():
+def test_every_block_of_code_is_closed():
     assert not [page for page in READ if page.read_text(encoding="utf-8").count("```") % 2]
 
 
@@ -105,8 +105,8 @@ def test_no_line_is_over_100_columns():
     ]
 
 
-def test_links_lead_somewhere():
-    astray = []
+def test_links_lead_to_files_and_headings_that_exist():
+    broken_links = []
     for page in READ:
         for target, anchor in LINK.findall(without_code(page.read_text(encoding="utf-8"))):
             if "://" in target:
@@ -114,8 +114,8 @@ def test_links_lead_somewhere():
             file = (page.parent / target).resolve() if target else page
             is_page = file.exists() and file.suffix == ".md"
             if not file.exists() or (anchor and is_page and anchor not in anchors(file)):
-                astray.append((page, target, anchor))
-    assert not astray
+                broken_links.append((page, target, anchor))
+    assert not broken_links
 
 
 def test_cited_equations_and_sections_exist():
@@ -129,7 +129,7 @@ def test_cited_equations_and_sections_exist():
     overview = (DOCS / "theory.md").read_text(encoding="utf-8")
     assert sorted(numbers, key=int) == re.findall(r"^\| (\d+) \| \[", overview, re.M)
     cited = []
-    for path in sources():
+    for path in citing_files():
         text = path.read_text(encoding="utf-8")
         cited += [(path, e) for pair in CITED.findall(text) for e in pair if e]
         assert set(SECTION.findall(text)) <= set(numbers), path

@@ -172,8 +172,8 @@ LIBRARIES = {
 }
 
 
-def modules():
-    """Files from the root of the repository on: of the package, and of what lies beside it."""
+def source_paths():
+    """Yields the paths of source files from the root: of the package, and of others beside it."""
     beside = [*ROOT.glob("kerneljit/*.py"), *ROOT.glob("workflow/studies/*/*.py")]
     for path in sorted([*PACKAGE.rglob("*.py"), *beside]):
         if "__pycache__" not in path.parts:
@@ -181,13 +181,13 @@ def modules():
 
 
 def part_of(module: Path) -> str:
-    """Folder of the package, or module of it, or `workflow`."""
+    """Returns the folder or module of the package that a file belongs to, or `workflow`."""
     top, *rest = module.with_suffix("").parts
     return rest[0] if top == "bearingwear" else top
 
 
-def imported(module: Path):
-    """Dotted names a module imports, anywhere in it."""
+def imported_names(module: Path):
+    """Yields the dotted names that a module imports, anywhere in it."""
     for node in syntax_nodes(ROOT / module):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -200,6 +200,7 @@ def imported(module: Path):
 
 
 def may_import(module: Path, name: str) -> bool:
+    """Returns whether a module may import a name, by the layers of `MAY_IMPORT`."""
     part = part_of(module)
     top, _, rest = name.partition(".")
     if top == "workflow":
@@ -215,81 +216,92 @@ def may_import(module: Path, name: str) -> bool:
     return top in sys.stdlib_module_names or top in LIBRARIES.get(part, {top})
 
 
-def offenders(is_allowed, files):
-    """Imports that are not allowed."""
-    return [f"{m} imports {name}" for m in files for name in imported(m) if not is_allowed(m, name)]
+def forbidden_imports(is_allowed, files):
+    """Returns the imports that are not allowed, as text."""
+    return [
+        f"{m} imports {name}"
+        for m in files
+        for name in imported_names(m)
+        if not is_allowed(m, name)
+    ]
 
 
 def test_imports_point_downward():
-    assert not offenders(may_import, modules())
+    assert not forbidden_imports(may_import, source_paths())
 
 
-def test_solvers_and_lives_are_small_rooms():
+def test_files_and_folders_of_solvers_and_lives_are_small():
+    """Few imports in a file, and few files in a folder."""
     crowded, folders = {}, Counter[Path]()
-    for module in (m for m in modules() if part_of(m) in MOST_IMPORTS):
+    for module in (m for m in source_paths() if part_of(m) in MOST_IMPORTS):
         folders[module.parent] += 1
-        own = {name for name in imported(module) if name.startswith("bearingwear.")}
-        own = {name for name in own if not name.startswith("bearingwear.kernels")}
-        if len(own) > MOST_IMPORTS[part_of(module)]:
-            crowded[str(module)] = len(own)
+        names = {name for name in imported_names(module) if name.startswith("bearingwear.")}
+        names = {name for name in names if not name.startswith("bearingwear.kernels")}
+        if len(names) > MOST_IMPORTS[part_of(module)]:
+            crowded[str(module)] = len(names)
     assert not crowded
     assert not {str(folder): n for folder, n in folders.items() if n > MOST_FILES}
 
 
-def stands_alone(module: Path, name: str) -> bool:
-    """A new study, or one less, changes no other."""
-    own = module.parts[2]
+def is_independent(module: Path, name: str) -> bool:
+    """Returns whether an import keeps a study independent of the others."""
+    study_of_module = module.parts[2]
     _, studies, study, *rest = [*name.split("."), "", "", ""][:5]
     if studies != "studies" or not study or not ROOT.joinpath(*name.split(".")[:3]).is_dir():
         return True
-    return study == own or f"{study}.{rest[0]}" in BETWEEN_STUDIES.get(own, set())
+    return study == study_of_module or f"{study}.{rest[0]}" in BETWEEN_STUDIES.get(
+        study_of_module, set()
+    )
 
 
-def knows_no_study(module: Path, name: str) -> bool:
+def is_free_of_studies(module: Path, name: str) -> bool:
+    """Returns whether an import of a shared module is of no single study."""
     folder = PACKAGE.joinpath(*name.split(".")[1:3])
     if not name.startswith("bearingwear.studies.") or not folder.is_dir():
         return True
     return name.removeprefix("bearingwear.studies.") in SHARED_NEEDS.get(module.stem, set())
 
 
-def test_studies_know_only_what_they_share():
-    in_studies = [module for module in modules() if module.parts[1] == "studies"]
+def test_studies_import_only_shared_modules():
+    in_studies = [module for module in source_paths() if module.parts[1] == "studies"]
     of_studies = [module for module in in_studies if len(module.parts) > 3]  # in their folders
     assert any(len(module.parts) > 4 for module in of_studies)
-    assert not offenders(stands_alone, of_studies)
-    assert not offenders(knows_no_study, (m for m in in_studies if m not in of_studies))
+    assert not forbidden_imports(is_independent, of_studies)
+    assert not forbidden_imports(is_free_of_studies, (m for m in in_studies if m not in of_studies))
 
 
 APPLICATIONS = sorted(path.parent.name for path in PACKAGE.glob("applications/*/__init__.py"))
 
 
 def application_of(name: str) -> str:
-    """Application that a dotted name belongs to; empty for others."""
+    """Returns the application that a dotted name belongs to; empty for others."""
     return name.removeprefix("bearingwear.applications.").split(".")[0] * name.startswith(
         "bearingwear.applications."
     )
 
 
 def is_public(module: Path, name: str) -> bool:
-    """Whether an application may import a name: its own, of the interface, or a library."""
-    own = module.parts[2]
-    if not name.startswith("bearingwear.") or application_of(name) == own:
+    """Returns whether an application may import a name: its own, a public one, or of a library."""
+    application = module.parts[2]
+    if not name.startswith("bearingwear.") or application_of(name) == application:
         return True
     public_names = set(bearingwear.__all__) - application_functions().keys()
-    allowed = INTERFACE | MODELS_OF_APPLICATIONS.get(own, set()) | public_names
+    allowed = INTERFACE | MODELS_OF_APPLICATIONS.get(application, set()) | public_names
     return name.removeprefix("bearingwear.") in allowed
 
 
-def knows_no_application(module: Path, name: str) -> bool:
-    own = module.parts[2] if part_of(module) == "applications" else ""
-    return application_of(name) in ("", own)
+def is_free_of_applications(module: Path, name: str) -> bool:
+    """Returns whether an import is of no application, or of the module's own."""
+    application = module.parts[2] if part_of(module) == "applications" else ""
+    return application_of(name) in ("", application)
 
 
-def test_applications_import_the_interface():
-    files = [m for m in modules() if part_of(m) == "applications" and len(m.parts) > 3]
+def test_applications_import_only_the_public_interface():
+    """And all that the interface lists is imported by one of them."""
+    files = [m for m in source_paths() if part_of(m) == "applications" and len(m.parts) > 3]
     assert {m.parts[2] for m in files} == set(APPLICATIONS)
-    assert not offenders(is_public, files)
-    used = {(m.parts[2], name) for m in files for name in imported(m)}
+    assert not forbidden_imports(is_public, files)
+    used = {(m.parts[2], name) for m in files for name in imported_names(m)}
     names = {name.removeprefix("bearingwear.") for _, name in used}
     assert not INTERFACE - names
     for application, modules_of_models in MODELS_OF_APPLICATIONS.items():
@@ -299,40 +311,43 @@ def test_applications_import_the_interface():
 def test_nothing_imports_an_application():
     """Nor does one application import another."""
     mine = Path("workflow/studies/accuracy/cages.py")  # on the accuracy of an ensemble
-    files = [m for m in modules() if m not in (mine, Path("bearingwear/__init__.py"))]
-    assert not offenders(knows_no_application, files)
+    files = [m for m in source_paths() if m not in (mine, Path("bearingwear/__init__.py"))]
+    assert not forbidden_imports(is_free_of_applications, files)
     # what an editable installation loads before it is no matter of the package
-    loaded = loaded_by("import bearingwear") - loaded_by("import sys")
+    loaded = modules_loaded_by("import bearingwear") - modules_loaded_by("import sys")
     assert "bearingwear" in loaded and not loaded & {"argparse", "pathlib"}
 
 
-def circles(reached):
-    """Pairs of files in different folders that import each other, directly or in turn."""
+def import_circles(reached):
+    """Returns pairs of files in different folders that import each other, directly or in turn.
+
+    reached: files that each file imports, directly or in turn.
+    """
     pairs = ((a, b) for a, files in reached.items() for b in files if a.parent < b.parent)
     return [(a, b) for a, b in pairs if a in reached.get(b, ())]
 
 
-def test_no_circle_goes_through_two_folders():
-    named = {".".join(module.with_suffix("").parts): module for module in modules()}
+def test_no_circle_of_imports_goes_through_two_folders():
+    named = {".".join(module.with_suffix("").parts): module for module in source_paths()}
     reached = {ROOT / file: sources(name) for name, file in named.items()}
     assert len(reached) > 300 and sum(map(len, reached.values())) > 1000
-    assert not circles(reached)
+    assert not import_circles(reached)
     a, b, c = Path("x/a.py"), Path("y/b.py"), Path("z/c.py")
-    assert circles({a: [b], b: [a], c: [a, b]}) == [(a, b)]
+    assert import_circles({a: [b], b: [a], c: [a, b]}) == [(a, b)]
 
 
-def test_what_the_snakefile_reads_is_light():
-    """It is read each time that Snakemake starts, on a cluster once a job."""
+def test_the_snakefile_imports_no_slow_library():
+    """It is read each time that Snakemake starts, on a cluster once for each job."""
     code = "from bearingwear.studies import configuration"
-    assert not loaded_by(code) & (SLOW - {"netCDF4", "numpy", "yaml"})
+    assert not modules_loaded_by(code) & (SLOW - {"netCDF4", "numpy", "yaml"})
 
 
-def loaded_by(code: str) -> set[str]:
-    """Top-level modules in a fresh interpreter after some code."""
+def modules_loaded_by(code: str) -> set[str]:
+    """Returns the top-level modules in a new interpreter after some code."""
     script = f"import sys\n{code}\nprint(*sorted({{m.partition('.')[0] for m in sys.modules}}))"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return set(done.stdout.split("\n")[-2].split())
+    completed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stderr
+    return set(completed.stdout.split("\n")[-2].split())
 
 
 SLOW = {
@@ -349,30 +364,32 @@ SLOW = {
 }
 
 
-def test_help_is_light():
+def test_help_imports_no_slow_library():
     code = "import bearingwear\nfrom bearingwear.cli import main\n"
-    for asked in (["--help"], ["solve", "--help"], ["--version"]):
-        code += f"assert main({asked}) == 0\n"
-    assert not loaded_by(code) & SLOW
+    for words in (["--help"], ["solve", "--help"], ["--version"]):
+        code += f"assert main({words}) == 0\n"
+    assert not modules_loaded_by(code) & SLOW
 
 
-def test_help_of_the_module_is_light():
-    done = subprocess.run(
+def test_help_of_python_m_bearingwear_imports_no_slow_library():
+    completed = subprocess.run(
         [sys.executable, "-X", "importtime", "-m", "bearingwear", "--help"],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0 and done.stdout.startswith("usage: bearingwear")
-    loaded = {line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.split("\n")}
+    assert completed.returncode == 0 and completed.stdout.startswith("usage: bearingwear")
+    loaded = {
+        line.rpartition("|")[2].strip().partition(".")[0] for line in completed.stderr.split("\n")
+    }
     assert "argparse" in loaded and not loaded & SLOW
 
 
-def test_commands_import_only_what_they_need(tmp_path):
+def test_solve_show_and_check_import_only_the_libraries_they_need(tmp_path):
     scene = PACKAGE.parent / "config" / "scenes" / "gyro_s1.yaml"
     case = tmp_path / "case.nc"
     run = "from bearingwear.cli import main\nassert main({}) == 0"
     solved = run.format(["solve", str(scene), "-o", str(case)])
     slow = "import sys\nassert not {'scipy.optimize', 'scipy.special'} & sys.modules.keys()"
-    assert "xarray" not in loaded_by(f"{solved}\n{slow}")
+    assert "xarray" not in modules_loaded_by(f"{solved}\n{slow}")
     light = run.format(["show", str(case)]) + "\n" + run.format(["check", str(scene)])
-    assert not {"xarray", "matplotlib", "scipy", "numba"} & loaded_by(light)
+    assert not {"xarray", "matplotlib", "scipy", "numba"} & modules_loaded_by(light)

@@ -23,8 +23,8 @@ SHIPPED = (
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    """Python of an environment with the package installed, not linked; no index is asked."""
+def installed_python(tmp_path_factory):
+    """Returns Python of an environment in which the package is installed, without an index."""
     pytest.importorskip("setuptools")
     folder = tmp_path_factory.mktemp("installed")
     source, environment = folder / "source", folder / "venv"
@@ -37,31 +37,32 @@ def installed(tmp_path_factory):
     venv.create(environment, symlinks=True)
     setup = [sys.executable, "-c", "import setuptools; setuptools.setup()"]
     install = ["install", "--single-version-externally-managed", "--record", str(folder / "files")]
-    done = subprocess.run(
+    completed = subprocess.run(
         [*setup, *install, "--prefix", str(environment)],
         cwd=source,
         env=os.environ | {"PYTHONPATH": ""},
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr
+    assert completed.returncode == 0, completed.stderr
     (site,) = environment.glob("lib/python*/site-packages")
     (site / "libraries.pth").write_text(sysconfig.get_paths()["purelib"])
     return environment / "bin" / "python"
 
 
 def run(command, folder):
+    """Runs a command in a folder, without the paths of modules of this process."""
     environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "MYPYPATH")}
     return subprocess.run(
         [str(part) for part in command], cwd=folder, env=environment, capture_output=True, text=True
     )
 
 
-def test_example_and_catalogue_come_along(installed, tmp_path):
-    script = "import bearingwear as b; made = b.new(designation='7010C', maker='NSK'); "
-    script += "print(b.__file__, b.example().name, made.bearing.ball_count)"
-    done = run([installed, "-c", script], tmp_path)
-    file, *result = done.stdout.split()
-    assert Path(file).is_relative_to(installed.parents[1]), done.stderr
-    assert result == ["gyro_s1", "19"]
+def test_an_installed_package_has_its_example_catalogue_and_types(installed_python, tmp_path):
+    script = "import bearingwear as b; scene = b.new(designation='7010C', maker='NSK'); "
+    script += "print(b.__file__, b.example().name, scene.bearing.ball_count)"
+    completed = run([installed_python, "-c", script], tmp_path)
+    file, example_name, ball_count = completed.stdout.split()
+    assert Path(file).is_relative_to(installed_python.parents[1]), completed.stderr
+    assert (example_name, ball_count) == ("gyro_s1", "19")
     assert Path(file).with_name("py.typed").exists()  # types: tests/user_types.py

@@ -45,22 +45,23 @@ from bearingwear.studies.grid.interpolated import (
 
 PRELOAD, LIMIT = 7.0, 0.5
 LOSS = "ball_diameter_loss_um"
-of_all = pytest.mark.parametrize("measure", MEASURES, ids=lambda one: one.key)
+of_all = pytest.mark.parametrize("measure", MEASURES, ids=lambda measure: measure.key)
 of_ends = pytest.mark.parametrize("name", ENDS)
 of_limits = pytest.mark.parametrize("name", LIMITED)
 
 
-def at(measure: Measure, ratio: float) -> float:
-    """A value [SI] of the measure's variables, `ratio` times as near as the limit is."""
+def value_at(measure: Measure, ratio: float) -> float:
+    """Returns a value [SI] of a measure's variables, `ratio` times as critical as the limit."""
     return measure.file_limit(LIMIT, PRELOAD) * (1.0 / ratio if measure.falls else ratio)
 
 
 OF_RACES = {"gyroscopic_slip_share", "film_worn_share"}
+"""Measures whose variables have a value for each race."""
 
 
-def states(measure: Measure, ratio: float) -> State:
-    """A state whose measure is at that ratio; of all others next to nothing is known."""
-    limit_values = {name: at(measure, ratio) for name in measure.variables}
+def state_at(measure: Measure, ratio: float) -> State:
+    """Returns a state with one measure at a ratio to its limit, and the others nearly unknown."""
+    limit_values = {name: value_at(measure, ratio) for name in measure.variables}
     limit_values |= {
         name: np.array([0.1, 1.0]) * limit_values[name] for name in OF_RACES & limit_values.keys()
     }
@@ -68,8 +69,8 @@ def states(measure: Measure, ratio: float) -> State:
     return State(OK, {"ball_diameter_loss": 0.0, **of_contact, **limit_values})
 
 
-def ended_by(name: str):
-    """A scene whose life has one end."""
+def scene_with_criterion(name: str):
+    """Returns a scene whose life has one criterion."""
     scene = load_scene(scene_file("mos2_gyro" if name == "film_worn_share" else "gyro_s1"))
     scene = replace(scene, operation=replace(scene.operation, preload_N=PRELOAD))
     if name == "cage_film_worn_share":
@@ -78,7 +79,10 @@ def ended_by(name: str):
 
 
 class File:
-    """As much of an open file as the sheets read."""
+    """Stands for an open result file, as far as the sheets read it.
+
+    arrays: variables by their names. end: the name of the criterion that ended the life.
+    """
 
     def __init__(self, arrays, end, scene="{}"):
         self.variables, self.scene = dict(arrays), scene
@@ -118,26 +122,38 @@ def test_plain_numbers_have_no_powers_of_ten(value, digits, text):
 PERCENTAGES = [measure for measure in MEASURES if measure.unit == "%"]
 
 
-@pytest.mark.parametrize("measure", PERCENTAGES, ids=lambda one: one.key)
-def test_a_percentage_of_all_has_no_power_of_ten(measure):
+@pytest.mark.parametrize("measure", PERCENTAGES, ids=lambda measure: measure.key)
+def test_a_percentage_near_100_has_no_power_of_ten(measure):
     assert measure.text(0.9996) == measure.limit_text(0.9996) == "100 %"
 
 
-def test_margins_are_negative_beyond_the_limit():
-    for measure in MEASURES:
-        assert measure.falls == (measure.key in WORSE_WHEN_LESS)
-        limit = measure.file_limit(LIMIT, 1.0)
-        assert measure.margin(limit, LIMIT) == 0.0
-        near, beyond = (measure.margin(limit * part, LIMIT) for part in (0.9, 1.1))
-        assert (near < 0.0 < beyond) if measure.falls else (beyond < 0.0 < near)
-        beyond = limit / 2.0 if measure.falls else 2.0 * limit
-        base = measure.base  # of ratios
-        expected = (2.0 * LIMIT + base) / (LIMIT + base)
-        assert measure.excess(beyond, LIMIT) == pytest.approx(expected) or measure.falls and base
+@of_all
+def test_margins_are_negative_beyond_the_limit(measure):
+    assert measure.falls == (measure.key in WORSE_WHEN_LESS)
+    limit = measure.file_limit(LIMIT, 1.0)
+    assert measure.margin(limit, LIMIT) == 0.0
+    below, above = measure.margin(0.9 * limit, LIMIT), measure.margin(1.1 * limit, LIMIT)
+    if measure.falls:
+        assert below < 0.0 < above
+    else:
+        assert above < 0.0 < below
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [measure for measure in MEASURES if not (measure.falls and measure.base)],
+    ids=lambda measure: measure.key,
+)
+def test_the_excess_over_a_limit_is_the_ratio_of_value_and_limit(measure):
+    """Some measures count from a base; inverse for one that must not fall."""
+    limit = measure.file_limit(LIMIT, 1.0)
+    twice_as_critical = limit / 2.0 if measure.falls else 2.0 * limit
+    expected = (2.0 * LIMIT + measure.base) / (LIMIT + measure.base)
+    assert measure.excess(twice_as_critical, LIMIT) == pytest.approx(expected)
 
 
 @of_all
-def test_words(measure):
+def test_every_measure_has_words_and_a_limit_or_criterion(measure):
     assert measure.words and measure.advice and measure.short and measure.variables
     assert len(measure.kinds) == len(measure.variables)
     assert measure.end or measure.limit
@@ -148,7 +164,7 @@ def test_words(measure):
 
 
 @of_ends
-def test_an_end_is_a_key(name):
+def test_every_criterion_is_a_key_of_a_scene(name):
     part = parts(EndOfLife)[name]
     assert part.key.meaning and part.nullable and part.key.ends[0] == 0.0
     assert EndOfLife(**{name: LIMIT}).criteria == {name: LIMIT}
@@ -156,115 +172,136 @@ def test_an_end_is_a_key(name):
 
 
 @of_ends
-def test_an_end_has_a_margin(name):
-    scene = ended_by(name)
+def test_every_criterion_has_a_margin_that_is_negative_beyond_it(name):
+    """Criteria that a scene does not have, and values that are not known, have infinite margins."""
+    scene = scene_with_criterion(name)
     criteria = Criteria(scene)
     for ratio, sign in ((0.9, 1.0), (1.1, -1.0)):
-        computed = criteria.margins([states(ENDS[name], ratio)])
+        computed = criteria.margins([state_at(ENDS[name], ratio)])
         k = CRITERIA.index(name)
         assert np.isinf(np.delete(computed, k)).all() and np.sign(computed[k]) == sign
     assert np.isinf(criteria.margins([State(OK, {})])).all()
 
 
 @of_ends
-def test_an_end_has_its_history(name):
+def test_every_criterion_has_a_history_in_its_unit(name):
     units = "N" if ENDS[name].over_preload else ENDS[name].si_unit
     for variable in ENDS[name].variables:
         assert LIFE[f"history_{variable}"].units == units
 
 
 @of_ends
-def test_an_end_has_a_mark_of_its_own(name):
+def test_every_criterion_has_a_mark_in_figures(name):
     mark, words = END_MARKS[name]
     assert mark and MarkerStyle(mark).get_marker() == mark and ENDS[name].short in words
     assert [value for value, _ in END_MARKS.values()].count(mark) == 1
 
 
 @of_ends
-def test_an_interpolated_life_knows_it(name):
-    measure, losses = ENDS[name], np.linspace(0.0, 0.7, 8)
-    criteria = {name: 0.35 if name == LOSS else LIMIT}
-    nearer = np.linspace(-0.5, 0.5, len(losses))  # the limit is met half way
-    values = at(measure, 1.0) * (1.0 + (-nearer if measure.falls else nearer))
+def test_an_interpolated_life_ends_where_its_criterion_is_met(name):
+    """The loss of ball diameter is the axis of the states; the criterion is met at half of it."""
+    criteria = {name: END_LOSS_UM if name == LOSS else LIMIT}
+    life = interpolated_life([Line(states_over_loss(name), PRELOAD)], criteria)
+    assert CRITERIA[int(life["interpolated_end_criterion"])] == name
+    end_loss = float(life["interpolated_loss_at_end"])
+    assert end_loss == pytest.approx(1e-6 * END_LOSS_UM, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", [name for name in ENDS if name not in (LOSS, "preload_fraction")])
+def test_an_interpolated_life_is_unknown_without_the_variables_of_its_criterion(name):
+    states, criteria = states_over_loss(name), {name: LIMIT}
+    assert interpolable_criteria(criteria, states) == criteria
+    without_variables = states.drop_vars(ENDS[name].variables)
+    assert interpolable_criteria(criteria, without_variables) == {}
+    life = interpolated_life([Line(without_variables, PRELOAD)], criteria)
+    assert np.isnan(life["interpolated_life"]).all()
+
+
+END_LOSS_UM = 0.35  # half of the largest loss of `states_over_loss`
+
+
+def states_over_loss(name):
+    """Returns states along the loss of ball diameter; half way, one meets a criterion."""
+    measure, losses_um = ENDS[name], np.linspace(0.0, 2.0 * END_LOSS_UM, 8)
+    distance = np.linspace(-0.5, 0.5, losses_um.size)  # beyond the limit, over the limit
+    values = value_at(measure, 1.0) * (1.0 + (-distance if measure.falls else distance))
     columns = {
-        variable: ("ball_diameter_loss", values) for variable in measure.variables if name != LOSS
+        "status": np.full(losses_um.size, OK),
+        "ball_diameter_loss_rate": np.full(losses_um.size, 1e-12),  # [m/s], any
+        "residual_preload": np.full(losses_um.size, PRELOAD),
     }
-    line = xr.Dataset(
-        {
-            "status": ("ball_diameter_loss", np.zeros(len(losses), int)),
-            "ball_diameter_loss_rate": ("ball_diameter_loss", np.full(8, 1e-12)),
-            "residual_preload": ("ball_diameter_loss", np.full(len(losses), PRELOAD)),
-        }
-        | columns,
-        {"ball_diameter_loss": losses},
-    )
-    interpolated = interpolated_life([Line(line, PRELOAD)], criteria)
-    assert CRITERIA[int(interpolated["interpolated_end_criterion"])] == name
-    assert float(interpolated["interpolated_loss_at_end"]) == pytest.approx(0.35e-6, rel=1e-6)
-    if name not in (LOSS, "preload_fraction"):
-        without = line.drop_vars(list(columns))
-        assert (
-            interpolable_criteria(criteria, without) == {}
-            and interpolable_criteria(criteria, line) == criteria
-        )
-        assert np.isnan(
-            interpolated_life([Line(without, PRELOAD)], criteria)["interpolated_life"]
-        ).all()
+    if name != LOSS:
+        columns |= dict.fromkeys(measure.variables, values)
+    variables = {variable: ("ball_diameter_loss", column) for variable, column in columns.items()}
+    return xr.Dataset(variables, {"ball_diameter_loss": losses_um})
+
+
+def criterion_row(name, end_ratio, arrangement):
+    """Returns the row of the criterion that ended a life, for one bearing.
+
+    end_ratio: of its measure to the limit at the end.
+    """
+    measure = ENDS[name]
+    histories = {
+        f"history_{variable}": [value_at(measure, 0.5), value_at(measure, end_ratio)]
+        for variable in measure.variables
+    }
+    scene = {
+        "wear": {"end_of_life": {name: LIMIT}},
+        "operation": {"preload_N": PRELOAD},
+        "arrangement": {"kind": arrangement},
+    }
+    (row,) = _criterion_rows(File(histories, name), scene)
+    return row
 
 
 @of_ends
-def test_an_end_has_a_row_of_a_life(name):
-    measure = ENDS[name]
-    arrays = {
-        f"history_{variable}": [at(measure, 0.5), at(measure, 1.0)]
-        for variable in measure.variables
-    }
-    plain = {"wear": {"end_of_life": {name: LIMIT}}, "operation": {"preload_N": PRELOAD}}
-    (row,) = _criterion_rows(File(arrays, name), plain)
+def test_the_sheet_of_a_life_marks_the_criterion_that_ended_it(name):
+    measure, row = ENDS[name], criterion_row(name, 1.0, "single")
     assert (row.label, row.unit, row.note) == (measure.short, measure.unit, "reached first")
-    shown = measure.shown_limit(LIMIT)
-    assert row.limit == shown and row.values[1] == pytest.approx(shown)
-    # of a pair, the bearing that is still within its limit does not end the life
-    arrays = {key: [values[0], values[0]] for key, values in arrays.items()}
-    pair = plain | {"arrangement": {"kind": "rigid_pair"}}
-    assert _criterion_rows(File(arrays, name), pair)[0].note == ""
+    assert row.limit == measure.shown_limit(LIMIT)
+    assert row.values[1] == pytest.approx(row.limit)
+
+
+@of_ends
+def test_the_bearing_of_a_pair_that_is_within_its_limit_is_not_marked(name):
+    assert criterion_row(name, 0.5, "rigid_pair").note == ""
 
 
 @of_ends
 def test_the_criterion_that_ended_a_life_is_stated(name):
+    """With its value and limit; of several variables, with the kind of the one that met it."""
     measure = ENDS[name]
-    end = measure.file_limit(LIMIT, PRELOAD)
+    end_value = measure.file_limit(LIMIT, PRELOAD)
     values = {"history_ball_diameter_loss": np.zeros(1), "end_criterion": CRITERIA.index(name)}
-    values |= {f"history_{variable}": np.array([end]) for variable in measure.variables}
+    values |= {f"history_{variable}": np.array([end_value]) for variable in measure.variables}
+    attributes = end_attribute(scene_with_criterion(name), values)
     limit = measure.limit_text(LIMIT)
-    ended = end_attribute(ended_by(name), values)
-    kinds = measure.kinds
-    assert ended["ended_by"] in [
-        f"{kind} {measure.words} {limit}, criterion {limit}".strip() for kind in kinds
-    ]
+    phrases = [f"{kind} {measure.words} {limit}, criterion {limit}" for kind in measure.kinds]
+    assert attributes["ended_by"] in [phrase.strip() for phrase in phrases]
 
 
 @of_ends
-def test_a_case_beyond_an_end_is_marked(name):
+def test_a_case_that_violates_a_criterion_is_marked(name):
     measure = ENDS[name]
-    plain = json.dumps(ended_by(name).to_dict())
+    plain = json.dumps(scene_with_criterion(name).to_dict())
     for variable in measure.variables:
         if variable not in CASE:
             continue
         for ratio, note in ((0.9, ""), (1.1, "violated")):
-            file = File({variable: [at(measure, ratio)]}, "none", plain)
-            row = row_of(variable, [at(measure, ratio)], variable_limits(file)[variable])
+            file = File({variable: [value_at(measure, ratio)]}, "none", plain)
+            row = row_of(variable, [value_at(measure, ratio)], variable_limits(file)[variable])
             assert [violation.note for violation in rows_with_violations([row], file)] == [note]
     end = measure.file_limit(LIMIT, PRELOAD)
-    held = criteria_of_case(ended_by(name), dict.fromkeys(measure.variables, end))
-    assert measure.margin(held[name][0], LIMIT) == pytest.approx(0.0)
+    criteria = criteria_of_case(scene_with_criterion(name), dict.fromkeys(measure.variables, end))
+    assert measure.margin(criteria[name][0], LIMIT) == pytest.approx(0.0)
 
 
 # what limits a design
 
 
 @of_limits
-def test_a_limit_is_a_key_and_an_option(name):
+def test_every_limit_of_a_design_is_a_key_and_an_option(name):
     measure = LIMITED[name]
     assert parts(DesignLimits)[name].key.meaning.startswith(measure.limit[0])
     assert DesignLimits(**{name: LIMIT}).given == {name: LIMIT}
@@ -274,7 +311,7 @@ def test_a_limit_is_a_key_and_an_option(name):
 
 
 @of_limits
-def test_a_limit_is_in_words_and_letters(name):
+def test_every_limit_of_a_design_has_words_and_a_letter_in_figures(name):
     measure = LIMITED[name]
     assert name in ACTIVE and LIMIT_WORDS[name] == measure.words
     assert measure.words in limit_text(name, LIMIT)
@@ -284,35 +321,37 @@ def test_a_limit_is_in_words_and_letters(name):
 
 
 @of_limits
-def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
+def test_a_limit_of_a_design_applies_to_the_worst_value_along_a_life(name, monkeypatch):
     unknown_frequency = "bearingwear.studies.design.condition_extremes.lowest_frequency"
     monkeypatch.setattr(unknown_frequency, lambda *_: np.nan)
-    measure, result = LIMITED[name], ended_by("skid_ratio")
-    if measure.of_life:
-        assert set(measure.extremes) <= POINT.keys()
+    measure, scene = LIMITED[name], scene_with_criterion("skid_ratio")
+    assert set(measure.extremes) <= POINT.keys()
+    if measure.of_life:  # a limit of the life itself, which has no states
         return
-    along = [states(measure, ratio) for ratio in (0.9, 1.1, 0.5)]
-    computed = values_of_states(result, along)
-    assert set(measure.extremes) <= POINT.keys() and set(computed) <= POINT.keys()
-    worst = at(measure, 1.1) / (PRELOAD if measure.over_preload else 1.0)
+    states = [state_at(measure, ratio) for ratio in (0.9, 1.1, 0.5)]
+    extremes = values_of_states(scene, states)
+    assert set(extremes) <= POINT.keys()
+    worst = value_at(measure, 1.1) / (PRELOAD if measure.over_preload else 1.0)
     for variable in measure.extremes:
-        assert computed[variable] == pytest.approx(worst)
-    (left,) = limit_margins(computed, DesignLimits(**{name: LIMIT}, at_speed_only=True))
-    assert left == pytest.approx(measure.margin(worst, LIMIT)) and left < 0.0
+        assert extremes[variable] == pytest.approx(worst)
+    (margin,) = limit_margins(extremes, DesignLimits(**{name: LIMIT}, at_speed_only=True))
+    assert margin == pytest.approx(measure.margin(worst, LIMIT)) and margin < 0.0
 
 
 @of_all
-def test_the_worse_bearing_of_a_pair_counts(measure, monkeypatch):
+def test_a_measure_of_a_pair_is_that_of_its_worse_bearing(measure, monkeypatch):
     lowest = lambda _, both: min(item["lowest_frequency"] for item in both)  # noqa: E731
     monkeypatch.setattr(many, "lowest_frequency", lowest)
     rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))
-    near, far = states(measure, 1.2), states(measure, 0.3)
-    for both in ((near, far), (far, near)):
+    critical_state, safe_state = state_at(measure, 1.2), state_at(measure, 0.3)
+    for both in ((critical_state, safe_state), (safe_state, critical_state)):
         (worse,) = many.worse_states(Life([Node(0.0, None, both, np.zeros(2))], None), rotor)
-        assert measure.critical(worse.__getitem__, 1.0) == measure.critical(near.__getitem__, 1.0)
+        assert measure.critical(worse.__getitem__, 1.0) == measure.critical(
+            critical_state.__getitem__, 1.0
+        )
 
 
-def test_of_several_variables_the_worst_counts_and_is_named():
+def test_a_measure_of_several_variables_is_the_worst_of_them_and_names_it():
     both = replace(
         LIMITED["axial_stiffness_N_um"],
         variables=("axial_stiffness", "skid_ratio"),

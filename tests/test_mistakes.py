@@ -1,6 +1,7 @@
-"""Mistakes that people make, one loop: each takes one helpful line, or the scene is right."""
+"""Mistakes that people make in commands and scenes: a helpful line refuses each of them."""
 
 import re
+from pathlib import Path
 
 import pytest
 from support import only_line
@@ -78,7 +79,7 @@ REFUSED_OF_NEW = {
     "SEA60/NS7CE1": "expected --maker SNFA",
     "6204 --clearance C4": "expected C2, CN, C3",
 }
-"""What is typed after `bearingwear new`, and what its one line says."""
+"""Arguments of `bearingwear new`, and a part of the line that refuses them."""
 
 DESIGNATIONS = {
     "SKF 7008 ACD/HCP4ADGA": (25, CERAMIC), "SKF S71908 FB/P7": (18, STEEL),
@@ -93,13 +94,13 @@ DESIGNATIONS = {
     "GMN KH 6014 C TXM HG UL": (17, STEEL),
     "SNFA VEX 40/NS 7CE3 UL": (25, CERAMIC), "SNFA SEA 60 7CE1": (15, STEEL),
 }  # fmt: skip
-"""Contact angle [degree] and material of the balls that makers' designations say."""
+"""Contact angle [degree] and material of the balls by designations of makers."""
 
 DOUBTED_OF_NEW = {
     "--bore 1.5748 --outside 2.67": "if they are in inches, write --bore 40 --outside 68",
     "7008C --preload 300000": "548 times a heavy preload; is it in N?",
 }
-"""What `new` writes a scene of, and what it says beside its other assumptions."""
+"""Arguments of `new` that are allowed, and a part of its doubt among the assumptions."""
 
 REFUSED_IN_A_SCENE = {
     "shaft_speed_rpm: 18.000": "expected 18000 or 18",
@@ -145,7 +146,7 @@ REFUSED_IN_A_SCENE = {
     " preload_N: 140": "got 3 spaces before the key on line",
     "end_of_life: {preload_fraction: 40}": "expected a number > 0 and < 1",
 }
-"""Lines of a scene that are typed in place of its own, and what the one line says."""
+"""Lines in place of those of a scene, and a part of the line that refuses them."""
 
 DOUBTED = {
     "contact_angle_deg: 0.2618": "0.2618 rad would be 15 degrees",
@@ -156,7 +157,7 @@ DOUBTED = {
     "shaft_interference_um: 0.005": "too small to be measured; check the unit",
     "bore_mm: 0.04": "a bore of 0.04 mm is tiny",
 }
-"""Lines that are allowed, and what `check` says of them."""
+"""Lines in place of those of a scene that are allowed, and a part of the warning of `check`."""
 
 BLOCKS = {
     "bearing": "{ball_count: 15, ball_diameter_mm: 8.4, pitch_diameter_mm: 54,",
@@ -164,7 +165,7 @@ BLOCKS = {
     "operation": "{shaft_speed_rpm: 18000, preload_method: constant_force, preload_N: 140}",
     "friction": "{ball_race: 0.08}",
 }
-"""Blocks that are left out, and the example in the one line."""
+"""Blocks that are missing, and the example in the line that refuses the scene."""
 
 REFUSED_COMMANDS = {
     "slove a.yaml": "did you mean solve",
@@ -219,8 +220,8 @@ REFUSED_COMMANDS = {
 
 
 @pytest.fixture
-def scene(tmp_path, monkeypatch):
-    """The text of a.yaml, in a folder of its own."""
+def scene_text_in_folder(tmp_path, monkeypatch):
+    """Writes a.yaml and files that are no scenes to the present folder; returns its text."""
     monkeypatch.chdir(tmp_path)
     text, _ = scene_text("", None, None, {}, designation="7008C", lubrication="starved")
     (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
@@ -232,24 +233,24 @@ def scene(tmp_path, monkeypatch):
     return text
 
 
-MEANT = {
+NEAREST_KEYS = {
     "preload": "preload_N", "ball_cout": "ball_count", "preload_lbf": "preload_N",
     "shaft_speed_rad_s": "shaft_speed_rpm", "ball_diameter_in": "ball_diameter_mm",
     "contact_angle_rad": "contact_angle_deg", "youngs_modulus_MPa": "youngs_modulus_GPa",
     "density_g_cm3": "density_kg_m3", "preload_n": "preload_N", "mu": "ball_race",
 }  # fmt: skip
-"""Keys of a scene by what is typed for them."""
+"""Keys of a scene by mistyped ones."""
 
 
-def typed(text):
-    """The words of a line, of which a quoted one may have spaces."""
+def typed_words(text):
+    """Returns the words of a line, of which a quoted one may have spaces."""
     return [a or b for a, b in re.findall(r"'([^']*)'|(\S+)", text)]
 
 
-def with_line(text, line):
-    """A scene with a line, or a part of one, in place of its own of the same or the nearest key."""
+def text_with_line(text, line):
+    """Returns the text of a scene with a line in place of that of the same or the nearest key."""
     key = line.strip().partition(":")[0]
-    key = MEANT.get(key, key.partition(" ")[0])
+    key = NEAREST_KEYS.get(key, key.partition(" ")[0])
     inline = re.compile(rf"(?<=[{{ ]){key}: (?:\[[^]]*\]|[^,\]}}\n#]*)")
     if line.startswith("\t"):
         return re.sub(rf"^ +{key}: .*$", line.replace("\\", ""), text, count=1, flags=re.M)
@@ -264,44 +265,55 @@ def with_line(text, line):
     return text[: result.start()] + line + " " + text[result.end() :]
 
 
-def refused(argv, capsys):
-    """The one line of a command that ends with status 2; empty where it does not."""
+def refusal(argv, capsys):
+    """Returns the only line of a command that ends with status 2; empty if it does not."""
     if main(argv) == 2:
         return only_line(capsys)
     capsys.readouterr()
     return ""
 
 
-def test_sixty_mistakes(scene, tmp_path, capsys):
-    wrong = []
+@pytest.mark.usefixtures("scene_text_in_folder")
+@pytest.mark.parametrize(("text", "problem"), REFUSED_OF_NEW.items())
+def test_a_mistake_in_arguments_of_new_is_refused_in_one_line(text, problem, capsys):
+    assert problem in refusal(["new", "x.yaml", *typed_words(text)], capsys)
 
-    def expect(what, problem, line):
-        if problem not in line:
-            wrong.append(f"{what}: {problem!r} is not in {line!r}")
 
-    for text, problem in REFUSED_OF_NEW.items():
-        expect(text, problem, refused(["new", "x.yaml", *typed(text)], capsys))
-    for text, doubt in DOUBTED_OF_NEW.items():
-        (tmp_path / "doubted.yaml").unlink(missing_ok=True)
-        assert main(["new", "doubted.yaml", *typed(text)]) == 0, text
-        expect(text, doubt, capsys.readouterr().out)
-    for text, (angle, balls) in DESIGNATIONS.items():
-        bearing = checked_scene(scene_text("x", None, None, {}, designation=text)[0]).bearing
-        if (bearing.contact_angle_deg, bearing.ball_material) != (angle, balls):
-            wrong.append(f"{text}: {bearing.contact_angle_deg} {bearing.ball_material}")
-    file = tmp_path / "x.yaml"
-    for line, problem in REFUSED_IN_A_SCENE.items():
-        file.write_text(with_line(scene, line), encoding="utf-8")
-        expect(line, problem, refused(["check", "x.yaml"], capsys))
-    for block, example in BLOCKS.items():
-        file.write_text(re.sub(rf"^{block}:.*\n(?:[ #].*\n)*", "", scene, flags=re.M))
-        problem = f"{block}: got nothing, expected a block, such as {example}"
-        expect(block, problem, refused(["check", "x.yaml"], capsys))
-    for line, problem in DOUBTED.items():
-        file.write_text(with_line(scene, line), encoding="utf-8")
-        assert main(["check", "x.yaml"]) == 0, line
-        expect(line, problem, " ".join(capsys.readouterr().out.split()))
-    for text, problem in REFUSED_COMMANDS.items():
-        expect(text, problem, refused(typed(text), capsys))
-    assert not wrong, "\n".join(wrong)
-    assert len(REFUSED_OF_NEW) + len(REFUSED_IN_A_SCENE) + len(DOUBTED) > 60
+@pytest.mark.usefixtures("scene_text_in_folder")
+@pytest.mark.parametrize(("text", "doubt"), DOUBTED_OF_NEW.items())
+def test_new_doubts_an_allowed_but_improbable_argument(text, doubt, capsys):
+    assert main(["new", "x.yaml", *typed_words(text)]) == 0
+    assert doubt in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("designation", "angle_and_balls"), DESIGNATIONS.items())
+def test_designations_of_makers_give_contact_angle_and_ball_material(designation, angle_and_balls):
+    bearing = checked_scene(scene_text("x", None, None, {}, designation=designation)[0]).bearing
+    assert (bearing.contact_angle_deg, bearing.ball_material) == angle_and_balls
+
+
+@pytest.mark.parametrize(("line", "problem"), REFUSED_IN_A_SCENE.items())
+def test_a_mistake_in_a_scene_is_refused_in_one_line(line, problem, scene_text_in_folder, capsys):
+    Path("x.yaml").write_text(text_with_line(scene_text_in_folder, line), encoding="utf-8")
+    assert problem in refusal(["check", "x.yaml"], capsys)
+
+
+@pytest.mark.parametrize(("block", "example"), BLOCKS.items())
+def test_a_missing_block_is_refused_with_an_example(block, example, scene_text_in_folder, capsys):
+    text = re.sub(rf"^{block}:.*\n(?:[ #].*\n)*", "", scene_text_in_folder, flags=re.M)
+    Path("x.yaml").write_text(text, encoding="utf-8")
+    problem = f"{block}: got nothing, expected a block, such as {example}"
+    assert problem in refusal(["check", "x.yaml"], capsys)
+
+
+@pytest.mark.parametrize(("line", "warning"), DOUBTED.items())
+def test_check_doubts_an_allowed_but_improbable_value(line, warning, scene_text_in_folder, capsys):
+    Path("x.yaml").write_text(text_with_line(scene_text_in_folder, line), encoding="utf-8")
+    assert main(["check", "x.yaml"]) == 0
+    assert warning in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.usefixtures("scene_text_in_folder")
+@pytest.mark.parametrize(("text", "problem"), REFUSED_COMMANDS.items())
+def test_a_mistake_in_a_command_is_refused_in_one_line(text, problem, capsys):
+    assert problem in refusal(typed_words(text), capsys)

@@ -30,7 +30,7 @@ LIBRARIES = (
     "shutil", "typing", "yaml", "psutil", "netCDF4", "xarray", "snakemake", "bearingwear",
     "sitecustomize",
 )  # fmt: skip
-"""What files of a user may be called, who knows nothing of Python."""
+"""Names that a user who does not know Python may give to files."""
 
 ONE_CASE = {
     "studies": [
@@ -48,27 +48,29 @@ NAMES = ("LOGNAME", "USER", "LNAME", "USERNAME")
 
 
 @pytest.fixture(scope="module")
-def case(tmp_path_factory):
+def case_file(tmp_path_factory):
+    """Returns the file of a solved case."""
     path = tmp_path_factory.mktemp("case") / "a.nc"
     assert main(["solve", str(scene_file("gyro_s1")), "-o", str(path), "--quiet"]) == 0
     return path
 
 
 @pytest.fixture
-def folder_of_a_user(tmp_path):
-    """A folder whose files have the names of libraries; who imports one leaves a mark."""
+def folder_with_names_of_libraries(tmp_path):
+    """Returns a folder whose files have the names of libraries; importing one writes a file."""
     for name in LIBRARIES:
         mark = tmp_path / f"{name}-was-imported"
         (tmp_path / f"{name}.py").write_text(f"open({str(mark)!r}, 'w')\n")
     return tmp_path
 
 
-def imported(folder):
+def import_marks(folder):
+    """Returns the names of the files that imports in a folder have written."""
     return sorted(path.name for path in folder.glob("*-was-imported"))
 
 
-def run(folder, *command, **environment):
-    """A command as it is typed; a variable that is None is not set."""
+def run_program(folder, *command, **environment):
+    """Runs a program in a folder; a variable of the environment that is None is not set."""
     variables = {**os.environ, **environment}
     return subprocess.run(
         [str(part) for part in command],
@@ -80,88 +82,101 @@ def run(folder, *command, **environment):
     )
 
 
-def bearingwear(folder, *arguments, **environment):
-    return run(folder, sys.executable, "-P", "-m", "bearingwear", *arguments, **environment)
+def run_bearingwear(folder, *arguments, **environment):
+    """Runs a command of bearingwear in a folder. Arguments: `run_program`."""
+    return run_program(folder, sys.executable, "-P", "-m", "bearingwear", *arguments, **environment)
 
 
 # figures
 
 
 @pytest.mark.parametrize("backend", BACKENDS.values(), ids=BACKENDS)
-def test_a_backend_is_for_others(backend, case, tmp_path):
-    """What a notebook, or a user's own scripts, need; commands draw into files."""
-    done = bearingwear(tmp_path, "plot", case, "-o", "a.svg", MPLBACKEND=backend, DISPLAY=None)
-    assert done.returncode == 0 and not done.stderr, done.stderr
+def test_figures_are_drawn_whatever_backend_of_matplotlib_is_set(backend, case_file, tmp_path):
+    """Notebooks and scripts of users set backends that commands cannot use."""
+    completed = run_bearingwear(
+        tmp_path, "plot", case_file, "-o", "a.svg", MPLBACKEND=backend, DISPLAY=None
+    )
+    assert completed.returncode == 0 and not completed.stderr, completed.stderr
     assert (tmp_path / "a.svg").stat().st_size > 1000
 
 
-def test_a_backend_of_a_settings_file(case, tmp_path):
+def test_a_backend_in_matplotlibrc_is_not_used(case_file, tmp_path):
     (tmp_path / "matplotlibrc").write_text("backend: tkagg\n")
-    done = bearingwear(tmp_path, "plot", case, "-o", "a.png", MPLBACKEND=None, DISPLAY=None)
-    assert done.returncode == 0 and (tmp_path / "a.png").exists(), done.stderr
+    completed = run_bearingwear(
+        tmp_path, "plot", case_file, "-o", "a.png", MPLBACKEND=None, DISPLAY=None
+    )
+    assert completed.returncode == 0 and (tmp_path / "a.png").exists(), completed.stderr
 
 
-def test_the_library_leaves_the_backend_alone(case, tmp_path):
+def test_the_library_leaves_the_backend_alone(case_file, tmp_path):
     script = "import bearingwear, matplotlib, os; bearingwear.plot({!r}); "
     script += "print(matplotlib.rcParams['backend'], os.environ['MPLBACKEND'])"
-    done = run(tmp_path, sys.executable, "-c", script.format(str(case)), MPLBACKEND="svg")
-    assert done.stdout.split() == ["svg", "svg"], done.stderr
+    completed = run_program(
+        tmp_path, sys.executable, "-c", script.format(str(case_file)), MPLBACKEND="svg"
+    )
+    assert completed.stdout.split() == ["svg", "svg"], completed.stderr
 
 
 # files with the names of libraries
 
 
-def test_no_file_of_the_user_is_imported(folder_of_a_user):
-    """By a command, and by a job of a study."""
+def test_no_file_of_the_user_is_imported(folder_with_names_of_libraries):
+    """Neither by a command nor by a job of a study."""
     scene = scene_file("gyro_s1")
-    done = bearingwear(folder_of_a_user, "solve", scene, "-o", "a.nc")
-    assert done.returncode == 0, done.stderr
+    completed = run_bearingwear(folder_with_names_of_libraries, "solve", scene, "-o", "a.nc")
+    assert completed.returncode == 0, completed.stderr
     job = process.python_command("bearingwear", "show", "a.nc")
-    done = run(folder_of_a_user, *job)
-    assert done.returncode == 0 and "contact load" in done.stdout, done.stderr
-    assert imported(folder_of_a_user) == []
+    completed = run_program(folder_with_names_of_libraries, *job)
+    assert completed.returncode == 0 and "contact load" in completed.stdout, completed.stderr
+    assert import_marks(folder_with_names_of_libraries) == []
 
 
-def test_the_files_would_be_imported(folder_of_a_user):
-    run(folder_of_a_user, sys.executable, "-c", "import calendar", PYTHONSAFEPATH=None)
-    assert imported(folder_of_a_user) == ["calendar-was-imported"]
+def test_an_import_of_a_users_file_is_detected(folder_with_names_of_libraries):
+    run_program(
+        folder_with_names_of_libraries, sys.executable, "-c", "import calendar", PYTHONSAFEPATH=None
+    )
+    assert import_marks(folder_with_names_of_libraries) == ["calendar-was-imported"]
 
 
-def test_a_module_is_run_of_the_same_sources(tmp_path):
-    """Not of another copy that the environment has: a copy of a checkout runs its own jobs."""
+def test_a_copy_of_a_checkout_runs_its_own_modules(tmp_path):
+    """Not those of another copy that is installed."""
     without = shutil.ignore_patterns("__pycache__")
     shutil.copytree(ROOT / "bearingwear", tmp_path / "bearingwear", ignore=without)
     (tmp_path / "bearingwear" / "where.py").write_text("print(__file__, __name__)\n")
     script = "from bearingwear.process import python_command as c; import json; "
     script += "print(json.dumps(c('bearingwear.where')))"
-    done = run(tmp_path, sys.executable, "-c", script, PYTHONSAFEPATH=None)
-    command = yaml.safe_load(done.stdout)
-    done = run(ROOT, *command)
-    assert done.stdout.split() == [str(tmp_path / "bearingwear" / "where.py"), "__main__"]
+    completed = run_program(tmp_path, sys.executable, "-c", script, PYTHONSAFEPATH=None)
+    command = yaml.safe_load(completed.stdout)
+    completed = run_program(ROOT, *command)
+    assert completed.stdout.split() == [str(tmp_path / "bearingwear" / "where.py"), "__main__"]
 
 
 # users without a home or a name
 
 
-def taken(folder):
+def file_in_the_way(folder):
+    """Returns the path of a new file that has the place of a folder."""
     (folder / "taken").write_text("")
     return str(folder / "taken")
 
 
 HOMES = {
     "no home": lambda folder: {"HOME": None},
-    "an empty name": lambda folder: {"HOME": "", "XDG_CACHE_HOME": taken(folder)},
+    "an empty name": lambda folder: {"HOME": "", "XDG_CACHE_HOME": file_in_the_way(folder)},
     "a folder that is missing": lambda folder: {"HOME": "/proc/nothing"},
     "a relative one": lambda folder: {"HOME": "home"},
-    "a file": lambda folder: {"HOME": taken(folder)},
-    "no folder for caches": lambda folder: {"HOME": str(folder), "XDG_CACHE_HOME": taken(folder)},
+    "a file": lambda folder: {"HOME": file_in_the_way(folder)},
+    "no folder for caches": lambda folder: {
+        "HOME": str(folder),
+        "XDG_CACHE_HOME": file_in_the_way(folder),
+    },
     "a relative one for caches": lambda folder: {"HOME": str(folder), "XDG_CACHE_HOME": "caches"},
 }
 
 
 @pytest.fixture
-def nobody(tmp_path, monkeypatch):
-    """A user with a number alone; what is set for it is undone."""
+def nameless_user(tmp_path, monkeypatch):
+    """Makes the user one without a name and a home; returns the folder for temporary files."""
 
     def unknown(number):
         raise KeyError(number)
@@ -175,41 +190,43 @@ def nobody(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("home", HOMES.values(), ids=HOMES)
-def test_a_user_gets_a_folder_for_caches(home, nobody, monkeypatch):
-    for name, value in home(nobody).items():
+def test_a_user_without_a_usable_home_gets_a_folder_for_caches(home, nameless_user, monkeypatch):
+    """Of this user alone, and the same one at the next call."""
+    for name, value in home(nameless_user).items():
         if value is not None:
             monkeypatch.setenv(name, value)
     process.set_environment()
     caches = Path(os.environ["XDG_CACHE_HOME"])
     assert (
-        caches == nobody / f"bearingwear-{os.geteuid()}" and caches.stat().st_mode & 0o777 == 0o700
+        caches == nameless_user / f"bearingwear-{os.geteuid()}"
+        and caches.stat().st_mode & 0o777 == 0o700
     )
     assert Path.home().is_dir() and getpass.getuser() == str(os.getuid())
     process.set_environment()
     assert Path(os.environ["XDG_CACHE_HOME"]) == caches
 
 
-def test_a_folder_that_somebody_else_made_is_not_used(nobody):
-    (nobody / f"bearingwear-{os.geteuid()}").mkdir(mode=0o777)
-    (nobody / f"bearingwear-{os.geteuid()}").chmod(0o777)
+def test_a_folder_for_caches_that_others_can_write_is_not_used(nameless_user):
+    (nameless_user / f"bearingwear-{os.geteuid()}").mkdir(mode=0o777)
+    (nameless_user / f"bearingwear-{os.geteuid()}").chmod(0o777)
     process.set_environment()
     caches = Path(os.environ["XDG_CACHE_HOME"])
-    assert caches.parent == nobody and caches.stat().st_mode & 0o777 == 0o700
+    assert caches.parent == nameless_user and caches.stat().st_mode & 0o777 == 0o700
 
 
-def test_a_home_that_serves_stays(nobody, monkeypatch):
-    monkeypatch.setenv("HOME", str(nobody))
+def test_a_usable_home_is_kept(nameless_user, monkeypatch):
+    monkeypatch.setenv("HOME", str(nameless_user))
     monkeypatch.setenv("USER", "me")
     process.set_environment()
     assert not {"XDG_CACHE_HOME", "MPLCONFIGDIR", "LOGNAME"} & {*os.environ}
-    assert os.environ["HOME"] == str(nobody) and getpass.getuser() == "me"
+    assert os.environ["HOME"] == str(nameless_user) and getpass.getuser() == "me"
 
 
 # all of it at once
 
 
-def as_nobody():
-    """What a command is run by so that its user has no name; nothing where that is not allowed."""
+def hide_user_names():
+    """Returns the words before a command that hide the names of users; empty if not allowed."""
     if os.geteuid() != 0 or shutil.which("unshare") is None:
         return ()
     hide = ("unshare", "-m", "sh", "-c", 'mount --bind /dev/null /etc/passwd && exec "$@"', "sh")
@@ -218,9 +235,9 @@ def as_nobody():
 
 @pytest.mark.long  # of single commands and of a job: the tests above
 @pytest.mark.parametrize("command", ["bearingwear study", "snakemake"])
-def test_a_study_anywhere(command, folder_of_a_user):
-    """Figures are drawn, and nothing of the user's is run, in a container without a home."""
-    folder = folder_of_a_user
+def test_a_study_runs_in_a_container_without_a_home(command, folder_with_names_of_libraries):
+    """Figures are drawn, and no file of the user is imported."""
+    folder = folder_with_names_of_libraries
     (folder / "config" / "scenes").mkdir(parents=True)
     (folder / "config" / "config.yaml").write_text(yaml.safe_dump(ONE_CASE))
     shutil.copy(scene_file("gyro_s1"), folder / "config" / "scenes")
@@ -228,11 +245,11 @@ def test_a_study_anywhere(command, folder_of_a_user):
     ours = command != "snakemake"  # which asks for a home before it reads any of ours
     if ours:
         environment |= dict.fromkeys((*OF_A_USER, *NAMES)) | {"HOME": "/proc/nothing"}
-        run_by, words = as_nobody(), ["-P", "-m", "bearingwear", "study"]
+        run_by, words = hide_user_names(), ["-P", "-m", "bearingwear", "study"]
     else:
         run_by, words = (), ["-P", "-m", "snakemake", "--snakefile", ROOT / "Snakefile"]
-    done = run(folder, *run_by, sys.executable, *words, "-j2", **environment)
-    output = done.stdout + done.stderr
-    assert done.returncode == 0 and "Traceback" not in output, output
+    completed = run_program(folder, *run_by, sys.executable, *words, "-j2", **environment)
+    output = completed.stdout + completed.stderr
+    assert completed.returncode == 0 and "Traceback" not in output, output
     assert list((folder / "results").rglob("*.svg"))
-    assert imported(folder) == []
+    assert import_marks(folder) == []

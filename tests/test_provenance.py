@@ -12,7 +12,7 @@ OURS = "bearingwear.", "kerneljit.", "workflow."
 
 
 def source_files(*modules) -> set[str]:
-    """Files from the package, or from `workflow`, on."""
+    """Returns the sources of modules, relative to the package or to `workflow`."""
     folders = PACKAGE, ROOT / "workflow"
     return {
         path.relative_to(folder).as_posix()
@@ -22,7 +22,7 @@ def source_files(*modules) -> set[str]:
     }
 
 
-def test_sources_of_the_solver():
+def test_the_sources_of_the_solver_are_those_that_determine_its_results():
     solver = source_files(*SOLVER)
     assert {"scene/read.py", "scene/accuracy.py", "lives/life.py", "results/netcdf.py"} <= solver
     assert {path for path in solver if path.startswith("kernels/")}
@@ -30,7 +30,7 @@ def test_sources_of_the_solver():
     assert not {"cli.py", "arguments.py", "commands.py", "document/show.py"} & solver
 
 
-def test_data_belong_to_the_module_that_names_them():
+def test_data_files_are_sources_of_the_module_that_names_them():
     assert "page/page.html" in source_files("bearingwear.page.page")
     assert "plotting/style.mplstyle" in source_files("bearingwear.studies.grid.figures.draw")
     assert "scene/new/new_scene.yaml.j2" in source_files("bearingwear.scene.new.scene_file")
@@ -43,18 +43,18 @@ def test_data_belong_to_the_module_that_names_them():
 
 @pytest.fixture(autouse=True)
 def in_the_project(monkeypatch):
-    """Studies read their files below the present folder."""
+    """Makes the project the present folder, from which studies read their files."""
     monkeypatch.chdir(ROOT)
 
 
-def test_imports_are_found_as_python_finds_them():
+def test_imports_by_text_are_those_of_the_syntax_tree():
     """They are searched for in the text, which takes a tenth of the time of parsing it."""
     for path in sorted([*PACKAGE.rglob("*.py"), *ROOT.glob("workflow/studies/*/*.py")]):
-        assert set(provenance._imported(path)) == parsed_imports(path), path
+        assert set(provenance._imported_modules(path)) == parsed_imports(path), path
 
 
 def parsed_imports(path):
-    """Modules of ours that a file imports, by its syntax tree."""
+    """Returns the modules of this project that a file imports, by its syntax tree."""
     nodes = syntax_nodes(path)
     unread = {
         inner
@@ -69,35 +69,42 @@ def parsed_imports(path):
         elif isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:
                 module = f"{node.module}.{alias.name}"
-                is_file = module.startswith(OURS) and provenance._file(module).is_file()
+                is_file = module.startswith(OURS) and provenance._module_file(module).is_file()
                 names.add(module if is_file else node.module)
     return {name for name in names if name.startswith(OURS)}
 
 
 def test_results_of_solves_depend_on_all_sources_of_the_solver():
-    """Its results name them, and results that name different ones are not gathered."""
+    """Results name their sources, and results of different sources are not gathered."""
     for module in ("bearingwear.studies.solve", "bearingwear.studies.grid.life"):
         assert result_hash(module) == sources_hash(module, *SOLVER)
+    # without those of the solver, this source of results would be missing
+    assert "results/netcdf.py" not in source_files("bearingwear.studies.solve")
+
+
+def test_results_of_other_steps_depend_on_their_own_sources_alone():
     for module in ("bearingwear.studies.grid.figures.draw", "bearingwear.studies.grid.gather"):
         assert result_hash(module) == sources_hash(module)
-    assert "results/netcdf.py" not in source_files("bearingwear.studies.solve")  # why it is added
 
 
 CACHED = (
     provenance.sources,
     provenance.sources_hash,
-    provenance._imported,
-    provenance._data,
-    provenance._not_python,
-    provenance._file,
+    provenance._imported_modules,
+    provenance._data_files,
+    provenance._other_files,
+    provenance._module_file,
     provenance._is_module,
     provenance._file_hash,
 )
 
 
 @pytest.fixture
-def package(tmp_path, monkeypatch):
-    """A package in place of this one: {path: text} -> hash of a module's sources."""
+def hash_of_package(tmp_path, monkeypatch):
+    """Returns a function that writes a package, and returns the hash of a module's sources.
+
+    Its arguments are the module and the texts of files by their paths.
+    """
 
     def hash_of(module, files):
         for cached in CACHED:
@@ -129,11 +136,12 @@ FILES = {
 
 
 @pytest.mark.parametrize("changed", [name for name in FILES if name != "part/__init__.py"])
-def test_a_hash_changes_with_what_is_imported_and_with_nothing_else(package, changed):
-    typed = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import bearingwear.typed\n"
-    files = FILES | {"a.py": FILES["a.py"] + typed}
-    before = package("a", files)
-    assert package("a", files) == before
-    used = changed in ("a.py", "part/b.py", "part/c.py", "part/look.mplstyle")
-    after = package("a", files | {changed: files[changed] + "# changed\n"})
-    assert (after != before) == used
+def test_a_hash_changes_with_what_is_imported_and_with_nothing_else(hash_of_package, changed):
+    """Imports for types alone, and files that no imported module names, do not count."""
+    types = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import bearingwear.typed\n"
+    files = FILES | {"a.py": FILES["a.py"] + types}
+    original_hash = hash_of_package("a", files)
+    assert hash_of_package("a", files) == original_hash
+    changed_hash = hash_of_package("a", files | {changed: files[changed] + "# changed\n"})
+    is_source = changed in ("a.py", "part/b.py", "part/c.py", "part/look.mplstyle")
+    assert (changed_hash != original_hash) == is_source

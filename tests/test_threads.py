@@ -29,15 +29,15 @@ print((lives.status == "ok").all().item())
 
 
 def test_threads_write_and_read_at_the_same_time(tmp_path):
-    """The C library ends a process whose threads use it at once; processes are forked meanwhile."""
-    done = subprocess.run(
+    """The C library of netCDF would end such a process. Meanwhile, a sweep starts processes."""
+    completed = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", THREADS],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         timeout=300,
     )
-    assert done.returncode == 0 and done.stdout == "True\n", done.stderr
+    assert completed.returncode == 0 and completed.stdout == "True\n", completed.stderr
     files = sorted(os.listdir(tmp_path))
     assert files == [*(f"{number}.nc" for number in range(6)), "read.nc", "same.nc"]
     assert len({(tmp_path / name).read_bytes() for name in files}) == 1

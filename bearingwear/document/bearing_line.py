@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from bearingwear.measures import plain
-from bearingwear.scene.arrangement import flat_keys, set_over_pair
+from bearingwear.scene.arrangement import flat_keys, set_preload_ratio
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines, minimum_preload_words
@@ -20,7 +20,7 @@ _CONTACTS = {
 
 
 _NEGLECTED_TEMPERATURE = "temperature_left_out"
-"""The id of the warning about a scene without temperatures."""
+"""Id of the warning about a scene without temperatures."""
 
 _NO_TEMPERATURES = "temperatures neglected"
 
@@ -76,11 +76,13 @@ def scenes_by_case(scene: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
 
 
 def _scene_with_changes(scene: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns a copy of a scene with the values of some dotted keys replaced."""
+    """Returns a copy of a scene, or of a block, with the values of some dotted keys replaced."""
     copy = dict(scene)
     for dotted_key, value in changes.items():
-        block, _, key = dotted_key.partition(".")
-        copy[block] = _scene_with_changes(copy.get(block) or {}, {key: value}) if key else value
+        name, _, key_in_block = dotted_key.partition(".")
+        if key_in_block:
+            value = _scene_with_changes(copy.get(name) or {}, {key_in_block: value})
+        copy[name] = value
     return copy
 
 
@@ -89,8 +91,9 @@ def warning_with_cases(
 ) -> dict[str, Any]:
     """Returns a warning whose sentence names the cases that have it, if not all of them do.
 
-    names: of these cases; if omitted, those without temperatures have a warning of that. That of a
-        duty names its case already.
+    warning: with its `id` and its `sentence`.
+    names: of the cases that have the warning. Without names, they are known only for the warning of
+        missing temperatures. That of a duty names its case already.
     """
     scenes = scenes_by_case(scene)
     if warning["sentence"].startswith(tuple(f"{name}: " for name in scenes)):
@@ -109,7 +112,10 @@ def _has_temperatures(scene: Mapping[str, Any]) -> bool:
 
 
 def worst_case_phrase(cases: Iterable[str]) -> str:
-    """States of which cases a value is the worst: `worst of 2: nominal, fast`."""
+    """Returns the words that name the cases whose worst value is shown.
+
+    Example: `worst of 2: nominal, fast`.
+    """
     names = list(cases)
     return f"worst of {len(names)}: {', '.join(names)}"
 
@@ -208,7 +214,7 @@ def pair_preload_N(arrangement: Mapping[str, Any], preload_N: float) -> float:
     arrangement: the block of the scene, a rigid set.
     preload_N: preload of each side of the set.
     """
-    return preload_N / set_over_pair(arrangement["tandem"])
+    return preload_N / set_preload_ratio(arrangement["tandem"])
 
 
 def _pair_phrases(arrangement: Mapping[str, Any], preload_N: float) -> list[str]:

@@ -49,12 +49,12 @@ class Charts:
 
     @property
     def stored(self) -> str:
-        """Returns the text that `load_charts` reads."""
+        """Returns the charts as JSON, which `load_charts` reads."""
         return json.dumps(asdict(self), ensure_ascii=False, indent=1) + "\n"
 
 
 def load_charts(path: Path) -> Charts:
-    """Reads charts that a step of a study wrote. May raise CaseFileError."""
+    """Returns the charts in a JSON file (`Charts.stored`). CaseFileError: it cannot be read."""
     with json_faults(path, "charts"):
         content = json.loads(path.read_text(encoding="utf-8"))
         charts = [

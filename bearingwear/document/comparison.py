@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from types import MappingProxyType
 from typing import Any
@@ -28,9 +29,14 @@ NOT_COMPARED = frozenset({"scene", "warnings", "modelled", "residual"})
 def comparison_sheet(
     first: str, second: str, more: Registry = MappingProxyType({}), every: bool = False
 ) -> Document:
-    """Returns the sheets of two files of one kind, and the keys and attributes that differ.
+    """Returns the sheets of two files of one kind side by side, and what differs in other parts.
 
-    more, every: arguments of `sheet`. May raise CaseFileError.
+    These are keys of the scene and attributes.
+
+    more: for kinds of files that studies define, the dotted name of the function that returns the
+        sheet of an open file.
+    every: whether to add residuals, error estimates, counts of steps, and versions.
+    CaseFileError: a file cannot be read, or their kinds differ.
     """
     kind_a, attributes_a = _kind_and_attributes(first)
     kind_b, attributes_b = _kind_and_attributes(second)
@@ -65,7 +71,7 @@ def _kind_and_attributes(path: str) -> tuple[str, dict[str, Any]]:
 
 
 def _key_rows(attributes_a: Mapping[str, Any], attributes_b: Mapping[str, Any]) -> tuple[Row, ...]:
-    """Returns a row for each key that differs between the scenes in the attributes of two files."""
+    """Returns a row for each key of the scene that differs between the attributes of two files."""
     scene_a, scene_b = (
         leaves(json.loads(attributes.get("scene", "{}")))
         for attributes in (attributes_a, attributes_b)
@@ -97,10 +103,15 @@ def _compared_blocks(sheet_a: Document, sheet_b: Document) -> Iterator[Block]:
 def _by_subject(blocks: Sequence[Block]) -> dict[tuple[str, int], Block]:
     """Returns blocks by the subject in their titles and their number among those of one subject.
 
-    A title may count something: `contact (mean of 16 balls)`.
+    The subject of `contact (mean of 16 balls)` is `contact`; the number of balls may differ.
     """
-    subjects = [block.title.partition(" (")[0] for block in blocks]
-    return {(subject, subjects[:k].count(subject)): blocks[k] for k, subject in enumerate(subjects)}
+    by_subject: dict[tuple[str, int], Block] = {}
+    counts: Counter[str] = Counter()
+    for block in blocks:
+        subject = block.title.partition(" (")[0]
+        by_subject[subject, counts[subject]] = block
+        counts[subject] += 1
+    return by_subject
 
 
 def _compared_rows(a: Block, b: Block) -> Iterator[Row]:
@@ -111,8 +122,12 @@ def _compared_rows(a: Block, b: Block) -> Iterator[Row]:
         values_b = _values_by_column(b, rows_b.get(name))
         row = rows_a.get(name) or rows_b[name]
         for head in dict.fromkeys((*values_a, *values_b)):
-            label = ", ".join(filter(None, (row.label, head)))
-            column_row = Row(label, row.unit, (), f"{name}.{head}".rstrip("."), given=row.given)
+            column_row = Row(
+                label=f"{row.label}, {head}" if head else row.label,
+                unit=row.unit,
+                name=f"{name}.{head}" if head else name,
+                given=row.given,
+            )
             value_a, value_b = values_a.get(head, math.nan), values_b.get(head, math.nan)
             yield _compared_row(column_row, value_a, value_b)
 
@@ -123,20 +138,33 @@ def _rows_by_name(block: Block) -> dict[str, Row]:
 
 
 def _values_by_column(block: Block, row: Row | None) -> dict[str, Any]:
-    """Returns the values of a row by the heads of its columns, or by numbers without heads."""
+    """Returns the values of a row by the heads of its columns; empty without a row.
+
+    Without heads, several values are numbered from `1`, and a single one has an empty head.
+    """
     if row is None:
         return {}
-    heads = block.heads or ([""] if len(row.values) == 1 else map(str, count(1)))
+    heads: Iterable[str] = block.heads
+    if not block.heads:
+        heads = [""] if len(row.values) == 1 else map(str, count(1))
     return dict(zip(heads, row.values, strict=False))
 
 
 def _compared_row(row: Row, a: Any, b: Any) -> Row:
-    """Returns a row with the values of both files and, where they differ, the difference [%]."""
-    if a == b or (a != a and b != b):  # not a number in both
+    """Returns a row with the values of both files and, where they differ, the difference [%].
+
+    The difference is `differs` for words and relative to zero.
+    """
+    if a == b or (_is_nan(a) and _is_nan(b)):
         return row._replace(values=(a, b))
     are_numbers = all(isinstance(value, int | float) and math.isfinite(value) for value in (a, b))
     difference = Percent(100.0 * (b - a) / abs(a)) if are_numbers and a else "differs"
     return row._replace(values=(a, b, difference))
+
+
+def _is_nan(value: Any) -> bool:
+    """Returns whether a cell is a number that was not computed."""
+    return isinstance(value, float) and math.isnan(value)
 
 
 def _compared_lines(a: Sequence[str], b: Sequence[str]) -> tuple[str, ...]:
@@ -148,10 +176,13 @@ def _compared_lines(a: Sequence[str], b: Sequence[str]) -> tuple[str, ...]:
 
 
 def _differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]]:
-    """Yields name and both values of what differs; a dash stands for a missing value."""
+    """Yields the name and both values of each entry that differs; a dash for a missing value."""
     for name in dict.fromkeys((*a, *b)):
-        if a.get(name) != b.get(name):
-            value_a, value_b = (
-                "–" if values.get(name) is None else values[name] for values in (a, b)
-            )
-            yield name, value_a, value_b
+        value_a, value_b = a.get(name), b.get(name)
+        if value_a != value_b:
+            yield name, _or_dash(value_a), _or_dash(value_b)
+
+
+def _or_dash(value: Any) -> Any:
+    """Returns a value, or a dash for None."""
+    return "–" if value is None else value

@@ -17,12 +17,17 @@ from bearingwear.results.units import Interval
 def as_json(document: Document) -> str:
     """Returns a JSON object: the facts, `sentences` by their titles, and `quantities`.
 
-    A quantity has plain numbers and their unit; a number that does not exist is null. All is in
-    ASCII, other characters escaped, so that any locale passes it on unchanged.
+    A quantity has numbers without rounding and their unit; a number that does not exist is null.
+    The text is in ASCII, with other characters escaped, so that terminals of any locale show it
+    unchanged.
     """
     quantities = [
-        {"block": block.title, "name": row.name or row.label, "label": row.label}
-        | {"unit": row.unit}
+        {
+            "block": block.title,
+            "name": row.name or row.label,
+            "label": row.label,
+            "unit": row.unit,
+        }
         | _value_entry(block, row)
         | _limit_entry(block, row)
         for block in document.blocks
@@ -55,7 +60,7 @@ def _limit_entry(block: Block, row: Row) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Converts a value for JSON, which has neither intervals nor NaN nor infinity.
+    """Returns a value for JSON, which has neither intervals nor NaN nor infinity.
 
     An interval becomes two numbers, and a number that is not finite None, also within dicts and
     lists.

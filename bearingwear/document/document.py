@@ -91,19 +91,22 @@ class Block:
 
     @property
     def table(self) -> tuple[list[str], list[list[str]]]:
-        """Returns the heads and the lines of the table, for a page or Markdown."""
+        """Returns the heads of the columns and the lines of the table, for a page or Markdown.
+
+        A column of notes stands last if any row has notes.
+        """
         cells = self.cells
         if self.axes:
             heads = [row.head for row in self.rows]
             return heads, [list(line) for line in zip(*cells, strict=True)]
-        notes = [row_notes(row) for row in self.rows]
-        lines = [
-            [row.head, *texts, *([note] if any(notes) else [])]
-            for row, texts, note in zip(self.rows, cells, notes, strict=True)
-        ]
+        lines = [[row.head, *texts] for row, texts in zip(self.rows, cells, strict=True)]
         width = max((len(line) for line in lines), default=0)
         heads = ["", *self.columns, *[""] * (width - 1 - len(self.columns))]
-        return [*heads[:-1], self.notes] if any(notes) else heads, lines
+        notes = [row_notes(row) for row in self.rows]
+        if any(notes):
+            heads.append(self.notes)
+            lines = [[*line, note] for line, note in zip(lines, notes, strict=True)]
+        return heads, lines
 
 
 @dataclass(frozen=True)
@@ -122,11 +125,13 @@ class Document:
     rank: int = 0
 
     def __str__(self) -> str:
+        """Returns the document as text for a terminal."""
         from bearingwear.document.text import as_text
 
         return as_text(self)
 
     def _repr_html_(self) -> str:
+        """Returns the document as HTML, which a notebook shows."""
         from bearingwear.document.html import as_html
 
         return as_html(self)
@@ -142,7 +147,7 @@ class Document:
 
     @property
     def stored(self) -> str:
-        """Returns the text that `load_document` and `sheet_in_file` read."""
+        """Returns the document as JSON, which `load_document` and `sheet_in_file` read."""
         return (
             json.dumps(_encoded(asdict(self)), ensure_ascii=False, indent=1, allow_nan=False) + "\n"
         )
@@ -151,10 +156,11 @@ class Document:
 def row_of(
     name: str, numbers: Iterable[Any], limit: float | None = None, unit: Display | None = None
 ) -> Row:
-    """Returns the row of a variable of a case or life.
+    """Returns the row of a variable of a case or life, converted from units of files.
 
-    numbers, limit: in the units of the file.
-    unit: in which they are shown; by default the one that suits them.
+    name: of the variable, which determines the label.
+    numbers, limit: in the unit of the variable in files.
+    unit: to show them in; by default one that suits their size.
     """
     variable = VARIABLES[name]
     values = [float(number) for number in numbers]
@@ -172,14 +178,20 @@ def row_of(
 def quantity_row(
     label: str, units: str, numbers: Iterable[Any], name: str = "", shown: str = ""
 ) -> Row:
-    """Returns a row of numbers, converted from the units of files to one unit for people."""
+    """Returns a row of numbers that are in no table of variables, converted to one shown unit.
+
+    units: of the numbers, as in files. shown: unit to show them in, by default one that suits them.
+    """
     values = [float(number) for number in numbers]
     unit = display(units, values, shown=shown)
     return Row(label, unit.unit, tuple(unit.of(value) for value in values), name)
 
 
 def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
-    """Returns the text of a value in the unit that is shown; inputs (`given`) with all digits."""
+    """Returns the text of a value that is in a shown unit.
+
+    given: whether the value is an input, which has seven digits in place of three or four.
+    """
     if isinstance(value, Rough):
         return value.in_unit(unit)
     if isinstance(value, Interval | Percent) or (
@@ -207,18 +219,18 @@ def row_notes(row: Row) -> str:
 
 
 def load_document(path: Path) -> Document:
-    """Reads a document that a step of a study wrote. May raise CaseFileError."""
+    """Returns the document in a JSON file (`Document.stored`). CaseFileError: it cannot be read."""
     with json_faults(path, "a document"):
         return _document(path.read_text(encoding="utf-8"))
 
 
 def sheet_in_file(file: Any) -> Document:
-    """Reads the sheet that an open result file has as its attribute `sheet`."""
+    """Returns the sheet that an open result file stores in its attribute `sheet`."""
     return _document(file.sheet)
 
 
 def _document(stored: str) -> Document:
-    """Reads a document from its `stored` text."""
+    """Returns the document in a text, which is its property `stored`."""
     content = _decoded(json.loads(stored))
     blocks = tuple(
         Block(**block | {"rows": tuple(Row(**row) for row in block["rows"])})

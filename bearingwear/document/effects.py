@@ -16,7 +16,7 @@ from bearingwear.solvers.effects.sizes import effect_sizes
 from bearingwear.solvers.effects.table import EFFECTS
 from bearingwear.solvers.effects.warnings import warnings_of
 
-WITH_SENTENCE = frozenset(
+_WITH_SENTENCE = frozenset(
     {
         "pair", "film_worn", "contact_angle_too_small", "unit_in_doubt", "motion_unstable",
         "criteria",
@@ -70,9 +70,15 @@ def _effect_rows(chosen: Choice) -> tuple[Row, ...]:
 
 
 def _model_lines(scene: Scene, scene_data: Mapping[str, Any], chosen: Choice) -> list[str]:
-    """Returns lines on effects, accuracy and effort, and on cases, duty and minimum preload."""
+    """Returns lines on effects, accuracy and effort, and on cases, duty and minimum preload.
+
+    scene_data: the scene as plain data. chosen: the model that would solve it.
+    """
     lines = [
-        line for effect in EFFECTS if effect.id in WITH_SENTENCE for line in effect.modelled(chosen)
+        line
+        for effect in EFFECTS
+        if effect.id in _WITH_SENTENCE
+        for line in effect.modelled(chosen)
     ]
     lines += [accuracy_sentence(scene, chosen), effort_sentence(scene, chosen)]
     if scene.cases:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from bearingwear.results.units import digits
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.launch import LaunchResult
+from bearingwear.solvers.bearing.launch import LaunchLoad, LaunchResult
 
 _UM, _GPA = 1e6, 1e-9
 NEW_AND_WORN = 2
@@ -20,7 +20,7 @@ SOFT_PAIR_GAPS = (
 
 
 def state_suffix(state: str, states: Mapping[str, LaunchResult]) -> str:
-    """Returns the words that add a state to a text, if there are several states."""
+    """Returns the name of a state after a comma; empty if it is the only state."""
     return f", {state}" if len(states) > 1 else ""
 
 
@@ -30,12 +30,15 @@ def state_of_largest_gap(states: Mapping[str, LaunchResult]) -> str:
 
 
 def state_of_largest_pressure(states: Mapping[str, LaunchResult]) -> str:
-    """Returns the name of the state whose pressure is the largest share of that which dents."""
+    """Returns the name of the state whose pressure is nearest to, or farthest beyond, denting."""
     return max(states, key=lambda state: states[state].pressure_share)
 
 
 def launch_verdict(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
-    """States whether a bearing gaps and whether one dents, in sentences that name the state."""
+    """Returns sentences that state whether a bearing gaps or dents, and in which state of wear.
+
+    states: results by the name of the state.
+    """
     return _gap_sentences(states) + _dent_sentences(states) + _soft_pair_sentences(scene, states)
 
 
@@ -49,9 +52,25 @@ class _OpenBearing(NamedTuple):
     """A bearing that gaps under a load; the order of the fields makes the largest gap the `max`."""
 
     gap: float  # [m]
-    number: int
-    load: str
+    number: int  # 1 or 2
+    load: str  # name of the load
     leaves_its_groove: bool
+
+
+def _open_bearings(loads: Sequence[LaunchLoad]) -> list[_OpenBearing]:
+    """Returns every bearing that gaps, under every load that the spring supports."""
+    return [
+        _OpenBearing(
+            gap=max(bearing.gap, bearing.past),
+            number=k + 1,
+            load=load.name,
+            leaves_its_groove=bearing.past > 0.0,
+        )
+        for load in loads
+        if load.rotor is not None
+        for k, bearing in enumerate(load.rotor.bearings)
+        if bearing.is_open
+    ]
 
 
 def _gap_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
@@ -64,18 +83,7 @@ def _gap_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
         for load in loads
         if load.rotor is None
     ]
-    open_bearings = [
-        _OpenBearing(
-            gap=max(bearing.gap, bearing.past),
-            number=k + 1,
-            load=load.name,
-            leaves_its_groove=bearing.past > 0.0,
-        )
-        for load in loads
-        if load.rotor is not None
-        for k, bearing in enumerate(load.rotor.bearings)
-        if bearing.is_open
-    ]
+    open_bearings = _open_bearings(loads)
     if open_bearings:
         widest = max(open_bearings)
         gap_um = digits(_UM * widest.gap)
@@ -99,8 +107,8 @@ def _dent_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
     if not state.loads:
         return []
     percent = 100.0 * state.pressure_share
-    verb = "dents" if percent > 100.0 else "no dents"
+    verdict = "dents" if percent > 100.0 else "no dents"
     return [
-        f"{verb}: the peak pressure is {digits(percent)} % of "
+        f"{verdict}: the peak pressure is {digits(percent)} % of "
         f"{digits(_GPA * state.pressure)} GPa, {state.source}{state_suffix(worst, states)}"
     ]

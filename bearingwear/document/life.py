@@ -15,11 +15,11 @@ from bearingwear.document.rows import (
     blocks_in_one_unit,
     caveat_lines,
     counted_words,
+    flag_name,
     mean,
     mean_rows,
-    meaning,
     stored_scene,
-    values,
+    variable_values,
 )
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS, Measure, plain
@@ -56,28 +56,28 @@ _ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as noth
 
 def life_blocks(file: Any) -> list[Block]:
     """Returns the blocks of a life: those of both bearings, then those of each."""
-    ((_, first_bearing), *_) = bearing_views(file)
+    first_bearing = bearing_views(file)[0].file
     return blocks_in_one_unit(
-        [*_life_and_phases(first_bearing), *blocks_by_bearing(file, _wear_blocks)]
+        [*_life_and_phase_blocks(first_bearing), *blocks_by_bearing(file, _wear_blocks)]
     )
 
 
-def _life_and_phases(file: Any) -> list[Block]:
-    """Returns the blocks that are shown once for two bearings: the life, and phases of a duty."""
+def _life_and_phase_blocks(file: Any) -> list[Block]:
+    """Returns the blocks of the life and of the phases of a duty, which two bearings share."""
     scene = stored_scene(file)
-    life_h = float(values(file, "life"))
+    life_h = float(variable_values(file, "life"))
     rows = [row_of("life", [life_h])._replace(label=f"life, wear of {counted_words(scene)}")]
     band, band_sentence = band_by_wear(scene, life_h)
     if band is not None:
         rows.append(Row(BY_WEAR, "h", (band,), "life_by_wear_alone"))
     rows += [
-        row_of(name, [values(file, name)])
+        row_of(name, [variable_values(file, name)])
         for name in ("normalised_life", "life_cycles")
         if name in file.variables
     ]
     rows += _linear_life_rows(file)
     rows.append(Row("ended by", "", (_criterion_words(file, "end_criterion"),), "end_criterion"))
-    loss = row_of("loss_at_end", [values(file, "loss_at_end")])
+    loss = row_of("loss_at_end", [variable_values(file, "loss_at_end")])
     rows.append(loss._replace(label=EQUIVALENT) if EQUIVALENT_LOSS in file.variables else loss)
     lines = (
         _end_phrase(file),
@@ -91,7 +91,8 @@ def _life_and_phases(file: Any) -> list[Block]:
 
 def _linear_life_rows(file: Any) -> list[Row]:
     """Returns the life that the linear rule promises over a duty, and how far off it is."""
-    linear_life, error = float(values(file, LINEAR_LIFE)), float(values(file, LINEAR_ERROR))
+    linear_life = float(variable_values(file, LINEAR_LIFE))
+    error = float(variable_values(file, LINEAR_ERROR))
     if not math.isfinite(linear_life):
         return []
     note = f"{plain(100.0 * abs(error), 2)} % {'more' if error > 0.0 else 'less'} than the life"
@@ -104,7 +105,7 @@ def _end_phrase(file: Any) -> str:
     """States what ended a life and in which phase of a duty, or which phase was not solved."""
     end = str(getattr(file, "ended_by", ""))
     if end and (phase := str(getattr(file, "ended_in", ""))):
-        criterion = ENDS.get(meaning(file, "end_criterion"))
+        criterion = ENDS.get(flag_name(file, "end_criterion"))
         return end if criterion and criterion.of_wear else f"in {phase}: {end}"
     if phase := str(getattr(file, "unsolved_phase", "")):
         return f"not solved in phase {phase}"
@@ -122,11 +123,14 @@ def _wear_blocks(file: Any) -> list[Block]:
 
 
 def _history_rows(file: Any) -> tuple[Row, ...]:
-    """Returns rows of preload, QV, grooves, films and loss rate at the start and the end."""
+    """Returns rows of preload, QV, grooves, films and loss rate at the start and the end.
+
+    Those of grooves and films are left out if the file does not contain them.
+    """
     optional = (name for name in (*WITH_GROOVES, *WITH_FILMS) if name in file.variables)
     names = ("history_residual_preload", "history_total_qv", *optional)
     rows = [row for name in names for row in _start_and_end_rows(file, name)]
-    loss_rate = values(file, "history_ball_diameter_loss_rate")
+    loss_rate = variable_values(file, "history_ball_diameter_loss_rate")
     if loss_rate.ndim:
         row = row_of("ball_diameter_loss_rate", loss_rate[[0, -1]])
         label = EQUIVALENT if EQUIVALENT_LOSS in file.variables else row.label
@@ -145,7 +149,7 @@ def _calibration_phrase(scene: Mapping[str, Any]) -> str:
 
 def _start_and_end_rows(file: Any, name: str) -> list[Row]:
     """Returns a row with start and end of a history, or such a row for each race."""
-    ends = np.atleast_1d(values(file, name))[[0, -1]]
+    ends = np.atleast_1d(variable_values(file, name))[[0, -1]]
     ends = np.where(np.abs(ends) < _ROUNDING * np.abs(ends).max(initial=0.0), 0.0, ends)
     if ends.ndim == 1:
         return [row_of(name, ends)]
@@ -161,9 +165,9 @@ def _film_blocks(file: Any) -> list[Block]:
     rows = []
     for name in WORN_THROUGH:
         if name in file.variables:
-            row = row_of(name, np.atleast_1d(values(file, name)))
-            inner, outer = (row.values * 2)[:2]  # one number applies to both races
-            times = tuple("not yet" if math.isnan(time) else time for time in (inner, outer))
+            # the film of the balls has one time, which is shown for both races
+            row = row_of(name, np.broadcast_to(variable_values(file, name), len(RACES)))
+            times = tuple("not yet" if math.isnan(time) else time for time in row.values)
             rows.append(row._replace(values=times))
     return [Block("worn through after", RACES, tuple(rows))] if rows else []
 
@@ -174,7 +178,7 @@ def _criterion_rows(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
     Of two bearings, the one that meets the criterion ends the life.
     """
     limits = scene["wear"].get("end_of_life") or {}
-    end_criterion = meaning(file, "end_criterion")
+    end_criterion = flag_name(file, "end_criterion")
     rows = []
     for criterion, measure in ENDS.items():
         limit = limits.get(criterion)
@@ -199,7 +203,7 @@ class _HistoryValue(NamedTuple):
     """The value of a measure at a step of a life."""
 
     critical: float  # the worst value [SI]
-    shown: float  # the same in the unit of the measure, with its sign if that matters
+    shown: float  # in the unit of the measure, with its sign if that matters
 
 
 def _history_value(
@@ -208,7 +212,8 @@ def _history_value(
     """Returns the worst value of a measure at a step of the history of a life."""
 
     def value_of(name: str) -> np.ndarray:
-        return np.atleast_1d(values(file, f"history_{name}"))[step]
+        """Returns the value of a variable at the step (n,)."""
+        return np.atleast_1d(variable_values(file, f"history_{name}"))[step]
 
     critical, name = measure.critical(value_of, scene["operation"]["preload_N"])
     shown = measure.shown(float(value_of(name)) if measure.signed else critical)
@@ -216,8 +221,8 @@ def _history_value(
 
 
 def _criterion_words(file: Any, name: str) -> str:
-    """Returns the words for the criterion in a variable with flags, or its flag if it is none."""
-    criterion = meaning(file, name)
+    """Returns the criterion in a variable with flags in words; of another flag, its name."""
+    criterion = flag_name(file, name)
     return ENDS[criterion].words if criterion in ENDS else criterion
 
 
@@ -225,7 +230,7 @@ def _steady_life_blocks(file: Any) -> list[Block]:
     """Returns a block with the life by the steady model, if the file of a dynamic life has it."""
     if "steady_status" not in file.variables:
         return []
-    status = int(values(file, "steady_status"))
+    status = int(variable_values(file, "steady_status"))
     end = _criterion_words(file, "steady_end_criterion") if status == OK else STATUS_NAMES[status]
     rows = (*mean_rows(file, STEADY_LIFE), Row("ended by", "", (end,), "steady_end_criterion"))
     return [Block(f"steady, {getattr(file, 'steady_life_of', '?')}", (), rows)]
@@ -239,7 +244,7 @@ def _worn_part_blocks(file: Any) -> list[Block]:
     if "history_ball_worn_volume" not in file.variables:
         return []
     at_end = {
-        name: values(file, name)[-1]
+        name: variable_values(file, name)[-1]
         for name in (*WORN_OF_EACH, WORN_RACES, *WORN_WHOLE)
         if name in file.variables
     }

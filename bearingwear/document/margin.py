@@ -14,12 +14,12 @@ from bearingwear.scene.scene import Scene
 
 
 def worst_corner(corners: Sequence[Corner]) -> Corner:
-    """Returns the corner with the least margin; one that was not computed only if none was."""
+    """Returns the corner with the least margin among those that were computed, if any were."""
     return min(corners, key=lambda corner: math.inf if is_missing(corner) else corner.margin)
 
 
 def is_missing(corner: Corner) -> bool:
-    """Whether a corner was not computed."""
+    """Returns whether a corner was not computed."""
     return math.isnan(corner.torque)
 
 
@@ -75,10 +75,15 @@ def _standard_sentence(drive: Drive) -> str:
 
 
 def _corner_note(corner: Corner, worst: Corner) -> str:
-    """States that a corner was not computed, that the drive stalls, or that it is the worst."""
+    """States that a corner was not computed, that the drive stalls, or that it is the worst.
+
+    Empty for any other corner.
+    """
     if is_missing(corner):
         return f"not computed ({corner.why})"
-    return "stalls" if corner.stalls else "worst" if corner is worst else ""
+    if corner.stalls:
+        return "stalls"
+    return "worst" if corner is worst else ""
 
 
 def margin_block(scene: Scene, corners: Sequence[Corner]) -> Block:

@@ -27,7 +27,7 @@ def as_markdown(document: Document) -> str:
 def block_markdown(block: Block, title: str = "## {}") -> str:
     """Returns Markdown of a block below its title.
 
-    title: the level of the title, with a place for it.
+    title: format of the title, which determines its level.
     """
     parts = [title.format(plain_text(block.title))] if block.title else []
     if block.rows:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,8 +14,8 @@ from bearingwear.document.rows import (
     mean_rows,
     rows_with_violations,
     side_by_side,
-    values,
     variable_limits,
+    variable_values,
 )
 from bearingwear.results.pair_variables import MODES, OF_BEARING
 
@@ -35,6 +35,7 @@ class BearingView:
         self._file, self._k = file, k
 
     def __getattr__(self, name: str) -> Any:
+        """Returns an attribute of the file, which both bearings share."""
         return getattr(self._file, name)
 
     @property
@@ -45,6 +46,7 @@ class BearingView:
         return json.dumps(scene)
 
     def __getitem__(self, name: str) -> Any:
+        """Returns a variable; one along the bearings is reduced to this bearing."""
         variable = self._file[name]
         if variable.dimensions[:1] != (OF_BEARING,):
             return variable
@@ -58,41 +60,54 @@ class _VariableView:
         self._variable, self._k = variable, k
 
     def __getattr__(self, name: str) -> Any:
+        """Returns an attribute of the variable."""
         return getattr(self._variable, name)
 
     def __getitem__(self, index: Any) -> Any:
+        """Returns values of bearing k, indexed along the other dimensions."""
         return self._variable[self._k][index]
 
 
-def bearing_views(file: Any) -> list[tuple[str, Any]]:
-    """Returns the title and a view of each bearing of a file; the file itself if it has only one.
+class TitledView(NamedTuple):
+    """One bearing of a file, and the words that titles of its blocks start with."""
 
-    Two bearings that are alike have one view.
+    title: str  # empty if the file has only one bearing
+    file: Any  # the open file, or a `BearingView`
+
+
+def bearing_views(file: Any) -> list[TitledView]:
+    """Returns a view of each bearing of an open file; the file itself if it has only one.
+
+    Two bearings with equal results have one view.
     """
     if OF_BEARING not in file.dimensions or file["status"].dimensions:
-        return [("", file)]
+        return [TitledView("", file)]
     views = [BearingView(file, k) for k in range(file.dimensions[OF_BEARING].size)]
     if all(_is_equal_in_both(file, name) for name in file.variables):
-        return [("each bearing: ", views[0])]
-    return [(f"bearing {k}: ", view) for k, view in enumerate(views, 1)]
+        return [TitledView("each bearing: ", views[0])]
+    return [TitledView(f"bearing {k}: ", view) for k, view in enumerate(views, 1)]
 
 
 def blocks_by_bearing(file: Any, blocks_of: Callable[[Any], list[Block]]) -> list[Block]:
-    """Returns the blocks of each bearing of a file; those of two that differ, side by side."""
-    (title, first), *others = bearing_views(file)
-    if others:
-        return side_by_side([blocks_of(view) for view in (first, *(view for _, view in others))])
-    return [replace(block, title=f"{title}{block.title}") for block in blocks_of(first)]
+    """Returns the blocks of each bearing of an open file; those of two that differ, side by side.
+
+    blocks_of: returns the blocks of a file with one bearing.
+    """
+    views = bearing_views(file)
+    if len(views) > 1:
+        return side_by_side([blocks_of(view.file) for view in views])
+    (view,) = views
+    return [replace(block, title=f"{view.title}{block.title}") for block in blocks_of(view.file)]
 
 
 def _is_equal_in_both(file: Any, name: str) -> bool:
-    """Whether a variable is equal for both bearings; one that is not of a bearing counts as equal.
+    """Returns whether a variable does not distinguish the bearings of a file.
 
-    The coordinate of the bearings themselves does not count.
+    It has equal values for both, or none along the dimension of the bearings, or is its coordinate.
     """
     if name == OF_BEARING or file[name].dimensions[:1] != (OF_BEARING,):
         return True
-    first, second = values(file, name)
+    first, second = variable_values(file, name)
     return np.array_equal(first, second, equal_nan=True)
 
 
@@ -100,7 +115,7 @@ def system_blocks(file: Any) -> list[Block]:
     """Returns the block of the arrangement of both bearings."""
     rows = rows_with_violations(mean_rows(file, SYSTEM_ROWS, variable_limits(file)), file)
     if "natural_frequency" in file.variables:
-        row = row_of("natural_frequency", values(file, "natural_frequency"))
+        row = row_of("natural_frequency", variable_values(file, "natural_frequency"))
         rows += tuple(
             row._replace(
                 label=f"{mode} natural frequency", values=(value,), name=f"{mode}_frequency"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.document.document import Block, Row, row_of
-from bearingwear.document.rows import values
+from bearingwear.document.rows import variable_values
 from bearingwear.measures import ENDS, WORST
 from bearingwear.results.life_variables import WORN_SURFACES
 
@@ -25,7 +25,7 @@ def phase_blocks(file: Any, scene: Mapping[str, Any]) -> list[Block]:
         return []
     phases = tuple(str(file.phases).split())
     has_starts = any(phase.get("starts") for phase in scene["duty"]["phases"].values())
-    causes_start_wear = bool(np.any(values(file, "start_wear_share") > 0.0))
+    causes_start_wear = bool(np.any(variable_values(file, "start_wear_share") > 0.0))
     rows = [*_phase_rows(file, "phase_time_share"), *_surface_rows(file, "phase_wear_share")]
     if causes_start_wear:
         rows += _surface_rows(file, "start_wear_share")[:1]  # of all surfaces
@@ -60,9 +60,9 @@ def _life_rows(file: Any) -> tuple[Row, ...]:
 
 def _shorter_life_lines(file: Any) -> tuple[str, ...]:
     """Returns why the life over the duty is shorter than that in any phase alone, if it is."""
-    if not float(values(file, "life")) < np.min(values(file, "phase_life")):
+    if not float(variable_values(file, "life")) < np.min(variable_values(file, "phase_life")):
         return ()
-    name = str(file.phases).split()[int(values(file, "ending_phase"))]
+    name = str(file.phases).split()[int(variable_values(file, "ending_phase"))]
     return (
         "The life over the duty is shorter than the life in any phase alone. All phases wear the "
         f"bearing, and phase {name} meets its criterion at a wear that the others would survive.",
@@ -71,7 +71,7 @@ def _shorter_life_lines(file: Any) -> tuple[str, ...]:
 
 def _surface_rows(file: Any, name: str) -> list[Row]:
     """Returns a row of a variable over phase and worn surface for each surface, all wear first."""
-    shares = values(file, name)
+    shares = variable_values(file, name)
     last = len(WORN_SURFACES) - 1  # of all surfaces
     rows = []
     for k in (last, *range(last)):
@@ -84,4 +84,4 @@ def _surface_rows(file: Any, name: str) -> list[Row]:
 
 def _phase_rows(file: Any, name: str) -> list[Row]:
     """Returns the row of a variable over the phases, if the file contains it."""
-    return [row_of(name, values(file, name))] if name in file.variables else []
+    return [row_of(name, variable_values(file, name))] if name in file.variables else []

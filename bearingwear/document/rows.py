@@ -78,14 +78,17 @@ def _has_film(scene: Mapping[str, Any]) -> bool:
     return any(block.get("film") for block in coated)
 
 
-def values(file: Any, name: str) -> np.ndarray:
-    """Returns the values of a variable; NaN where not solved, and if the variable is missing."""
+def variable_values(file: Any, name: str) -> np.ndarray:
+    """Returns the values of a variable of an open file as floats; NaN where not solved.
+
+    If the file does not contain the variable, a single NaN.
+    """
     if name not in file.variables:
         return np.array(np.nan)
     return np.ma.filled(np.ma.asarray(file[name][...], dtype=float), np.nan)
 
 
-def meaning(file: Any, name: str) -> str:
+def flag_name(file: Any, name: str) -> str:
     """Returns the name of the flag in a variable with a single value."""
     return str(file[name].flag_meanings.split()[int(file[name][...])])
 
@@ -97,23 +100,28 @@ def without_empty_rows(block: Block) -> Block:
 
 
 def _is_nan(value: Any) -> bool:
-    """Whether a cell is a number that was not computed."""
+    """Returns whether a cell is a number that was not computed."""
     return isinstance(value, float) and math.isnan(value)
 
 
 def blocks_in_one_unit(blocks: Iterable[Block]) -> list[Block]:
-    """Converts every quantity to the largest of the units that it has in any of the blocks."""
+    """Returns the blocks with every quantity in the largest unit that it has in any of them."""
     blocks = list(blocks)
-    largest: dict[tuple[str, str], tuple[float, str]] = {}
+    # the unit of the smallest factor from the unit of files, by quantity and unit of files
+    largest_units: dict[tuple[str, str], tuple[float, str]] = {}
     for row in (row for block in blocks for row in block.rows):
         file_unit, factor = scale_of(row.unit)
         key = row.name or row.label, file_unit
-        largest[key] = min(largest.get(key, (factor, row.unit)), (factor, row.unit))
+        unit = (factor, row.unit)
+        largest_units[key] = min(largest_units.get(key, unit), unit)
 
     def in_largest_unit(row: Row) -> Row:
+        """Returns a row in the largest unit of its quantity."""
         file_unit, factor = scale_of(row.unit)
-        new_factor, unit = largest[row.name or row.label, file_unit]
-        return row if unit == row.unit else _converted_row(row, unit, new_factor, factor)
+        new_factor, new_unit = largest_units[row.name or row.label, file_unit]
+        if new_unit == row.unit:
+            return row
+        return _converted_row(row, new_unit, new_factor, factor)
 
     return [
         replace(block, rows=tuple(in_largest_unit(row) for row in block.rows)) for block in blocks
@@ -124,6 +132,7 @@ def _converted_row(row: Row, unit: str, factor: float, old_factor: float) -> Row
     """Returns a row in another unit; each factor is a unit's `scale_of`."""
 
     def converted(number: float | None) -> float | None:
+        """Returns a number in the new unit; None stays None."""
         return None if number is None else number * factor / old_factor
 
     return row._replace(
@@ -135,12 +144,15 @@ def _converted_row(row: Row, unit: str, factor: float, old_factor: float) -> Row
 
 
 def side_by_side(bearings: Sequence[Sequence[Block]]) -> list[Block]:
-    """Merges the blocks of several bearings, with columns for each bearing."""
+    """Returns blocks with columns for each bearing, from the blocks of several bearings.
+
+    bearings: the blocks of each bearing; all have the same blocks and rows.
+    """
     return [_merged_block(blocks) for blocks in zip(*bearings, strict=True)]
 
 
 def _merged_block(blocks: Sequence[Block]) -> Block:
-    """Merges one block of each bearing into one, whose columns name the bearing."""
+    """Returns the block of one bearing each as one block, whose columns name the bearing."""
     columns = tuple(
         f"{k}: {column}" if column else f"bearing {k}"
         for k, block in enumerate(blocks, 1)
@@ -156,17 +168,20 @@ def _merged_block(blocks: Sequence[Block]) -> Block:
 
 
 def _merged_row(rows: Sequence[Row]) -> Row:
-    """Merges one row of each bearing into one, in one unit, with differing limits and all notes."""
+    """Returns the row of one bearing each as one row, in one unit and with the notes of all.
+
+    It has a single limit if these agree to nine digits, otherwise a limit for each value.
+    """
     rescaled = blocks_in_one_unit([Block("", rows=tuple(rows))])[0].rows
-    has_one_limit = len({row.limit and f"{row.limit:.9g}" for row in rescaled}) == 1
-    limits = tuple(row.limit for row in rescaled for _ in row.values)
+    limit_texts = {"" if row.limit is None else f"{row.limit:.9g}" for row in rescaled}
     notes = [f"{row.note} by bearing {k}" for k, row in enumerate(rows, 1) if row.note]
-    return rescaled[0]._replace(
-        values=tuple(value for row in rescaled for value in row.values),
-        limit=rescaled[0].limit if has_one_limit else None,
-        limits=() if has_one_limit else limits,
-        note=", ".join(notes),
+    merged = rescaled[0]._replace(
+        values=tuple(value for row in rescaled for value in row.values), note=", ".join(notes)
     )
+    if len(limit_texts) == 1:
+        return merged
+    limits = tuple(row.limit for row in rescaled for _ in row.values)
+    return merged._replace(limit=None, limits=limits)
 
 
 def mean(values: np.ndarray) -> float:
@@ -182,7 +197,7 @@ def mean_rows(
     limits: by variable [units of the file].
     """
     return tuple(
-        row_of(name, [mean(values(file, name))], limits.get(name))
+        row_of(name, [mean(variable_values(file, name))], limits.get(name))
         for name in names
         if name in file.variables
     )
@@ -201,7 +216,7 @@ class _Criterion(NamedTuple):
         return self.measure.file_limit(self.limit, self.preload_N)
 
     def is_violated(self, numbers: np.ndarray) -> bool:
-        """Whether the worst of the values of the variable [SI] is beyond the limit."""
+        """Returns whether the worst of the values of the variable [SI] is beyond the limit."""
         return self.measure.is_passed(self.measure.value(numbers, self.preload_N), self.limit)
 
 
@@ -228,7 +243,7 @@ def rows_with_violations(rows: Iterable[Row], file: Any) -> tuple[Row, ...]:
     criteria = _criteria(file)
     return tuple(
         row._replace(note="violated")
-        if row.limit is not None and criteria[row.name].is_violated(values(file, row.name))
+        if row.limit is not None and criteria[row.name].is_violated(variable_values(file, row.name))
         else row
         for row in rows
     )

@@ -23,14 +23,14 @@ from bearingwear.document.rows import (
     mean_rows,
     rows_with_violations,
     stored_scene,
-    values,
     variable_limits,
+    variable_values,
     without_empty_rows,
 )
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.contents_view import ContentsView
 from bearingwear.results.entries import contents_of
-from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
+from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, imported_function, kind_of
 from bearingwear.results.life_variables import BEARING_PARTS
 from bearingwear.results.netcdf import open_result
 from bearingwear.results.pair_variables import SYSTEM
@@ -124,8 +124,8 @@ def sheet(
     """Returns the sheet of a result file of any kind. May raise CaseFileError.
 
     more: for the kinds of files that studies define, a function that takes the open file
-        (`netCDF4.Dataset`) and returns a `Document`, for example of `values` and `row_of`.
-    every: also with residuals, error estimates, counts of steps, and versions.
+        (`netCDF4.Dataset`) and returns a `Document`, by its dotted name, `module:function`.
+    every: whether to add residuals, error estimates, counts of steps, and versions.
     """
     from bearingwear.document.study import spread_blocks
     from bearingwear.results.quantiles import KIND
@@ -147,18 +147,21 @@ def sheet_of_result(result: Result) -> Document:
 
 
 def _main_sheet(file: Any, more: Registry) -> Document:
-    """Returns the sheet of a file without spread of lives and diagnostics."""
+    """Returns the sheet of an open file without the spread of lives and diagnostics.
+
+    more: as in `sheet`.
+    """
     kind = kind_of(file)
     if kind in more:
-        document: Document = function(more[kind])(file)
+        document: Document = imported_function(more[kind])(file)
         return document
     if kind not in SHEETS:
         from bearingwear.document.study import study_document
 
         return study_document(file)
     blocks = SHEETS[kind](file)
-    if kind == CASE_KIND and int(values(file, "status")) != OK:
-        names = _names_known_unsolved(file)
+    if kind == CASE_KIND and int(variable_values(file, "status")) != OK:
+        names = _rows_without_solution(file)
         blocks = [
             replace(block, rows=tuple(row for row in block.rows if row.name in names))
             for block in blocks
@@ -172,17 +175,17 @@ def _main_sheet(file: Any, more: Registry) -> Document:
     )
 
 
-def _names_known_unsolved(file: Any) -> set[str]:
-    """Returns the rows of a case that was not solved: those that no solution determines."""
+def _rows_without_solution(file: Any) -> set[str]:
+    """Returns the names of the rows that an unsolved case has: they follow from its inputs."""
     if stored_scene(file).get("thermal") is None:  # temperatures are inputs
         return {*TURN_COUNTS, *RINGS, *TEMPERATURES}
     return {*TURN_COUNTS, GROWTH_AT_SPEED}
 
 
 def _heading_and_facts(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
-    """Returns the heading lines of a case or life, and the same as facts for programs."""
+    """Returns the heading lines of a case or life, and facts for programs by their names."""
     scene = stored_scene(file)
-    status = STATUS_NAMES[int(values(file, "status"))]
+    status = STATUS_NAMES[int(variable_values(file, "status"))]
     fidelity = getattr(file, "fidelity", "?")
     why = (json.loads(getattr(file, "modelled", "[]")) or [""])[0].partition(": ")[2]
     warnings = warning_lines({"warnings": getattr(file, "warnings", "[]")})
@@ -210,12 +213,18 @@ def _drift_phrase(file: Any) -> str:
 
 
 def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:
-    """Returns a row with a value for each race: the mean or, for an extreme, that of all balls."""
-    numbers = values(file, name)
-    by_ball = numbers.reshape(-1, len(RACES)) if numbers.ndim else np.full((1, len(RACES)), np.nan)
+    """Returns a row with a value for each race: the mean of the balls or, for an extreme, theirs.
+
+    limits: by variable [units of the file].
+    """
+    numbers = variable_values(file, name)
+    if not numbers.ndim:  # the file does not contain the variable
+        return row_of(name, [math.nan] * len(RACES), limits.get(name))
+    by_ball = numbers.reshape(-1, len(RACES))
     row = row_of(name, of_all_balls(name, by_ball, 0), limits.get(name))
-    is_extreme_of_balls = numbers.ndim > 1 and numbers.shape[0] > 1 and name in EXTREMES
-    return row._replace(label=f"{row.label}, all balls") if is_extreme_of_balls else row
+    if len(by_ball) > 1 and name in EXTREMES:
+        return row._replace(label=f"{row.label}, all balls")
+    return row
 
 
 def _case_blocks(file: Any) -> list[Block]:
@@ -232,7 +241,7 @@ def _bearing_blocks(file: Any) -> list[Block]:
         Block(f"bearing{suffix}", (), rows_with_violations(_bearing_rows(file), file)),
     ]
     if LOSS_PER_TIME in file.variables:
-        rate = row_of(LOSS_PER_TIME, [values(file, LOSS_PER_TIME)])
+        rate = row_of(LOSS_PER_TIME, [variable_values(file, LOSS_PER_TIME)])
         counted = counted_words(stored_scene(file))
         blocks.append(Block(f"wear of {counted}", (), (rate,)))
     blocks += _growth_blocks(file)
@@ -253,7 +262,7 @@ def _contact_rows(file: Any) -> list[Row]:
 
 
 def _bearing_rows(file: Any) -> tuple[Row, ...]:
-    """Returns a row for each quantity of the bearing, means over the balls."""
+    """Returns a row for each quantity of the bearing; those of balls are means over them."""
     return (
         *mean_rows(file, BEARING, variable_limits(file)),
         quantity_row("friction power", "W", [_friction_power(file)], "friction_power"),
@@ -263,11 +272,15 @@ def _bearing_rows(file: Any) -> tuple[Row, ...]:
 
 
 def _stiffness_rows(file: Any) -> tuple[Row, ...]:
-    """Returns rows of the dynamic radial and tilting stiffness, means of both directions."""
+    """Returns rows of the dynamic radial and tilting stiffness, each the mean of both directions.
+
+    Empty if the file contains no stiffness matrix.
+    """
     if "stiffness_matrix" not in file.variables:
         return ()
-    stiffness = np.diagonal(values(file, "stiffness_matrix"))  # axial, 2 radial, 2 tilting
-    radial, tilting = float(stiffness[1:3].mean()), float(stiffness[3:5].mean())
+    # the diagonal has one axial, two radial and two tilting stiffnesses
+    diagonal = np.diagonal(variable_values(file, "stiffness_matrix"))
+    radial, tilting = float(diagonal[1:3].mean()), float(diagonal[3:5].mean())
     return (
         quantity_row("dynamic radial stiffness", "N m-1", [radial], "radial_stiffness"),
         quantity_row("dynamic tilting stiffness", "N m rad-1", [tilting], "tilting_stiffness"),
@@ -275,11 +288,14 @@ def _stiffness_rows(file: Any) -> tuple[Row, ...]:
 
 
 def _friction_power(file: Any) -> float:
-    """Returns the power of friction in contacts and cage, and of drag [W]."""
-    heat = values(file, "friction_heat")
+    """Returns the power of friction in all contacts and the cage, and of drag [W].
+
+    Drag and cage count as zero if they were not computed.
+    """
+    heat = variable_values(file, "friction_heat")
     balls_per_value = getattr(file["ball"], "represents", 1) if "ball" in file.variables else 1
-    cage = values(file, "cage_friction_heat")
-    drag = values(file, "drag_power")
+    cage = variable_values(file, "cage_friction_heat")
+    drag = variable_values(file, "drag_power")
     return float(heat.sum() * balls_per_value + np.nan_to_num(drag) + np.nan_to_num(cage))
 
 
@@ -289,7 +305,9 @@ def _dynamic_blocks(file: Any) -> list[Block]:
     blocks = [Block("dynamic run", (), mean_rows(file, RUN), settled)]
     cage = mean_rows(file, CAGE_MEANS)
     if "cage_speed" in file.variables:
-        ratio = mean(values(file, "cage_speed")) / mean(values(file, "orbit_speed"))
+        ratio = mean(variable_values(file, "cage_speed")) / mean(
+            variable_values(file, "orbit_speed")
+        )
         cage += (Row("speed / orbit speed", "", (ratio,), "cage_speed_ratio"),)
     return [*blocks, *([Block("cage", (), cage)] if cage else [])]
 
@@ -306,11 +324,16 @@ def _growth_blocks(file: Any) -> list[Block]:
 def _growth_block(
     file: Any, title: str, parts: Sequence[str], names: Sequence[str]
 ) -> Block | None:
-    """Returns a block of variables over `parts`, with a column for each part that has values."""
-    by_name = {name: values(file, name) for name in names if name in file.variables}
-    by_name = {
-        name: numbers for name, numbers in by_name.items() if name not in FIT_ROWS or any(numbers)
-    }
+    """Returns a block of variables over `parts`, with a column for each part that has values.
+
+    Rows of fits are left out if they are all zero. None if the file contains no other variable.
+    """
+    by_name = {}
+    for name in names:
+        if name in file.variables:
+            numbers = variable_values(file, name)
+            if name not in FIT_ROWS or any(numbers):
+                by_name[name] = numbers
     if not by_name:
         return None
     is_known = np.isfinite(next(iter(by_name.values())))  # shaft and housing need not be
@@ -326,7 +349,7 @@ def _diagnostic_blocks(file: Any) -> list[Block]:
     rows = []
     for name in file.variables:
         if name in DIAGNOSTICS:
-            numbers = values(file, name)
+            numbers = variable_values(file, name)
             finite = numbers[np.isfinite(numbers)].ravel()
             if numbers.size <= len(RACES) and finite.size:
                 rows.append(row_of(name, finite))
@@ -374,7 +397,7 @@ def scene_sheet(scene: Scene) -> Document:
 
 
 def _dimension_rows(scene: Scene) -> tuple[Row, ...]:
-    """Returns the dimensions of a bearing, and what follows from them."""
+    """Returns rows of the dimensions of a bearing, its clearance, ball mass and speed factor."""
     bearing = scene.bearing
     diameter = bearing.ball_diameter_mm
     density = scene.materials[bearing.ball_material].density_kg_m3

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Document, Row, quantity_row
-from bearingwear.document.rows import caveat_lines, counted_words, stored_scene, values
+from bearingwear.document.rows import caveat_lines, counted_words, stored_scene, variable_values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.pair_variables import method_words
@@ -43,7 +43,7 @@ STUDY_RANGES = ("total_qv", "residual_preload", "axial_stiffness", "shaft_torque
 
 
 def study_document(file: Any) -> Document:
-    """Returns the sheet of a file with more than one case or life in it."""
+    """Returns the sheet of an open file with several cases or lives: dimensions and ranges."""
     title = str(getattr(file, "title", "study"))
     points = tuple(
         Row(name, "", (dimension.size,), note=_coordinate_text(file, name))
@@ -67,7 +67,7 @@ def study_document(file: Any) -> Document:
 
 def _status_rows(file: Any) -> Iterator[Row]:
     """Yields a row with the number of cases of each status, or the reason for having none."""
-    codes, counts = np.unique(values(file, "status"), return_counts=True)
+    codes, counts = np.unique(variable_values(file, "status"), return_counts=True)
     missing = str(getattr(file["status"], "missing", "-1: nothing to solve"))
     for code, count in zip(codes, counts, strict=True):
         name = "not solved"
@@ -77,8 +77,8 @@ def _status_rows(file: Any) -> Iterator[Row]:
 
 
 def _range_row(file: Any, name: str) -> Row:
-    """Returns a row with the least and the largest value of a variable."""
-    numbers = values(file, name)
+    """Returns a row with the least and the largest value of a variable; NaN without values."""
+    numbers = variable_values(file, name)
     finite = numbers[np.isfinite(numbers)]
     ends = (float(finite.min()), float(finite.max())) if finite.size else (np.nan, np.nan)
     variable = VARIABLES.get(name)
@@ -89,9 +89,9 @@ def _range_row(file: Any, name: str) -> Row:
 
 
 def spread_blocks(file: Any, path: Path) -> list[Block]:
-    """Returns a block with the spread of each life of a file, and sentences on all spreads.
+    """Returns a block with the spread of each life of an open file, and sentences on all spreads.
 
-    The spreads are in the file itself, or in files of uncertainty beside its `path`.
+    path: of the file. The spreads are in it, or in files of uncertainty beside it.
     """
     lives = list(_lives_with_spread(file)) if hasattr(file, "scene") else []
     if not lives:
@@ -147,13 +147,16 @@ def _quantile_rows(spread: Spread) -> list[Row]:
 def by_wear_row(scene: Mapping[str, Any], lives: Iterable[float]) -> tuple[Row, ...]:
     """Returns a row with the band of each life due to uncertain wear alone, if that is known."""
     bands = [band_by_wear(scene, life)[0] for life in lives]
-    values = tuple(band or math.nan for band in bands)
-    return (Row(BY_WEAR, "h", values, "life_by_wear_alone"),) if any(bands) else ()
+    if not any(bands):
+        return ()
+    cells = tuple(math.nan if band is None else band for band in bands)
+    return (Row(BY_WEAR, "h", cells, "life_by_wear_alone"),)
 
 
 def rough_value(value: Any) -> Any:
     """Returns a number of hours as one of two digits, None as NaN, and other cells unchanged."""
-    value = math.nan if value is None else value
+    if value is None:
+        return Rough(math.nan)
     return Rough(value) if isinstance(value, float) else value
 
 
@@ -182,16 +185,16 @@ def _lives_with_spread(file: Any) -> Iterator[_LifeWithSpread]:
         yield from _lives_at_preload_choices(file, kind)
     elif _has_lives(file):
         for method in _preload_methods(file):
-            for mu in values(file, "friction"):
+            for mu in variable_values(file, "friction"):
                 label = f"{method}, mu {mu:g}"
                 yield _LifeWithSpread(label=label, method=method, friction=float(mu))
 
 
 def _lives_at_preload_choices(file: Any, kind: str) -> Iterator[_LifeWithSpread]:
     """Yields the lives at the scene's own and at the recommended preload, as far as contained."""
-    frictions = values(file, "friction").tolist() if "friction" in file.variables else []
+    frictions = variable_values(file, "friction").tolist() if "friction" in file.variables else []
     scene_friction = stored_scene(file)["friction"].get("ball_race")
-    choices = values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,)
+    choices = variable_values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,)
     for mu, method in itertools.product(frictions or [scene_friction], _preload_methods(file)):
         words = method_words(stored_scene(file), method)
         point = f"{words}, mu {mu:g}" if frictions else words
@@ -205,7 +208,7 @@ def _lives_at_preload_choices(file: Any, kind: str) -> Iterator[_LifeWithSpread]
 def _preload_methods(file: Any) -> list[str]:
     """Returns the names of the preload methods along the dimension of a file."""
     names = file["preload_method"].flag_meanings.split()
-    return [names[int(flag)] for flag in values(file, "preload_method")]
+    return [names[int(flag)] for flag in variable_values(file, "preload_method")]
 
 
 def _coordinate_text(file: Any, name: str) -> str:
@@ -213,8 +216,8 @@ def _coordinate_text(file: Any, name: str) -> str:
     if name not in file.variables or file[name].dimensions != (name,):
         return ""
     flags = str(getattr(file[name], "flag_meanings", "")).split()
-    texts = [flags[int(value)] if flags else f"{value:g}" for value in values(file, name)]
-    unit = str(getattr(file[name], "units", "")).replace("1", "", 1)
+    texts = [flags[int(value)] if flags else f"{value:g}" for value in variable_values(file, name)]
+    unit = str(getattr(file[name], "units", "")).removeprefix("1")
     listed = ", ".join(texts) if len(texts) <= MOST_LISTED else f"{texts[0]} to {texts[-1]}"
     return f"{listed} {unit}".rstrip()
 
@@ -232,26 +235,27 @@ def _numeric_variables(file: Any) -> list[str]:
 
 
 def _has_lives(file: Any) -> bool:
-    """Whether a file contains lives over preload method and friction."""
+    """Returns whether a file contains lives over preload method and friction."""
     axes = ("preload_method", "friction")
     return "end_criterion" in file.variables and file["end_criterion"].dimensions == axes
 
 
 def _life_blocks(file: Any) -> list[Block]:
-    """Returns a table of the lives over preload method and friction, if the file contains such."""
+    """Returns a table of the lives over preload method and friction; empty without such lives."""
     if not _has_lives(file):
         return []
     criteria = file["end_criterion"].flag_meanings.split()
-    flags = values(file, "end_criterion").ravel()
+    flags = variable_values(file, "end_criterion").ravel()
     ends = tuple(criteria[int(flag)] if np.isfinite(flag) else criteria[-1] for flag in flags)
-    methods, frictions = _preload_methods(file), values(file, "friction").tolist()
+    methods, frictions = _preload_methods(file), variable_values(file, "friction").tolist()
     points = list(itertools.product(methods, frictions))
     counted = counted_words(stored_scene(file))
+    lives, losses = (variable_values(file, name).ravel() for name in ("life", "loss_at_end"))
     rows = (
         Row("preload method", "", tuple(method for method, _ in points), "preload_method"),
         Row("friction", "", tuple(mu for _, mu in points), "friction", given=True),
-        quantity_row(f"life, wear of {counted}", "h", values(file, "life").ravel(), "life"),
-        quantity_row("loss", "m", values(file, "loss_at_end").ravel(), "loss_at_end"),
+        quantity_row(f"life, wear of {counted}", "h", lives, "life"),
+        quantity_row("loss", "m", losses, "loss_at_end"),
         Row("ended by", "", ends, "end_criterion"),
     )
     return [Block("lives", rows=rows, axes=2)]

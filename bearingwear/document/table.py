@@ -29,17 +29,18 @@ def dataset_table(
     """Returns a table with a line for each point along `axes`.
 
     axes: dimensions along which the points lie; each has a column.
-    columns: a variable over the axes, or its name, which may have a suffix after a point; and
-        words that distinguish the column from others of the same variable. All columns of a
-        variable have one unit. Labels and units are those of the table of variables.
+    columns: of each column, the variable over the axes, or its name; and words that distinguish
+        the column from others of the same variable. The name of a variable may have a suffix after
+        a point. All columns of a variable have one unit.
     title, lines: of the block.
     errors: relative error of each column, which determines its digits; None if it is not known.
     """
-    variables = [dataset[v] if isinstance(v, str) else v for v, _ in columns]
+    variables = [
+        dataset[variable] if isinstance(variable, str) else variable for variable, _ in columns
+    ]
     rows = _axis_rows(dataset, axes)
-    for variable, (_, words), error in zip(
-        variables, columns, errors or [None] * len(columns), strict=True
-    ):
+    column_errors = errors or [None] * len(columns)
+    for variable, (_, words), error in zip(variables, columns, column_errors, strict=True):
         quantity = _quantity(variable)
         table_entry = VARIABLES.get(quantity.name)
         label = table_entry.label if table_entry else quantity.name.replace("_", " ")
@@ -52,22 +53,20 @@ def dataset_table(
                 Estimated.of(number, abs(number) * share)
                 for number, share in zip(numbers, relative, strict=True)
             ]
-        rows.append(
-            Row(
-                label=", ".join(filter(None, (label, words))),
-                unit=unit.unit,
-                values=tuple(numbers),
-                name=".".join(filter(None, (quantity.name, words.replace(", ", ".")))),
-            )
-        )
+        row = Row(label=label, unit=unit.unit, values=tuple(numbers), name=quantity.name)
+        if words:
+            name = f"{quantity.name}.{words.replace(', ', '.')}"
+            row = row._replace(label=f"{label}, {words}", name=name)
+        rows.append(row)
     return Block(title, rows=tuple(rows), lines=lines, axes=len(axes))
 
 
 def _axis_rows(dataset: xr.Dataset, axes: Sequence[str]) -> list[Row]:
-    """Returns a row for each axis, with its coordinate at every point."""
+    """Returns a row for each axis, with its coordinate at every point in words."""
     points = itertools.product(*(_axis_texts(dataset[axis]) for axis in axes))
+    texts_by_axis = zip(*points, strict=True)
     rows = []
-    for axis, texts in zip(axes, zip(*points, strict=True), strict=True):
+    for axis, texts in zip(axes, texts_by_axis, strict=True):
         words = tuple(text.replace("_", " ") for text in texts)
         unit = display(dataset[axis].attrs.get("units", "1")).unit
         rows.append(Row(axis.replace("_", " "), unit, words, axis))
@@ -103,7 +102,8 @@ class _Quantity(NamedTuple):
 
 def _quantity(variable: xr.DataArray) -> _Quantity:
     """Returns the quantity of a variable, whose name may have a suffix after a point."""
-    name, units = str(variable.name).partition(".")[0], variable.attrs.get("units", "1")
+    name = str(variable.name).partition(".")[0]
+    units = variable.attrs.get("units", "1")
     table_entry = VARIABLES.get(name)
     shown = table_entry.shown if table_entry and table_entry.units == units else ""
     return _Quantity(name=name, units=units, shown=variable.attrs.get("shown", shown))
@@ -133,7 +133,7 @@ def dataset_csv(dataset: xr.Dataset, axes: Mapping[str, str]) -> str:
 def _variable_columns(
     dataset: xr.Dataset, name: Any, axes: Mapping[str, str]
 ) -> Iterator[tuple[str, list[str]]]:
-    """Yields head and texts of each column of a variable, if it lies along the axes."""
+    """Yields head and texts of each column of a variable; nothing if it lacks one of the axes."""
     variable = dataset[name]
     if not set(axes) <= set(variable.dims):
         return

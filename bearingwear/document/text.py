@@ -10,6 +10,9 @@ from bearingwear.document.document import Block, Document, row_notes
 from bearingwear.results.units import ascii_text
 
 LABEL_WIDTH, UNIT_WIDTH, VALUE_WIDTH = 28, 11, 13
+"""Least widths of the columns of a table with a line for each quantity."""
+POINT_WIDTH = 12
+"""Least width of each column of a table with a line for each point."""
 WIDTH = 110
 """Characters in a line of a sentence or table; a table with wide columns may exceed it."""
 ALWAYS_BESIDE = 4
@@ -35,13 +38,17 @@ def _wrapped_lines(text: str, indent: str = "") -> list[str]:
 
 
 def _quantity_lines(block: Block) -> list[str]:
-    """Returns the lines of a table with a line for each quantity."""
+    """Returns the lines of a table with a line for each quantity.
+
+    Columns that do not fit beside each other stand in parts below each other.
+    """
     cells = block.cells
     columns = zip_longest(block.columns, *cells, fillvalue="")
     widths = [max(VALUE_WIDTH, *(len(text) + 2 for text in column)) for column in columns]
     label_width = max([LABEL_WIDTH, *(len(row.label) + 2 for row in block.rows)])
 
     def line(label: str, unit: str, texts: Sequence[str], part: slice) -> str:
+        """Returns a line of the table with the texts of some columns, each in its width."""
         aligned = (
             f"{text:>{width}}" for text, width in zip(texts[part], widths[part], strict=False)
         )
@@ -63,7 +70,7 @@ def _quantity_lines(block: Block) -> list[str]:
 
 
 def _column_slices(widths: Sequence[int], total_width: int) -> Iterator[slice]:
-    """Yields the columns that fit beside each other; the other columns stand below them."""
+    """Yields slices of the columns, in order, each of columns that fit beside each other."""
     start = 0
     for k in range(1, len(widths)):
         if len(widths) > ALWAYS_BESIDE and sum(widths[start : k + 1]) > total_width:
@@ -75,7 +82,9 @@ def _column_slices(widths: Sequence[int], total_width: int) -> Iterator[slice]:
 def _point_lines(block: Block) -> list[str]:
     """Returns the lines of a table with a line for each point; long heads take several lines."""
     heads, points = block.table
-    cell_widths = [max(12, *(len(text) for text in column)) for column in zip(*points, strict=True)]
+    cell_widths = [
+        max(POINT_WIDTH, *(len(text) for text in column)) for column in zip(*points, strict=True)
+    ]
     wrapped_heads = [
         textwrap.wrap(head, width) for head, width in zip(heads, cell_widths, strict=True)
     ]

@@ -30,7 +30,9 @@ _MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
 def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> tuple[dict, dict]:
     """Returns values and attributes of a life with a dynamic run at every step.
 
-    They include the steady life beside it.
+    They include the life by the steady model, for comparison.
+
+    progress: receives a line of text at each step.
     """
     values = steady_life_values(scene)
     wearing = Motion(scene, float(values.get("steady_life", math.nan)), progress)
@@ -50,9 +52,12 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
 
 
 def length_and_errors(life: Life) -> dict:
-    """Returns the life, a lower bound where no criterion was met, its errors and its last loss."""
+    """Returns result variables of the length of a life, its errors and its last loss.
+
+    The length is a lower bound where no criterion was met.
+    """
     wearing, last = life.wearing, life.last
-    error, estimate = math.nan, math.nan
+    error = estimate = math.nan
     if life.status == code.OK and last.x > 0.0:
         error = _error_bound(life)
         # No run estimates the error of a clearance's growth.
@@ -70,7 +75,9 @@ def length_and_errors(life: Life) -> dict:
         "normalised_life": last.time * factor,
         "life_error_bound": error,
     }
-    return values | ({"life_error_estimate": estimate} if math.isfinite(estimate) else {})
+    if math.isfinite(estimate):
+        values["life_error_estimate"] = estimate
+    return values
 
 
 def _error_bound(life: Life) -> float:
@@ -80,6 +87,7 @@ def _error_bound(life: Life) -> float:
     """
     wearing: Motion = life.wearing
     time = np.array([node.x for node in life.nodes])
+    # two nodes have the same time where a film is gone: rates have a jump there
     starts = [0, *(np.flatnonzero(np.diff(time) == 0.0) + 1).tolist()]
     ends = [*starts[1:], time.size]
     error = life.error
@@ -93,9 +101,10 @@ def _error_bound(life: Life) -> float:
 
 
 def life_histories(life: Life) -> dict:
-    """Returns wear and results at each node; NaN where a node was not solved."""
+    """Returns the result variables along a life; NaN where a node was not solved."""
     wearing: Motion = life.wearing
-    p, nodes = wearing.parts.layout, life.tried_nodes
+    p = wearing.parts.layout
+    nodes = life.tried_nodes
     runs = [run_at(node) for node in nodes]
     worn = np.array([node.worn for node in nodes])
     missing = np.full(p.size, math.nan)
@@ -129,7 +138,10 @@ def life_histories(life: Life) -> dict:
 
 
 def steady_life(scene: Scene) -> Life:
-    """Returns the steady life under thrust alone, without cage, with the mean loss on all balls."""
+    """Returns the life of a scene by the steady model.
+
+    It is that under thrust alone, without cage, with the mean loss on all balls.
+    """
     mean = float(np.mean(scene.wear.ball_diameter_loss_um))
     reduced = thrust_alone(scene).without_cage
     reduced = replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
@@ -137,7 +149,7 @@ def steady_life(scene: Scene) -> Life:
 
 
 def steady_life_values(scene: Scene) -> dict:
-    """Returns the life, the criterion and the loss at the end by the steady model."""
+    """Returns result variables of the life by the steady model; its status alone if it fails."""
     life = steady_life(scene)
     values: dict = {"steady_status": life.status, "steady_end_criterion": life.criterion}
     if life.status == code.OK:
@@ -149,7 +161,10 @@ def steady_life_values(scene: Scene) -> dict:
 
 
 def steady_time_to_loss(scene: Scene, loss: float) -> dict:
-    """Returns the time that the steady model takes to reach a loss [m]; empty where it does not."""
+    """Returns the result variable of the time in which the steady model reaches a loss [m].
+
+    It is left out where that does not reach it.
+    """
     end = EndOfLife(ball_diameter_loss_um=loss / parameters.UM)
     if not loss > float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM:
         return {}

@@ -23,12 +23,12 @@ class Criteria:
     """End-of-life criteria of a scene, of one bearing or of two unequal ones."""
 
     def __init__(self, scene: Scene):
-        self.preloads_N = [side.operation.preload_N for side in scene.one_of_alike.sides]
+        self.preloads_N = [side.operation.preload_N for side in scene.symmetric_half.sides]
         end = scene.wear.end_of_life or EndOfLife()
         self._limits = [
-            (k, measure, limit)
+            (k, measure, getattr(end, name))
             for k, (name, measure) in enumerate(ENDS.items())
-            if (limit := getattr(end, name)) is not None
+            if getattr(end, name) is not None
         ]
 
     def margins(self, states: Sequence[State]) -> np.ndarray:
@@ -40,11 +40,13 @@ class Criteria:
         margins = np.full(NO_CRITERION, np.inf)
         for state, preload in zip(states, self.preloads_N, strict=True):
             for k, measure, limit in self._limits:
-                margin = measure.margin(measure.critical(state.__getitem__, preload)[0], limit)
+                value, _ = measure.critical(state.__getitem__, preload)
+                margin = measure.margin(value, limit)
                 if margin < margins[k]:  # False for NaN, a measure that is not known
                     margins[k] = margin
         return margins
 
 
 def with_end(scene: Scene, end: EndOfLife) -> Scene:
+    """Returns the scene with another end of life."""
     return replace(scene, wear=replace(scene.wear, end_of_life=end))

@@ -33,7 +33,7 @@ WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
 
 
 def surface_error(scene: Scene, life: Life) -> dict:
-    """Returns the estimated relative error of a steady life whose contacts stay Hertzian.
+    """Returns the result variable of the relative error of a steady life with Hertzian contacts.
 
     The dictionary is empty where the life has no end of its own, or cannot be compared.
     """
@@ -55,7 +55,10 @@ def surface_error(scene: Scene, life: Life) -> dict:
 
 
 def _change_by_solver(life: Life, solver: Remembered, ends: Criteria) -> float | None:
-    """Returns the relative change of a life by another solver of its start, middle and end."""
+    """Returns the relative change of a life by another solver of its start, middle and end [1].
+
+    None where a state is not solved, or another criterion ends the life.
+    """
     nodes = life.three_nodes()
     solver.bearings.near = nodes[0].states[0].answer  # or the first would be solved from nothing
     others = [solver.at(node.x) for node in nodes]
@@ -76,12 +79,16 @@ def relative_life_change(
 ) -> Any:
     """Returns the relative change of a life by other states; None if another criterion ends it.
 
-    `slowing` (nodes, ...) is the relative change of the inverse wear rates of one bearing or more
-    at some nodes. It is integrated over time. The margin of the other state at the end shifts the
-    end, by the last slope of that margin.
+    The change of the inverse wear rates is integrated over time. The margin of the other state at
+    the end shifts the end, by the last slope of that margin.
+
+    slowing: relative changes (nodes, ...) of the inverse wear rates, of one bearing or more [1].
+    nodes: at which the rates are known.
+    other_end: states at the end.
     """
     times = np.array([node.time for node in nodes])
-    before, margins = life.nodes[-2], ends.margins(other_end)
+    before = life.nodes[-2]
+    margins = ends.margins(other_end)
     if np.delete(margins, life.criterion).min() <= 0.0:
         return None
     shift = margins[life.criterion] / ends.margins(before.states)[life.criterion]
@@ -95,6 +102,12 @@ class _ComparedNode(NamedTuple):
     node: Node
     solved_again: States
     by_accuracy: list[States]  # in the order of `WEIGHTS`
+
+    @property
+    def is_solved(self) -> bool:
+        """Returns whether all these states are solved."""
+        states_of_node = [self.solved_again, *self.by_accuracy]
+        return all(state.is_solved for states in states_of_node for state in states)
 
 
 class _ComparedGrooves(Grooves):
@@ -110,23 +123,28 @@ class _ComparedGrooves(Grooves):
         self.compared: list[_ComparedNode] = []
 
     def completed(self, node: Node) -> Node:
+        """Returns the node, and compares every few of them with other accuracies."""
         if self._node_count % EVERY == 0:
             self.compared.append(self.compared_node(node))
         self._node_count += 1
         return node
 
     def compared_node(self, node: Node) -> _ComparedNode:
-        """Solves the bearings of a node again, and with each accuracy of `WEIGHTS`."""
+        """Returns a node with its bearings solved again, and with each accuracy of `WEIGHTS`."""
         problems = [side.problem for side in self.sides]
-        others = [side.problem.perturbed(side.scene) for side in self.sides]
-        states = []
-        for of_sides in (problems, *zip(*others, strict=True)):
-            self._set_problems(of_sides)
-            states.append(self.state(node.worn))
+        perturbed = [side.problem.perturbed(side.scene) for side in self.sides]
+        solved_again = self._states_by(problems, node)
+        by_accuracy = [self._states_by(others, node) for others in zip(*perturbed, strict=True)]
         self._set_problems(problems)
-        return _ComparedNode(node, solved_again=states[0], by_accuracy=states[1:])
+        return _ComparedNode(node, solved_again, by_accuracy)
+
+    def _states_by(self, problems: Sequence[ThrustProblem], node: Node) -> States:
+        """Returns the states of a node by other problems of the bearings, which they keep."""
+        self._set_problems(problems)
+        return self.state(node.worn)
 
     def _set_problems(self, problems: Sequence[ThrustProblem]) -> None:
+        """Replaces the problem of each bearing."""
         for side, problem in zip(self.sides, problems, strict=True):
             side.problem = problem
 
@@ -137,23 +155,27 @@ class _ComparedGrooves(Grooves):
 
 
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
-    """Returns a bound on the error of the steps, and an estimate of all errors of a groove life.
+    """Returns result variables of the errors of a groove life: of its steps, and of all settings.
 
-    Steps half as long again show the error of the steps, of which the bound is twice the change.
+    Steps 1.5 times as long show the error of the steps, of which the bound is twice the change.
     A life with fewer cells shows the error of the cells. Along that life, half of v_r and twice
     the points change its rates and its end.
 
-    length, criterion: of the life [s], and what ended it.
+    length, criterion: of the life [s], and the index of the criterion that ended it.
     """
     if not length > 0.0:
         return {}
+
+    def length_of(life: Life) -> float:
+        """Returns the length of another life [s]; NaN if it ends otherwise."""
+        ends_alike = life.status == code.OK and life.criterion == criterion
+        return life.last.time if ends_alike else math.nan
+
     grooves = _ComparedGrooves(scene)
-    coarse_life = follow_grooves(Grooves(scene, QUICK_GROOVES._replace(cells=EXACT_GROOVES.cells)))
+    coarse_mode = QUICK_GROOVES._replace(cells=EXACT_GROOVES.cells)
+    coarse = length_of(follow_grooves(Grooves(scene, coarse_mode)))
     few_cells_life = follow_grooves(grooves)
-    coarse, few_cells = (
-        other.last.time if (other.status, other.criterion) == (code.OK, criterion) else math.nan
-        for other in (coarse_life, few_cells_life)
-    )
+    few_cells = length_of(few_cells_life)
     bound = 2.0 * abs(coarse - length)
     values = {"life_error_bound": bound}
     estimate = ROUNDING + (bound + abs(few_cells - coarse)) / length
@@ -175,12 +197,7 @@ def _accuracy_error(grooves: _ComparedGrooves, life: Life, ends: Criteria) -> fl
     compared = grooves.compared
     if compared[-1].node is not life.last:
         compared = [*compared, grooves.compared_node(life.last)]
-    if not all(
-        state.is_solved
-        for entry in compared
-        for states in (entry.solved_again, *entry.by_accuracy)
-        for state in states
-    ):
+    if not all(entry.is_solved for entry in compared):
         return math.nan
     nodes = [entry.node for entry in compared]
     # (nodes, bearings)
@@ -197,8 +214,11 @@ def _accuracy_error(grooves: _ComparedGrooves, life: Life, ends: Criteria) -> fl
 def integration_error(time: np.ndarray, rate: np.ndarray) -> float:
     """Returns a bound on the error of a trapezoidal integral by steps and by scatter of the runs.
 
-    It is a third of the change by steps twice as long, plus twice the standard error of the sum.
-    The latter comes from the scatter of the nodes about parabolas through their neighbours.
+    NaN for fewer than three nodes. Otherwise it is a third of the change by steps twice as long,
+    plus twice the standard error of the sum. The latter comes from the scatter of the nodes about
+    parabolas through their neighbours.
+
+    time, rate: of the nodes (n,).
     """
     last = len(time) - 1
     if last < 2:

@@ -33,7 +33,7 @@ class Node(NamedTuple):
 
     @property
     def status(self) -> int:
-        """Status of the first bearing that is not solved; OK if all are."""
+        """Returns the status of the first bearing that is not solved; OK if all are."""
         return next((state.status for state in self.states if state.status != code.OK), code.OK)
 
 
@@ -48,11 +48,20 @@ class Wearing(Protocol):
     origin: float  # of the integration
     range: float  # of the integration: a life that is as long is not followed further
 
-    def state(self, worn: Any) -> States: ...  # bearings with so much worn, or why not solved
-    def rates(self, node: Node) -> Any: ...  # wear per second
-    def wears(self, node: Node) -> bool: ...  # whether anything that counts does
-    def events(self, node: Node) -> np.ndarray: ...  # distance to each change of the way
-    def pass_event(self, event: int, node: Node) -> bool: ...  # False if the life ends there
+    def state(self, worn: Any) -> States:
+        """Returns the bearings with some wear, or why they are not solved."""
+
+    def rates(self, node: Node) -> Any:
+        """Returns the wear per second, in the form of `worn`."""
+
+    def wears(self, node: Node) -> bool:
+        """Returns whether anything wears that counts."""
+
+    def events(self, node: Node) -> np.ndarray:
+        """Returns the distance to each change of the way to wear, zero where it is reached."""
+
+    def pass_event(self, event: int, node: Node) -> bool:
+        """Changes the way to wear at an event; returns False if the life ends there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,6 +94,7 @@ class Method:
         return node._replace(states=self.wearing.state(node.worn))
 
     def node(self, x: float, worn: Any, time: float) -> Node:
+        """Returns the node with some wear, its bearings solved."""
         return Node(x, worn, self.wearing.state(worn), time)
 
     def step(self, life: "Life", bound: float) -> LifeStep:
@@ -142,6 +152,7 @@ class Life:
 
     @property
     def last(self) -> Node:
+        """Returns the last node."""
         return self.nodes[-1]
 
     @property
@@ -151,7 +162,7 @@ class Life:
 
     @property
     def times(self) -> np.ndarray:
-        """Times at which the nodes are reached (nodes,) [s]."""
+        """Returns the times at which the nodes are reached (nodes,) [s]."""
         return np.array([node.time for node in self.nodes])
 
     @property
@@ -202,7 +213,12 @@ class Life:
 
 
 def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
-    """Returns the life from the present wear to a criterion, or to where solver or range ends."""
+    """Returns the life from the present wear to a criterion, or to where solver or range ends.
+
+    wearing: what wears, and how fast.
+    ends: criteria that end the life.
+    method: takes its steps.
+    """
 
     def margins(node: Node) -> np.ndarray:
         return np.concatenate([ends.margins(node.states), wearing.events(node)])
@@ -244,7 +260,10 @@ class _Zero(NamedTuple):
 
 
 def _step_to_zero(life: Life, method: Method, margins: Margins, bound: float) -> int | None:
-    """Takes steps until a margin is zero, and returns its index; None where none is."""
+    """Takes steps until a margin is zero, and returns its index; None where none is.
+
+    bound: end of the integration, see `Node.x`.
+    """
     zero: _Zero | None = None
     before = margins(life.last)
     for _ in range(method.most_steps):
@@ -280,6 +299,7 @@ def _step_to_zero(life: Life, method: Method, margins: Margins, bound: float) ->
 
 
 def _first_failed(nodes: Iterable[Node]) -> Node | None:
+    """Returns the first node that is not solved; None if all are."""
     return next((node for node in nodes if node.status != code.OK), None)
 
 
@@ -314,12 +334,15 @@ def _first_zero(
 ) -> tuple[_Zero | None, np.ndarray]:
     """Returns the first zero of a margin along solved nodes, and the margins of the last node.
 
-    `before` are the margins of the first node. The bracket of a zero closes on a solve that fails
-    in between.
+    None in place of a zero if there is none. The bracket of a zero closes on a solve that fails in
+    between.
+
+    before: margins of the first node.
     """
     a, *others = nodes
     for b in others:
-        after, zeros = margins(b), []
+        after = margins(b)
+        zeros = []
         for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
             margin = _Margin(int(k), method, margins, {a.x: before[k], b.x: after[k]})
             root = method.root(margin, a, b)

@@ -28,6 +28,7 @@ from bearingwear.solvers.worn.solver import Worn
 REQUIRED = FLAT_GROOVE  # above which the grooves have to be followed
 SHOWN = 5  # states whose profiles are kept
 EDGE_DEPTH = 1e-2  # of a groove, over its deepest place, at the edges of its width
+TINY_DEPTH = 1e-300  # [m], so that an unworn groove has no width
 
 
 def wear_over_gap(scene: Scene) -> float:
@@ -37,7 +38,9 @@ def wear_over_gap(scene: Scene) -> float:
     the smaller of two: the limit of the loss, and the loss at which a fixed position has lost the
     preload of `preload_fraction`. The ratio is infinite where the scene limits neither.
     """
-    g, end, operation = parameters.geometry(scene), scene.wear.end_of_life, scene.operation
+    g = parameters.geometry(scene)
+    end = scene.wear.end_of_life
+    operation = scene.operation
     sine = math.sin(g.alpha0)
     if end is None or not (sine > 0.0 and operation.preload_N > 0.0):
         return math.inf
@@ -64,18 +67,22 @@ class GrooveChoice(NamedTuple):
 
     @property
     def follows(self) -> bool:
+        """Returns whether the grooves are followed."""
         return self.scene is not None
 
 
 def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
-    """Returns whether a life of a scene follows the grooves; NotAvailable where it cannot."""
-    scene = scene.one_of_alike
+    """Returns whether a life of a scene follows the grooves, and why.
+
+    Raises NotAvailable where the scene requests worn grooves that its model cannot follow.
+    """
+    scene = scene.symmetric_half
     obstacle = None
     if fidelity != "steady":
         obstacle = f"model.fidelity {fidelity}"
     elif scene.wear.counts != "ball_and_races":
         obstacle = "wear.counts ball"
-    elif scene.model.slip_is_over == "line":
+    elif scene.model.slip_region == "line":
         obstacle = "model.slip_over line"
     if scene.model.contact == "worn":
         if obstacle:
@@ -100,9 +107,9 @@ def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
 
 
 def life_if_ended_when_new(scene: Scene) -> Life | None:
-    """Returns the life of a scene that meets a criterion before any wear; None of any other.
+    """Returns the life, of no length, of a scene that meets a criterion before any wear.
 
-    It is zero, whether or not the grooves can be followed.
+    None for a scene that does not, or that is not solved.
     """
     solver = solver_of(scene)
     states = solver(solver.bearings.start)
@@ -115,8 +122,11 @@ def life_if_ended_when_new(scene: Scene) -> Life | None:
 def groove_life(scene: Scene) -> tuple[dict, dict]:
     """Returns values and attributes of a life with worn grooves, of one bearing or of two."""
     life = follow_grooves(StiffGrooves(scene))
-    if life.nodes[0].status != code.OK and (ended := life_if_ended_when_new(scene)):
-        return life_values(scene, ended), {"solves": life.solves + ended.solves, "contact": "hertz"}
+    if life.nodes[0].status != code.OK:
+        ended = life_if_ended_when_new(scene)
+        if ended is not None:
+            attrs = {"solves": life.solves + ended.solves, "contact": "hertz"}
+            return life_values(scene, ended), attrs
     values = life_values(scene, life)
     if life.status == code.OK:
         values |= groove_errors(scene, life.last.time, life.criterion)
@@ -132,8 +142,12 @@ def life_groove_values(life: Life) -> dict:
 
 
 def groove_values(side: Worn, states: Sequence[State]) -> dict:
-    """Returns the wear of one bearing along a life, and the groove profiles of a few states."""
-    points, bearing = [point_of(state) for state in states], side.bearing
+    """Returns result variables of the wear of one bearing along a life.
+
+    The profiles of grooves and pressure are those of `SHOWN` states.
+    """
+    points = [point_of(state) for state in states]
+    bearing = side.bearing
     D = np.array([bearing.D - point.wear.ball for point in points])  # worn diameter
     depth = np.array([point.wear.grooves for point in points])  # (steps, race, arcs)
     track = np.array([point.track for point in points])
@@ -141,7 +155,7 @@ def groove_values(side: Worn, states: Sequence[State]) -> dict:
     race_volume = np.zeros_like(area)
     race_volume[1:] = np.cumsum(np.diff(area, axis=0) * np.pi * (track[1:] + track[:-1]), axis=0)
     deepest = depth.max(axis=2)
-    is_groove = depth > EDGE_DEPTH * np.maximum(deepest, 1e-300)[:, :, None]
+    is_groove = depth > EDGE_DEPTH * np.maximum(deepest, TINY_DEPTH)[:, :, None]
     shown = np.unique(np.linspace(0, len(points) - 1, SHOWN).round().astype(int))
     return {
         "history_approach_loss": np.array([side.approach_loss(point) for point in points]),
@@ -159,7 +173,7 @@ def groove_values(side: Worn, states: Sequence[State]) -> dict:
 
 
 def half_lengths(point: WornPoint) -> np.ndarray:
-    """Returns half of the length of both contacts (2,) [m]."""
+    """Returns half of the length of the loaded cells of both contacts (2,) [m]."""
     lengths = []
     for x, pressure in zip(point.x, point.pressure, strict=True):
         first, last = x[loaded_ends(pressure)]

@@ -57,7 +57,8 @@ class Grooves:
     States have no stiffness unless the life ends by it.
     """
 
-    origin, range = 0.0, math.inf
+    origin = 0.0
+    range = math.inf
 
     def __init__(self, scene: Scene, mode: GrooveMode = EXACT_GROOVES):
         self.scene, self.mode = scene, mode
@@ -86,8 +87,8 @@ class Grooves:
         return self.last
 
     def unsolved_states(self) -> States:
-        """Returns why the new bearings are not solved."""
-        losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.one_of_alike.sides)
+        """Returns states with the status why the new bearings are not solved."""
+        losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.symmetric_half.sides)
         return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
 
     def middle_state(self, worn: Wears) -> States:
@@ -98,7 +99,10 @@ class Grooves:
         return tuple(State(rotor.status, {}, solved) for solved in rotor.sides)
 
     def _solve(self, worn: Wears, rough: bool) -> RotorState:
-        """Solves the bearings with some wear; roughly in the middle of a step."""
+        """Returns the bearings solved with some wear.
+
+        rough: whether they are balanced roughly, as in the middle of a step.
+        """
         self.solves += 1
         for side in self.sides:
             side.bearing.on_the_way = rough
@@ -114,12 +118,14 @@ class Grooves:
 
         Nothing can be followed further afterwards.
         """
-        other = copy.copy(self)
-        other.scene, other.bearings = scene, worn_elsewhere(self.bearings, scene)
-        other.sides = tuple(map(innermost, other.bearings.sides))
-        states = other.state(worn)
-        solved = all(state.is_solved for state in states)
-        return other.with_stiffness() if solved and not self.by_stiffness else states
+        elsewhere = copy.copy(self)
+        elsewhere.scene = scene
+        elsewhere.bearings = worn_elsewhere(self.bearings, scene)
+        elsewhere.sides = tuple(map(innermost, elsewhere.bearings.sides))
+        states = elsewhere.state(worn)
+        if self.by_stiffness or not all(state.is_solved for state in states):
+            return states
+        return elsewhere.with_stiffness()
 
     def with_stiffness(self) -> States:
         """Returns the last states with both stiffnesses."""
@@ -163,7 +169,8 @@ class Grooves:
             gap = side.bearing.gap_at_edge(point_of(state))
             fastest = (deepest_rate / gap).max()  # 0 at rest
             length = self.mode.step / fastest if fastest else math.inf
-            if (films := side.bearing.films) is not None:
+            films = side.bearing.films
+            if films is not None:
                 share, least = FILM_STEP * self.mode.step / STEP, LEAST_FILM_STEP * length
                 wear = point_of(state).wear
                 length = min(length, films.longest_time(wear, rate, share, least))
@@ -175,13 +182,14 @@ class Grooves:
 
         Rates have a kink there.
         """
-        return any(
-            (films.bare_parts(earlier) != films.bare_parts(wear)).any()
-            for side, earlier, wear in zip(self.sides, before.worn, now.worn, strict=True)
-            if (films := side.bearing.films) is not None
-        )
+        for side, earlier, wear in zip(self.sides, before.worn, now.worn, strict=True):
+            films = side.bearing.films
+            if films is not None and (films.bare_parts(earlier) != films.bare_parts(wear)).any():
+                return True
+        return False
 
     def wears(self, node: Node) -> bool:
+        """Returns whether balls or races of any bearing have a wear coefficient."""
         return max(max(side.factors) for side in self.sides) > 0.0
 
     def events(self, node: Node) -> np.ndarray:
@@ -193,6 +201,7 @@ class Grooves:
         return np.array([min(shares_left)])
 
     def pass_event(self, event: int, node: Node) -> bool:
+        """Returns False: the life ends where the largest loss is reached."""
         return False
 
 
@@ -200,17 +209,19 @@ class StiffGrooves(Grooves):
     """Grooves whose nodes along a life all know their stiffnesses."""
 
     def completed(self, node: Node) -> Node:
+        """Returns a node with the stiffnesses of its states; as it is if these are not solved."""
         if self.by_stiffness or node.status != code.OK:
             return node
         states = node.states if node.states is self.last else self.state(node.worn)
-        solved = all(state.is_solved for state in states)
-        return node._replace(states=self.with_stiffness()) if solved else node
+        if not all(state.is_solved for state in states):
+            return node
+        return node._replace(states=self.with_stiffness())
 
 
 def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
-    """Returns the life with grooves as they wear, and the rates at which its even losses grow.
+    """Returns the life with grooves as they wear; its states know how fast the even loss grows.
 
-    It ends by the criteria of the scene if no others are given.
+    ends: criteria, those of the scene if None.
     """
     method = Adams()
     if wearing.mode.rough:
@@ -232,7 +243,8 @@ def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
 def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[float]:
     """Returns the rate at which the even loss of a bearing grows, at each state [m/s]."""
     if len(states) < 2:
-        first, point = states[0], point_of(states[0])
+        first = states[0]
+        point = point_of(states[0])
         values = wear_values(
             first.answer.scene,
             np.array([point.D]),

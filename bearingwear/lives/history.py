@@ -15,13 +15,16 @@ from bearingwear.solvers.state import State, history_values
 
 
 def life_values(scene: Scene, life: Life) -> dict:
-    """Returns the result variables of a life; bearings of an unlike pair are along `bearing`."""
+    """Returns the result variables of a life; bearings of an unlike pair are along `bearing`.
+
+    They are its status and criterion alone if its start is not solved, or if nothing wears.
+    """
     values: dict = {"status": life.status, "end_criterion": life.criterion}
     start = life.nodes[0]
     if start.status != code.OK:
         return values
     wears = all(state.rate > 0.0 for state in start.states)
-    if not wears and life.status != code.OK:  # the life has not even a lower bound
+    if not wears and life.status != code.OK:  # the length is not even a lower bound
         return values
     factor, _ = parameters.wear_factors(scene)
     times = life.times
@@ -54,7 +57,9 @@ def joined(of_bearings: Sequence[dict]) -> dict:
 
 
 def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dict:
-    """Returns friction coefficients, films left, and times at which films are worn through.
+    """Returns result variables of films along a life, and times at which they are worn through.
+
+    times: of the states [s].
 
     The dictionary is empty without any film.
     """
@@ -78,7 +83,10 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
 
 
 def _time_worn_through(time: np.ndarray, left: np.ndarray) -> float:
-    """Returns the time at which a film is gone, between two steps; NaN where it is not."""
+    """Returns the time at which a film is gone, between two steps; NaN if it never is.
+
+    left: thickness at the times [m], below zero by how much more has worn.
+    """
     without = np.flatnonzero(left <= 0.0)
     if not without.size:
         return float("nan")

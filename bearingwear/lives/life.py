@@ -9,7 +9,7 @@ from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_choice, groove_life
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life, surface_steps_error
-from bearingwear.scene.read import for_life
+from bearingwear.scene.read import scene_for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.growth import lasting_growth
 from bearingwear.solvers.compose import solver_of
@@ -25,11 +25,13 @@ def life(
 ) -> Result:
     """Returns the wear life of a scene from its present loss on, over its duty if it has one.
 
-    Where no criterion was met, `status` says so and the life is a lower bound. `progress` is given
-    one line of text at each step of a dynamic life. Raises SceneError where the scene has no
-    criterion, or a preload fraction without a preload; NotAvailable as `choice_for_life`.
+    Where no criterion was met, `status` says so and the life is a lower bound. Raises SceneError
+    where the scene has no criterion, or a preload fraction without a preload; NotAvailable as
+    `choice_for_life`.
+
+    progress: receives one line of text at each step of a dynamic life.
     """
-    if for_life(scene, scene.name).duty is not None:
+    if scene_for_life(scene, scene.name).duty is not None:
         return life_over_duty(scene, fidelity)
     choice = choice_for_life(scene, fidelity)
     started = time.perf_counter()
@@ -45,8 +47,8 @@ def life(
             if grooves.scene is not None:
                 values, attrs = groove_life(grooves.scene)
             else:
-                values, attrs = hertzian_life(scene.one_of_alike, choice.fidelity)
-        if scene.one_of_alike is not scene:
+                values, attrs = hertzian_life(scene.symmetric_half, choice.fidelity)
+        if scene.symmetric_half is not scene:
             values = joined([values, values])
     elapsed = time.perf_counter() - started
     values |= lasting_growth(scene)
@@ -55,7 +57,10 @@ def life(
 
 
 def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
-    """Returns values and attributes of a life whose contacts stay Hertzian; its error if steady."""
+    """Returns values and attributes of a life whose contacts stay Hertzian.
+
+    They include an estimate of the error by the fidelity `steady`.
+    """
     solver = solver_of(scene, fidelity)
     followed = surface_life(scene, solver)
     followed.error = surface_steps_error(scene, solver, followed)

@@ -44,6 +44,7 @@ class HertzianLives:
     """
 
     def __init__(self, scene: Scene, quick: bool = False):
+        """Makes the solvers of a scene, and of each condition of its duty if it has one."""
         self.quick = quick or not is_one_integral(scene)
         self.solver = solver_of(scene, tolerance=WELL_BALANCED)
         self._duty_solvers: list[Remembered] = []
@@ -72,12 +73,18 @@ def worn_life(scene: Scene, quick: bool = True) -> Life | None:
 
 
 def worn_life_with_stiffness(scene: Scene, quick: bool = True) -> Life | None:
-    """Returns `worn_life` with states that know their stiffnesses."""
+    """Returns the life with grooves as they wear, whose states know their stiffnesses.
+
+    None where `life` does not follow grooves; a quick one is that of `worn_life`.
+    """
     return _worn_life(scene, StiffGrooves, quick)
 
 
 def _worn_life(scene: Scene, kind: type[Grooves], quick: bool) -> Life | None:
-    """Returns `worn_life` by one kind of grooves."""
+    """Returns the life with grooves as they wear; None where `life` does not follow them.
+
+    kind: of grooves, whose states know stiffnesses or not.
+    """
     if scene.duty is not None:
         over_duty = duty_life(scene, "steady", quick, kind)
         return over_duty.life if over_duty.is_worn else None
@@ -114,9 +121,13 @@ def worse_states(life: Life, scene: Scene) -> list[State]:
 
 
 def worse_state(states: States, scene: Scene) -> State:
-    """Returns one state for the bearings of a scene, as `worse_states`."""
+    """Returns one state for the bearings of a scene: of each measure the worse value.
+
+    Of a pair it has also `losses`, `lowest_frequency`, and values of both bearings (2, 2).
+    """
     if len(states) == 1:
-        return states[0]
+        (state,) = states
+        return state
     first, second = with_tandem_preload(states, scene)
     worse = {
         name: _worse(first[name], second[name], measure)
@@ -162,20 +173,22 @@ def lives_by_end(
     if not grooves_wear(scene):
         lives = HertzianLives(scene)
 
-        def length(end: EndOfLife) -> float:
+        def hertzian_length(end: EndOfLife) -> float:
             life = lives(with_end(scene, end))
             return life.last.time if life.status == code.OK else np.nan
 
-        return length
+        return hertzian_length
     worn = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))
     life = worn_life(worn, quick)
     assert life is not None
 
     @cache
     def time_to_limit(name: str, limit: float) -> float:
+        """Returns the time at which the life meets one criterion [s]; NaN if it does not."""
         return life.time_to(criteria_of(with_end(worn, EndOfLife(**{name: limit}))))
 
-    # `fmin` leaves out NaN, of a criterion that is not met
-    return lambda end: float(
-        np.fmin.reduce([time_to_limit(name, limit) for name, limit in end.criteria.items()])
-    )
+    def worn_length(end: EndOfLife) -> float:
+        times = [time_to_limit(name, limit) for name, limit in end.criteria.items()]
+        return float(np.fmin.reduce(times))  # leaves out NaN, of a criterion that is not met
+
+    return worn_length

@@ -19,7 +19,7 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import usual_spread
 from bearingwear.scene.duty import cases_of_use
 from bearingwear.scene.requirements import Launch
-from bearingwear.scene.scene import Distribution, Scene, once
+from bearingwear.scene.scene import Distribution, Scene, cached_in_scene
 from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
 from bearingwear.solvers.bearing.launch import LaunchResult, launch_result, wear_at_launch
@@ -60,16 +60,20 @@ class WearState(NamedTuple):
 def friction_interval(scene: Scene) -> tuple[str, list[float]]:
     """Returns the key of the friction, and its 5 %, nominal and 95 % values.
 
-    The scene's `uncertainty` gives them, else the spread of the table of coefficients.
+    The scene's `uncertainty` gives them, else the spread of the table of coefficients. Without a
+    spread there is the nominal value alone.
     """
     name = "shear_strength_MPa" if scene.friction.film is not None else "ball_race"
-    nominal, distribution = nominal_value(scene, name), (scene.uncertainty or {}).get(name)
     key = f"{UNCERTAIN[name]}.{name}"
-    if scene.uncertainty is None and (usual := usual_spread(scene.to_dict())[0].get(name)):
-        distribution = Distribution(**usual)
+    nominal = nominal_value(scene, name)
+    distribution = (scene.uncertainty or {}).get(name)
+    if scene.uncertainty is None:
+        spread, _ = usual_spread(scene.to_dict())
+        if name in spread:
+            distribution = Distribution(**spread[name])
     if distribution is None:
         return key, [nominal]
-    # it loads slowly, and few scenes have a drive
+    # SciPy's distributions load slowly, and few scenes have a drive
     from bearingwear.scene.distributions import possible_range, quantile
 
     ends = quantile(distribution, nominal, possible_range(key), np.array(_PROBABILITIES))
@@ -77,7 +81,7 @@ def friction_interval(scene: Scene) -> tuple[str, list[float]]:
 
 
 def sentence_of(status: int) -> str:
-    """Returns the sentence of a status."""
+    """Returns the sentence of a status, by its number."""
     return code.STATUS_SENTENCES[code.STATUS_NAMES[status]]
 
 
@@ -87,11 +91,12 @@ def arrangement_torque(scene: Scene, losses: Losses, is_bare: bool = False) -> t
     It is the power of friction and drag over the speed.
 
     losses: of each bearing; one loss stands for both of a pair.
+    is_bare: whether no contact has a film.
     """
     solver = solver_of(scene)
-    start, side_losses = solver.bearings.start, (losses * 2)[:2]
+    side_losses = (losses * 2)[:2]
     bare = (True, True) if is_bare else COVERED
-    pairs = zip(start, side_losses, strict=False)
+    pairs = zip(solver.bearings.start, side_losses, strict=False)
     states = solver(tuple(condition._replace(loss=loss, bare=bare) for condition, loss in pairs))
     failed = next((state.status for state in states if state.status != code.OK), None)
     if failed is not None:
@@ -105,7 +110,7 @@ def arrangement_torque(scene: Scene, losses: Losses, is_bare: bool = False) -> t
 
 
 def life_of(scene: Scene) -> Life | None:
-    """Returns the life of a scene by nominal friction; None without a criterion that ends it."""
+    """Returns the quick life of a scene by nominal friction; None without a criterion."""
     end = scene.wear.end_of_life
     if end is None or not end.criteria:
         return None
@@ -119,12 +124,14 @@ def life_in_case(scene: Scene, name: str) -> Life | None:
     return _duty_lives(scene)[name]
 
 
-@once
+@cached_in_scene
 def _duty_lives(scene: Scene) -> dict[str, Life]:
+    """Returns the lives along which the requirements of a scene hold, by case, computed once."""
     return lives_by_case(scene)
 
 
 def losses_of(states: Sequence[State]) -> Losses:
+    """Returns the loss of ball diameter of each bearing [m]."""
     return tuple(state.loss for state in states)
 
 
@@ -145,9 +152,12 @@ def least_film(scene: Scene, states: Sequence[State]) -> float:
 
 
 def losses_without_film(losses: Sequence[Losses], films: Sequence[float]) -> Losses | None:
-    """Returns the losses at which the first contact loses its film along a life; None without.
+    """Returns the losses at which the first contact loses its film along a life.
 
-    They lie between two states, by the film that is left in these.
+    They lie between two states, by the film that is left in these. None if no contact loses it.
+
+    losses: of the bearings in each state [m].
+    films: least film left in each state [m].
     """
     bare = next((k for k, left in enumerate(films) if left <= 0.0), None)
     if bare is None:
@@ -179,7 +189,8 @@ def wear_states(scene: Scene, life: Life | None) -> list[WearState]:
     wear.append(WearState(_WORN, end, why=why))
     if has_film:
         films = [least_film(scene, states) for states in solved]
-        if bare := losses_without_film(losses, films):
+        bare = losses_without_film(losses, films)
+        if bare is not None:
             wear.append(WearState(_BARE, bare, is_bare=True))
         else:
             wear.append(WearState(_BARE, end, is_bare=True, why=why))
@@ -187,7 +198,12 @@ def wear_states(scene: Scene, life: Life | None) -> list[WearState]:
 
 
 def corners_of_case(scene: Scene, case: str, wear: Sequence[WearState]) -> list[Corner]:
-    """Returns the corners of one case of a scene with a drive, in some states of wear."""
+    """Returns the corners of one case of a scene with a drive, in some states of wear.
+
+    Raises NotAvailable if its races turn at one speed.
+
+    case: name of the case.
+    """
     drive = scene.drive
     assert drive is not None
     if scene.operation.shaft_speed_rpm == scene.operation.outer_speed_rpm:
@@ -250,7 +266,7 @@ def least_margin(scene: Scene, states: Sequence[State]) -> float:
 
 
 def launched_by_wear(scene: Scene) -> dict[str, LaunchResult]:
-    """Returns the launch loads and gaps by the state of wear, and by the case if there are several.
+    """Returns the results of a launch by the state of wear, and the case if there are several.
 
     They are those of new bearings alone where their wear is not known: without an end of life, or
     where the life was not computed.
@@ -268,7 +284,8 @@ def launched_by_wear(scene: Scene) -> dict[str, LaunchResult]:
         end = None
         if life is not None and life.status == code.OK:
             end = losses_of(life.last.states)
-        if (losses := wear_at_launch(case, new, end)) is not None:
+        losses = wear_at_launch(case, new, end)
+        if losses is not None:
             limit = (case.launch or Launch()).after_wear_um
             worn = _WORN if limit is None else f"after {limit:g} um of wear"
             by_wear[f"{worn}{suffix}"] = launch_result(case, losses)

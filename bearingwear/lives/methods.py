@@ -43,16 +43,22 @@ class Simpson(Method):
     _last_step: LifeStep | None = None  # of a quick life, unless it was rough
 
     def __init__(self, tolerance: float, first: float, farthest: float, quick: bool):
-        self.tolerance, self.length, self.shortest = tolerance, first, SHORTEST_STEP * first
+        self.tolerance = tolerance
+        self.length = first
+        self.shortest = SHORTEST_STEP * first
         self.farthest, self.quick = farthest, quick
         if quick:
             self.root_tolerance = tolerance
 
     def at(self, x: float) -> Node:
+        """Returns the node at a loss [m], without its time."""
         return self.node(x, np.array([x]), math.nan)
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        """Returns a step of four nodes; it is rough where two rules disagree on its time."""
+        """Returns a step of four nodes; it is rough where two rules disagree on its time.
+
+        bound: loss that the step does not pass [m].
+        """
         start = life.last
         if self._last_step and start.x < bound < self._last_step.end:
             return self._part_of_step(start, self._last_step, bound)
@@ -61,13 +67,14 @@ class Simpson(Method):
             h = min(h, self.farthest - start.x)
         self.tried_length = h
         end = start.x + h
-        nodes = [self.at(x) for x in (*(start.x + share * h for share in QUARTERS), end)]
+        places = [start.x + share * h for share in QUARTERS]
+        nodes = [self.at(x) for x in (*places, end)]
         failed = [node for node in nodes if node.status != code.OK]
         if failed:
             solved = takewhile(lambda node: node.status == code.OK, nodes)
             return LifeStep(end=end, nodes=[*solved, failed[-1]])
-        y = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *nodes)])
-        *times, coarse_time = (h / 48.0 * np.dot(SIMPSON, y)).tolist()
+        slowness = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *nodes)])
+        *times, coarse_time = (h / 48.0 * np.dot(SIMPSON, slowness)).tolist()
         # The finer rule is about 15 times better than this difference of the two.
         error = abs(times[-1] - coarse_time)
         allowed = self.tolerance * max(start.time + times[-1], TINY_TIME)
@@ -84,15 +91,17 @@ class Simpson(Method):
         return step
 
     def _part_of_step(self, start: Node, step: LifeStep, end: float) -> LifeStep:
-        """Returns a solved step up to an end within it."""
-        h, powers = step.end - start.x, np.arange(1, 6)
-        y = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *step.nodes)])
+        """Returns a solved step up to an end within it [m], by the quartic through its nodes."""
+        h = step.end - start.x
+        powers = np.arange(1, 6)
+        slowness = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *step.nodes)])
         weights = np.linalg.solve(_AT_NODES.T, ((end - start.x) / h) ** powers / powers)
-        last = self.at(end)._replace(time=start.time + h * float(weights @ y))
+        last = self.at(end)._replace(time=start.time + h * float(weights @ slowness))
         nodes = [node for node in step.nodes if node.x < end]
         return LifeStep(end=end, nodes=[*nodes, last], error=step.error)
 
     def error_of_end(self, life: Life) -> float:
+        """Returns the error of the time at which the end is met [s], by its tolerance."""
         way = life.last.x - life.nodes[0].x
         return self.root_tolerance * way / self.wearing.loss_rate(life.last)
 
@@ -110,11 +119,15 @@ class RungeKutta(Method):
     solver: Any = None
 
     def __init__(self, tolerance: float, first: float, between: Sequence[float] = QUARTERS):
-        self.tolerance, self.initial, self.shortest = tolerance, first, SHORTEST_STEP * first
+        self.tolerance = tolerance
+        self.initial = first
+        self.shortest = SHORTEST_STEP * first
         self.length, self.between = first, between
 
     def node_after_event(self, node: Node) -> Node:
-        self.solver, self.length = None, self.initial
+        """Returns the last node solved again; the solver starts anew from it."""
+        self.solver = None
+        self.length = self.initial
         return super().node_after_event(node)
 
     def at(self, x: float) -> Node:
@@ -123,13 +136,21 @@ class RungeKutta(Method):
         return self.node(x, y[:-1], float(y[-1]))
 
     def _derivative(self, s: float, y: np.ndarray) -> np.ndarray:
+        """Returns the derivative of wear and time by the sum of the losses; raises Unsolved.
+
+        s: sum of the losses [m].
+        y: wear of all bearings [m], then the time [s].
+        """
         node = self.node(s, y[:-1], float(y[-1]))
         if node.status != code.OK:
             raise Unsolved(node)
         return np.append(self.wearing.rates(node), 1.0) / self.wearing.loss_rate(node)
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        """Returns a step of the solver, with a node in its middle and one at its end."""
+        """Returns a step of the solver, with a node in its middle and one at its end.
+
+        bound: sum of the losses that the step does not pass [m].
+        """
         from scipy.integrate import RK45  # loads slowly; most lives take other steps
 
         start = life.last
@@ -154,6 +175,7 @@ class RungeKutta(Method):
         return LifeStep(end=end, nodes=self.solved_at(start.x + 0.5 * (end - start.x), end))
 
     def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
+        """Returns the nodes after the shares `between` of a step, and its end."""
         start = self.solver.t_old
         nodes = [self.at(start + share * (step.end - start)) for share in self.between]
         if all(node.status == code.OK for node in nodes):
@@ -161,8 +183,10 @@ class RungeKutta(Method):
         return [*nodes, step.nodes[-1]]
 
     def shorten(self) -> bool:
+        """Makes the next step, by a new solver, shorter; returns False where it is too short."""
         if self.solver is not None:
-            self.tried_length, self.solver = self.solver.h_abs, None
+            self.tried_length = self.solver.h_abs
+            self.solver = None
         return super().shorten()
 
 
@@ -177,7 +201,7 @@ class InTime(Method):
     nearest = 0.0  # what may be left of the way to an end, over the longest step
 
     def is_smooth_between(self, before: Node, now: Node) -> bool:
-        """Returns whether rates are smooth between two nodes."""
+        """Returns whether rates are smooth between two nodes: they are not where a film is gone."""
         return before.x < now.x
 
     def node_after(self, x: float) -> Node:
@@ -185,19 +209,25 @@ class InTime(Method):
         raise NotImplementedError
 
     def at(self, x: float) -> Node:
+        """Returns the node at a time after the last one [s], solved once."""
         if x not in self.nodes_by_time:
             self.nodes_by_time[x] = self.node_after(x)
         return self.nodes_by_time[x]
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        """Returns a step as long as the way to wear allows; endless where nothing ends the life."""
+        """Returns a step as long as the way to wear allows; endless where nothing ends the life.
+
+        bound: time that the step does not pass [s].
+        """
         now = life.last
         if now is not self.now:
-            self.rates_before, self.rates = self.rates, self.wearing.rates(now)
+            self.rates_before = self.rates
+            self.rates = self.wearing.rates(now)
             before = life.nodes[-2] if len(life.nodes) > 1 else None
             is_smooth = before is not None and self.is_smooth_between(before, now)
             self.previous = before if is_smooth else None
-            self.now, self.nodes_by_time = now, {}
+            self.now = now
+            self.nodes_by_time = {}
             self.longest = self.wearing.longest_step(now, self.rates)
         if math.isinf(self.longest):
             return LifeStep(end=math.inf)
@@ -205,7 +235,7 @@ class InTime(Method):
         return self.step_to(min(now.x + self.longest, bound))
 
     def step_to(self, end: float) -> LifeStep:
-        """Returns a step from the last node to an end."""
+        """Returns a step from the last node to an end [s]."""
         return LifeStep(end=end, nodes=self.solved_at(end))
 
 
@@ -218,13 +248,16 @@ class Adams(InTime):
     most_steps, root_tolerance, nearest = 1000, 1e-3, 1e-4
 
     def first(self, wearing: Wearing) -> Node:
-        first = super().first(wearing)
-        return self.wearing.completed(first)
+        """Returns the node that a life begins with, with all the values that are kept."""
+        node = super().first(wearing)
+        return self.wearing.completed(node)
 
     def is_smooth_between(self, before: Node, now: Node) -> bool:
+        """Returns whether rates are smooth between two nodes: no film begins to go there."""
         return super().is_smooth_between(before, now) and not self.wearing.bares(before, now)
 
     def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
+        """Returns the nodes of a step with all the values that are kept."""
         return [self.wearing.completed(node) for node in step.nodes]
 
     def step_to(self, end: float) -> LifeStep:
@@ -239,7 +272,10 @@ class Adams(InTime):
     def node_after(self, x: float) -> Node:
         """Returns a node by a predictor and a corrector, which share the rates of the last node."""
         wearing, now, rates = self.wearing, self.now, self.rates
-        h, ratio, rates_before = x - now.x, 0.0, rates  # a ratio of 0 is Heun's method
+        h = x - now.x
+        # length of the step over that before; 0 is Heun's method, without rates before
+        ratio = 0.0
+        rates_before = rates
         if self.previous is not None:
             stretch = h / (now.x - self.previous.x)
             wearing.start_ahead(self.previous, now, stretch)
@@ -261,19 +297,24 @@ class Adams(InTime):
 
 
 class Trapezoid(InTime):
-    """A predictor and the trapezoidal rule, for rates that scatter (theory.md section 13)."""
+    """A predictor and the trapezoidal rule, for rates that scatter (theory.md section 13).
+
+    most_steps: number after which a life is not followed further.
+    """
 
     def __init__(self, most_steps: int):
         self.most_steps = most_steps
         self._errors: dict[float, float] = {}  # of ends [s]
 
     def node_after_event(self, node: Node) -> Node:
+        """Returns the last node solved again, from the end of its run."""
         return node._replace(states=self.wearing.state(node.worn, node.states))
 
     def node_after(self, x: float) -> Node:
         """Returns a node by the rates of a run at the wear that a predictor expects."""
         wearing, now, rates = self.wearing, self.now, self.rates
-        h, mean_rates = x - now.x, rates
+        h = x - now.x
+        mean_rates = rates
         if self.previous is not None:
             slope = (rates - self.rates_before) / (now.x - self.previous.x)
             mean_rates = np.maximum(rates + 0.5 * h * slope, 0.0)  # nothing grows back
@@ -285,7 +326,7 @@ class Trapezoid(InTime):
         return node._replace(worn=worn, states=wearing.with_worn(node.states, worn))
 
     def root(self, margin: Callable[[float], float], a: Node, b: Node) -> float:
-        """Returns an end [s] at which a margin is about zero, by false position.
+        """Returns an end [s] between two nodes at which a margin is about zero, by false position.
 
         margin: of a time, negative at that of node b and not at that of a; it scatters from run to
             run, so that more accuracy than `_END_OF_RUNS` would have no meaning.
@@ -298,7 +339,8 @@ class Trapezoid(InTime):
             self._errors.setdefault(b.x, b.x - x)
             if self.at(x).status != code.OK:
                 break
-            best, x_margin = x, margin(x)
+            best = x
+            x_margin = margin(x)
             self._errors[x] = abs(x_margin) / slope
             if self._errors[x] <= _END_OF_RUNS * (b.x - a.x):
                 break
@@ -309,4 +351,5 @@ class Trapezoid(InTime):
         return best
 
     def error_of_end(self, life: Life) -> float:
+        """Returns the error of the time at which the end is met [s]."""
         return self._errors[life.last.x]

@@ -49,10 +49,12 @@ def run_at(node: Node) -> Run:
 class Motion:
     """A way to wear: a scene that moves, without its cage where that is not solved.
 
-    Steps are made for its life by the steady model [s], NaN if not known.
+    steady: life by the steady model, for which the first steps are made; NaN if not known [s].
+    progress: receives a line of text at each step.
     """
 
-    origin, range = 0.0, math.inf
+    origin = 0.0
+    range = math.inf
 
     def __init__(
         self,
@@ -68,18 +70,23 @@ class Motion:
         self.surfaces = FilmWear(scene)
         self._mounted = parameters.static_place(scene)
         self.films_gone: list[int] = []  # in the order in which they wore through
-        self._event_time, self._event_worn = 0.0, self.start  # when the way last changed
+        self._event_time = 0.0  # when a film was last gone [s]
+        self._event_worn = self.start  # wear at that time
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
-        """Returns the state of a run at some wear.
+        """Returns the state (1,) of a run at some wear.
 
-        The run begins where one before it has ended, or at the start of a new bearing.
+        worn: of all parts, as in `WornLayout`.
+        near: state of a run nearby, from whose end this one starts; else it starts as the scene.
         """
         run = self._run(worn, near[0].answer if near else None)
         return self.with_worn((State(run.status, {}, run),), worn)
 
     def _run(self, worn: np.ndarray, before: Run | None) -> Run:
-        """Returns a run at some wear; a first run where one from the end of `before` fails."""
+        """Returns a run at some wear, from the end of another if there is one.
+
+        If that fails, it is a first run, which continues no other.
+        """
         try:
             scene = self.parts.worn_scene(worn)
         except SceneError:
@@ -87,7 +94,8 @@ class Motion:
         warm = warmed_for_motion(scene, self.surfaces.bare)
         if warm.status != code.OK:
             return Run(warm.status, residual=warm.sentence)
-        scene, warmth = warm.scene, warmth_values(scene, warm)
+        warmth = warmth_values(scene, warm)
+        scene = warm.scene
         if before is not None:
             end = {"state": before.values["final_state"], "time": before.values["final_time"]}
             values, attrs = solve_dynamic(scene, end, bare=self.surfaces.bare)
@@ -105,7 +113,10 @@ class Motion:
         )
 
     def surface_wear(self, worn: np.ndarray) -> np.ndarray:
-        """Returns the wear in the form of `FilmWear`: all balls worn as they are on the mean."""
+        """Returns the wear in the form of `FilmWear`, with that of the mean ball (3,) [m].
+
+        worn: of all parts, as in `WornLayout`.
+        """
         return np.array([worn[self.parts.layout.diameter].mean(), *worn[self.parts.layout.groove]])
 
     def _quasistatic_stiffness(self, scene: Scene) -> float:
@@ -117,8 +128,8 @@ class Motion:
         if asymmetries(self.scene):
             solver: Solver = RaceControl(scene)
             return solver(solver.start._replace(bare=self.surfaces.bare)).quasistatic
-        solver, loss = Steady(scene), float(np.mean(scene.wear.ball_diameter_loss_um))
-        solution = solver(Condition(loss * parameters.UM, self.surfaces.bare))
+        loss = float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM
+        solution = Steady(scene)(Condition(loss, self.surfaces.bare))
         return solution.quasistatic if solution.status == code.OK else math.nan
 
     def first_run(self, scene: Scene) -> tuple[dict, dict]:
@@ -140,7 +151,7 @@ class Motion:
         return solve_dynamic(scene, restart, bare=self.surfaces.bare)
 
     def with_worn(self, states: States, worn: np.ndarray) -> States:
-        """Returns the state of a run at a wear close by, with what that wear changes."""
+        """Returns the state (1,) of a run at a wear close by, with the values that wear changes."""
         run: Run = states[0].answer
         loss = float(self.parts.loss(worn).mean())
         state = case_state(loss, {**run.values, "status": run.status})
@@ -180,9 +191,11 @@ class Motion:
         }
 
     def rates(self, node: Node) -> np.ndarray:
+        """Returns the wear per second of all parts, as in `WornLayout`."""
         return run_at(node).rates
 
     def wears(self, node: Node) -> bool:
+        """Returns whether any part wears."""
         return bool(run_at(node).rates.any())
 
     def films_at(self, worn: np.ndarray) -> list[tuple[Coating, np.ndarray]]:
@@ -193,13 +206,13 @@ class Motion:
         ]
 
     def events(self, node: Node) -> np.ndarray:
-        """Returns the share that is left of each film."""
+        """Returns the share that is left of each film; infinite without a film."""
         return np.concatenate(
             [coating.share_left(depths) for coating, depths in self.films_at(node.worn)]
         )
 
     def pass_event(self, event: int, node: Node) -> bool:
-        """Removes a film that is gone."""
+        """Removes a film that is gone, and returns True: the life goes on."""
         remove_film(self.films_at(node.worn), event)
         self.films_gone.append(event)
         self._event_time, self._event_worn = node.x, node.worn
@@ -207,14 +220,19 @@ class Motion:
 
     @staticmethod
     def is_of_cage(criterion: int) -> bool:
+        """Returns whether a criterion, by its index in `CRITERIA`, limits a measure of the cage."""
         return CRITERIA[criterion] in OF_CAGE
 
     def end_rate(self, node: Node, criterion: int, film: int | None = None) -> float:
-        """Returns the wear rate of a film, else the rate of what a criterion limits [m/s].
+        """Returns the rate at which a film wears, or the measure that a criterion limits [m/s].
 
         A criterion limits a measure of the cage, the depth of a groove, or the mean loss.
+
+        criterion: index in `CRITERIA`.
+        film: its number among the `events`; None for the criterion.
         """
-        name, rates = CRITERIA[criterion], run_at(node).rates
+        name = CRITERIA[criterion]
+        rates = run_at(node).rates
         if film is not None:
             return float(self._film_depths(rates)[film])
         if name == "groove_depth_um":
@@ -228,9 +246,11 @@ class Motion:
 
         The mean wear rates since the last film was gone estimate it, and the steady life.
         """
-        elapsed, wear = node.x - self._event_time, node.worn - self._event_worn
+        elapsed = node.x - self._event_time
+        wear = node.worn - self._event_worn
         if elapsed == 0.0:
-            elapsed, wear = 1.0, self.rates(node)  # of one second
+            elapsed = 1.0  # [s]
+            wear = self.rates(node)
         before = self._limited_values(self._event_worn)
         after = self._limited_values(self._event_worn + wear)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -253,18 +273,18 @@ class Motion:
         return np.array([loss, *clearances, *film_depths, *cage_depths])
 
     def _limited_values(self, worn: np.ndarray) -> np.ndarray:
-        """Returns mean loss, clearances, and depths of films [m]."""
-        loss, clearances = self.parts.loss(worn).mean(), self.parts.clearances(worn)
-        return np.array([loss, *clearances, *self._film_depths(worn)])
+        """Returns mean loss, both clearances of the cage, and depths of films (8,) [m]."""
+        loss = self.parts.loss(worn).mean()
+        return np.array([loss, *self.parts.clearances(worn), *self._film_depths(worn)])
 
     def _film_depths(self, worn: np.ndarray) -> np.ndarray:
         """Returns the depths of races, balls, pockets and land, which may have films (5,) [m]."""
         return np.concatenate([depths for _, depths in self.films_at(worn)])
 
     def longest_step(self, node: Node, rates: np.ndarray) -> float:
-        """Returns a part of the way to the end, or a running-in time if shorter [s].
+        """Returns the longest step, and reports progress [s].
 
-        It is infinite as `horizon`. Reports progress.
+        It is a part of the way to the end, or a running-in time if shorter; infinite as `horizon`.
         """
         horizon = self.horizon(node)
         if math.isinf(horizon):
@@ -275,6 +295,7 @@ class Motion:
         return min(part, self.surfaces.running_in_time(worn, worn_rates))
 
     def report_progress(self, node: Node, horizon: float) -> None:
+        """Reports the time of a node and the estimated end [s], if anybody listens."""
         if self.progress is not None:
             loss = self.parts.loss(node.worn).mean() / parameters.UM
             hours, end = node.x / 3600.0, horizon / 3600.0

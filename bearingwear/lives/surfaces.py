@@ -31,6 +31,7 @@ from bearingwear.solvers.condition import Condition
 from bearingwear.solvers.state import State
 
 FIRST_STEP = 2.5e-5  # of the ball diameter: 0.05 um on 2 mm
+ABOVE_ROUNDING = 1.0 + 1e-15  # factor on the limit of a loss that is met despite rounding
 _QUICK = 1e-4  # tolerance of quick lives
 _LONGER_FIRST = 4.0  # their first step, over that of others
 RUNNING_IN_STEP = 0.25  # of the depth of running in, and of what has worn
@@ -58,19 +59,28 @@ class Coating:
         return np.where(self.is_left, 1.0 - depths / thickness, np.inf)
 
     def remove(self, part: int, depths: np.ndarray) -> None:
-        """Removes the film of a part, if it is one of these, and any other that is worn through."""
+        """Removes the film of a part, if it is one of these, and any other that is worn through.
+
+        depths: worn off each part [m].
+        """
         self.is_left &= (self.share_left(depths) > 0.0) & (np.arange(self.is_left.size) != part)
 
 
 def remove_film(films: Iterable[tuple[Coating, np.ndarray]], film: int) -> None:
-    """Removes a film by its number along several coatings, given with their depths [m]."""
+    """Removes a film by its number along several coatings.
+
+    films: coatings, and the depths of their parts [m].
+    """
     for coating, depths in films:
         coating.remove(film, depths)
         film -= coating.is_left.size
 
 
 class EvenWear:
-    """A bearing whose wear rate depends on its loss alone: worn is that loss (1,) [m]."""
+    """A bearing whose wear rate depends on its loss alone.
+
+    `worn` is its loss of ball diameter (1,) [m].
+    """
 
     coating = Coating(np.empty(0))
 
@@ -85,6 +95,7 @@ class EvenWear:
         return self.largest_loss - self.present_loss
 
     def condition(self, worn: np.ndarray) -> Condition:
+        """Returns the condition of the bearing with some wear."""
         return Condition(float(worn[0]))
 
     def state(self, state: State, worn: np.ndarray) -> State:
@@ -101,10 +112,11 @@ class EvenWear:
 
 
 class FilmWear(EvenWear):
-    """A bearing whose depths are followed: worn is (loss of a ball, both depths) [m].
+    """A bearing whose depths are followed.
 
-    Surfaces may have films or run in. Depths of grooves are means over the width of the track,
-    followed by the greatest ones where these may end the life.
+    `worn` is (loss of ball diameter, depth of the inner, of the outer groove) [m]. Depths of
+    grooves are means over the width of the track; the greatest ones follow where these may end the
+    life. Surfaces may have films or run in.
     """
 
     def __init__(self, scene: Scene):
@@ -117,19 +129,29 @@ class FilmWear(EvenWear):
 
     @property
     def bare(self) -> Bare:
-        """Contacts on which no film is left."""
+        """Returns which contacts have no film left."""
         return self.films.bare(self.coating.is_left)
 
     def condition(self, worn: np.ndarray) -> Condition:
+        """Returns the condition of the bearing with some wear, and without films that are gone.
+
+        worn: loss of ball diameter, and depths of inner and outer groove [m].
+        """
         counted = worn[0] + (worn[1] + worn[2] if self.scene.wear.counts_races else 0.0)
         return Condition(self.present_loss + float(counted), self.bare)
 
     def depths(self, worn: np.ndarray) -> np.ndarray:
-        """Returns the depths of inner groove, outer groove and ball surface (3,) [m]."""
+        """Returns the depths of inner groove, outer groove and ball surface (3,) [m].
+
+        worn: loss of ball diameter, and depths of inner and outer groove [m].
+        """
         return np.array([worn[1], worn[2], 0.5 * worn[0]])
 
     def running_in_time(self, worn: np.ndarray, rates: np.ndarray) -> float:
-        """Returns the time in which coefficients of surfaces that run in change by a part [s]."""
+        """Returns the time in which coefficients of surfaces that run in change by a part [s].
+
+        worn, rates: loss of ball diameter and depths of both grooves [m], and their rates [m/s].
+        """
         times = [np.inf]
         for surface, has_film, depth, rate in zip(
             (self.films.race, self.films.race, self.films.ball),
@@ -144,7 +166,10 @@ class FilmWear(EvenWear):
         return min(times)
 
     def wear_factors(self, values: Mapping[str, Any], worn: np.ndarray) -> Factors:
-        """Returns K_s/H of balls and races at the pressures and temperatures of a state."""
+        """Returns K_s/H of balls and races at the pressures and temperatures of a state [1/Pa].
+
+        values: result variables of the state.
+        """
         table_factor: Any = 1.0
         if self.films.table is not None:
             pressure = PEAK_OVER_MEAN * mean_pressure(self.scene, values["semi_major_axis"])
@@ -168,23 +193,27 @@ class FilmWear(EvenWear):
         ball_loss_per_factor, race_depth_per_factor = state["loss_per_wear"]
         ball_rate = float(ball_loss_per_factor @ ball_factor)
         race_rates = race_depth_per_factor * race_factor
-        return state.with_values(
-            {
-                "ball_diameter_loss_rate": self.loss_rate(ball_rate, race_rates),
-                "ball_depth_rate": ball_rate,
-                "ball_wear_rate": float(state["qv"] @ ball_factor),
-                "race_wear_rate": self.scene.bearing.ball_count * race_factor * state["qv"],
-                "groove_depth_rate": race_rates,
-            }
-            | self.film_values(worn)
-            | ({"greatest_depth": worn[3:].max()} if worn.size > 3 else {})
-        )
+        values = {
+            "ball_diameter_loss_rate": self.loss_rate(ball_rate, race_rates),
+            "ball_depth_rate": ball_rate,
+            "ball_wear_rate": float(state["qv"] @ ball_factor),
+            "race_wear_rate": self.scene.bearing.ball_count * race_factor * state["qv"],
+            "groove_depth_rate": race_rates,
+        }
+        values |= self.film_values(worn)
+        if worn.size > 3:
+            values["greatest_depth"] = worn[3:].max()
+        return state.with_values(values)
 
     def loss_rate(self, ball_rate: float, race_rates: np.ndarray) -> float:
-        """Returns `State.rate` by the rates of ball diameter and groove depths [m/s]."""
+        """Returns the rate of the loss that counts: of the balls, and of races if they do [m/s].
+
+        ball_rate, race_rates: of the ball diameter, and of the depths of both grooves [m/s].
+        """
         return ball_rate + float(race_rates.sum()) if self.scene.wear.counts_races else ball_rate
 
     def rates(self, state: State) -> np.ndarray:
+        """Returns the wear rates of a state, in the order of `worn` [m/s]."""
         grooves = state["groove_depth_rate"]
         deepest = state["depth_peak"] * grooves if self.start.size > 3 else ()
         return np.array([state["ball_depth_rate"], *grooves, *deepest])
@@ -199,7 +228,8 @@ class Surfaces:
             FilmWear(side) if follows_depths(side) else EvenWear(side) for side in scene.sides
         ]
         self.start = np.concatenate([bearing.start for bearing in self.bearings])
-        self.origin, self.range = 0.0, sum(bearing.loss_range for bearing in self.bearings)
+        self.origin = 0.0
+        self.range = sum(bearing.loss_range for bearing in self.bearings)
         ends = [0, *accumulate(bearing.start.size for bearing in self.bearings)]
         self._parts = [
             (bearing, slice(*part))
@@ -220,6 +250,7 @@ class Surfaces:
         return tuple(bearing.state(state, part) for state, (bearing, part) in pairs)
 
     def rates(self, node: Node) -> np.ndarray:
+        """Returns the wear per second of all bearings, in the order of `worn`."""
         pairs = zip(self.bearings, node.states, strict=True)
         return np.concatenate([bearing.rates(state) for bearing, state in pairs])
 
@@ -228,6 +259,7 @@ class Surfaces:
         return sum(state.rate for state in node.states)
 
     def wears(self, node: Node) -> bool:
+        """Returns whether every bearing loses diameter."""
         return min(state.rate for state in node.states) > 0.0
 
     def films_at(self, worn: np.ndarray) -> list[tuple[Coating, np.ndarray]]:
@@ -248,7 +280,7 @@ class Surfaces:
         return np.concatenate([[min(losses_left)], *films_left])
 
     def pass_event(self, event: int, node: Node) -> bool:
-        """Removes a film that is gone; return False where the largest loss is reached."""
+        """Removes a film that is gone; returns False where the largest loss is reached."""
         if event < 1:
             return False
         remove_film(self.films_at(node.worn), event - 1)
@@ -260,34 +292,40 @@ def _loss_limit(scene: Scene) -> float:
     end = scene.wear.end_of_life
     if end is None or end.ball_diameter_loss_um is None:
         return np.inf
-    return (1.0 + 1e-15) * end.ball_diameter_loss_um * UM  # met despite rounding
+    return ABOVE_ROUNDING * end.ball_diameter_loss_um * UM
 
 
 def is_one_integral(scene: Scene) -> bool:
     """Returns whether a life whose contacts stay Hertzian is an integral over the loss alone."""
-    sides = scene.one_of_alike.sides
+    sides = scene.symmetric_half.sides
     return len(sides) == 1 and not follows_depths(sides[0])
 
 
 def surface_life(scene: Scene, solver: Remembered, quick: bool = False) -> Life:
     """Returns the life of a scene whose contacts stay Hertzian.
 
-    `solver` may be that of a scene that differs by its end. A `quick` life has longer steps where
-    it is one integral, and fewer states between them where it is not.
+    solver: of the scene, or of one that differs by its end.
+    quick: whether steps are longer where the life is one integral, and have fewer states between
+        them where it is not.
     """
-    scene = scene.one_of_alike
+    scene = scene.symmetric_half
     life = follow_surfaces(Surfaces(scene, solver), Criteria(scene), scene, quick)
     life.solves = solver.solves
     return life
 
 
 def follow_surfaces(wearing: Any, ends: Criteria, scene: Scene, quick: bool = False) -> Life:
-    """Returns the life by a way to wear whose contacts stay Hertzian, of one bearing or of two."""
+    """Returns the life by a way to wear whose contacts stay Hertzian, of one bearing or of two.
+
+    wearing: `Surfaces`, or those over a duty.
+    quick: as in `surface_life`.
+    """
     tolerance, first = _tolerance_and_first_step(scene)
     if is_one_integral(scene):
         wearing.origin = float(wearing.start[0])
         if quick:
-            tolerance, first = max(tolerance, _QUICK), _LONGER_FIRST * first
+            tolerance = max(tolerance, _QUICK)
+            first = _LONGER_FIRST * first
         method: Method = Simpson(tolerance, first, _loss_limit(scene), quick)
     else:
         method = RungeKutta(tolerance, first, (0.5,) if quick else QUARTERS)
@@ -302,8 +340,9 @@ def surface_steps_error(scene: Scene, solver: Remembered, life: Life) -> float:
 def steps_error(wearing: Any, ends: Criteria, scene: Scene, life: Life) -> float:
     """Returns the error of a life by its steps [s]: its own if it is one integral.
 
-    Otherwise a life in looser steps shows it. `wearing` is the way to wear of the life, at its
-    start.
+    Otherwise a life in looser steps shows it.
+
+    wearing: way to wear of the life, at its start.
     """
     if is_one_integral(scene):
         return life.error

@@ -40,7 +40,7 @@ def cage_surfaces(scene: Scene) -> tuple[float, float]:
 
 
 def film_wear_ratio(scene: Scene) -> float:
-    """Returns K_s/H of a cage's film over that of the cage; 1 without a film."""
+    """Returns K_s/H of a cage's film over that of the cage [1]; 1 without a film."""
     if scene.cage is None or scene.cage.film is None:
         return 1.0
     film, cage = scene.cage.film, scene.materials[scene.cage.material]
@@ -55,7 +55,8 @@ CAGE_PARTS = ("pocket", "land")
 class WornParts:
     """Wear of the balls, grooves and cage of a scene: without its cage where it is not solved.
 
-    `coating` is the film of the `CAGE_PARTS`.
+    Wear is a vector `worn` or one of `rates`, as in `WornLayout`. `coating` is the film of the
+    `CAGE_PARTS`.
     """
 
     def __init__(self, scene: Scene):
@@ -101,7 +102,8 @@ class WornParts:
         cage = self.scene.cage
         if cage is None:
             return math.nan, math.nan
-        MM, (pocket, land) = parameters.MM, 2.0 * self.cage_depths(worn)
+        MM = parameters.MM
+        pocket, land = 2.0 * self.cage_depths(worn)
         ball = self._largest_ball_loss(worn)
         return cage.pocket_clearance_mm * MM + pocket + ball, cage.guide_clearance_mm * MM + land
 
@@ -119,24 +121,31 @@ class WornParts:
         return values
 
     def cage_rate(self, criterion: str, rates: np.ndarray) -> float:
-        """Returns the rate of the measure that a criterion of the cage limits."""
+        """Returns the rate of the measure that a criterion of the cage limits [SI/s].
+
+        rates: wear per second of all parts.
+        """
         # linear in the wear, but for the choice of the most worn ball
-        unworn, after_second = self.cage_values(np.zeros_like(rates)), self.cage_values(rates)
+        unworn = self.cage_values(np.zeros_like(rates))
+        after_second = self.cage_values(rates)
         return max(after_second[name] - unworn[name] for name in ENDS[criterion].variables)
 
     def cage_rates(self, values: Mapping[str, Any]) -> np.ndarray:
-        """Returns the wear of the cage per second, by the values of a run or an ensemble.
+        """Returns the wear of the cage per second; that of other parts is 0 in the vector.
 
-        Those are of the material of the cage; while its film is left, that wears instead.
+        While its film is left, that wears in place of the material of the cage.
+
+        values: result variables of a run or an ensemble, for the material of the cage.
         """
-        p, rates = self.layout, np.zeros(self.layout.size)
+        p = self.layout
+        rates = np.zeros(p.size)
         pocket, land = np.where(self.coating.is_left, film_wear_ratio(self.scene), 1.0)
         rates[p.pocket] = values.get("pocket_wear_rate", 0.0) * pocket
         rates[p.land] = values.get("cage_land_wear_rate", 0.0) * land
         return rates
 
     def worn_scene(self, worn: np.ndarray) -> Scene:
-        """Returns the scene at some wear; SceneError where too much has worn to make sense."""
+        """Returns the scene at some wear; raises SceneError where too much has worn for one."""
         wear = replace(
             self.scene.wear, ball_diameter_loss_um=tuple((self.loss(worn) / parameters.UM).tolist())
         )
@@ -156,9 +165,12 @@ class WornParts:
     def rates(self, values: dict[str, Any], factors: Factors | None = None) -> np.ndarray:
         """Returns the wear per second of a run.
 
-        factors: K_s/H of balls and races, those of new surfaces without.
+        values: result variables of the run.
+        factors: K_s/H of balls and races [1/Pa], if not those of new surfaces.
         """
-        p, rates, n = self.layout, self.cage_rates(values), self.scene.bearing.ball_count
+        p = self.layout
+        rates = self.cage_rates(values)
+        n = self.scene.bearing.ball_count
         D = self.scene.bearing.ball_diameter_mm * parameters.MM - values["ball_diameter_loss"]
         qv, a = values["qv"], values["semi_major_axis"]
         new_ball, _ = wear_rates(self.scene, qv, a, None)
@@ -167,12 +179,16 @@ class WornParts:
         rates[p.ball] = values["ball_wear_rate"] + (ball - new_ball).sum(axis=1)
         rates[p.diameter] = 2.0 * rates[p.ball] / (math.pi * D**2)
         rates[p.race] = n * race.mean(axis=0)
-        semi_axis, track = np.where(a > 0.0, a, np.inf), values["contact_track_radius"]
+        semi_axis = np.where(a > 0.0, a, np.inf)
+        track = values["contact_track_radius"]
         rates[p.groove] = groove_depth_rates(n, race, semi_axis, track).mean(axis=0)
         peak = depth_peak(values, values["gyroscopic_slip"], values["rolling_slip"])
         rates[p.deepest] = peak * rates[p.groove]
         return rates
 
     def mean_loss_rate(self, rates: np.ndarray) -> float:
-        """Returns `State.rate` by the rates of all wearing parts [m/s]."""
+        """Returns the mean rate of the loss that counts: of balls, and of races if they do [m/s].
+
+        rates: of all wearing parts.
+        """
         return float(rates[self.layout.diameter].mean()) + self._counted_depth(rates)

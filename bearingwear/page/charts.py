@@ -21,8 +21,10 @@ LARGE_CHART, SMALL_CHART = (660.0, 350.0), (400.0, 230.0)
 MARGINS = (56.0, 14.0, 24.0, 40.0)
 """Left, right, top, bottom of the field of lines [px]."""
 _LEFT, _RIGHT, _TOP, _BOTTOM = MARGINS
+_LOG_MARGIN, _MARGIN_SHARE = 1.15, 0.06
+"""Space beyond the numbers of an axis: a factor of a logarithmic one, a share of a linear one."""
 _LANE = 9.0
-"""Height of the bar on the axis where a method violates a requirement."""
+"""Height of the bar on the axis where a method violates a requirement [px]."""
 _VIOLATED, _MAX_BAR_END = "violates a requirement", 0.65
 """Words beside the bars on the axis, and the share of the axis up to which bars leave room for
 them."""
@@ -35,9 +37,9 @@ _DOT = "M-2.2 0a2.2 2.2 0 1 0 4.4 0a2.2 2.2 0 1 0-4.4 0"
 
 
 class ChartAxis:
-    """An axis with a linear or logarithmic scale, and its range.
+    """An axis with a linear or logarithmic scale, and its range `low` to `high`.
 
-    numbers: those that it shows.
+    numbers: to show; the range exceeds them slightly.
     zero: whether a linear axis of positive numbers starts at zero.
     """
 
@@ -46,15 +48,20 @@ class ChartAxis:
         low, high = min(shown, default=1.0), max(shown, default=10.0)
         self.log = log
         if log:
-            self.low, self.high = low / 1.15, high * 1.15
+            self.low, self.high = low / _LOG_MARGIN, high * _LOG_MARGIN
         else:
-            margin = 0.06 * (high - low or abs(high) or 1.0)
-            self.low, self.high = (0.0 if zero and low >= 0.0 else low - margin), high + margin
+            margin = _MARGIN_SHARE * (high - low or abs(high) or 1.0)
+            self.low = 0.0 if zero and low >= 0.0 else low - margin
+            self.high = high + margin
 
     def share(self, number: float) -> float:
-        """Returns the position of a number as a share of the length of the axis."""
+        """Returns the position of a number as a share of the length of the axis.
+
+        On a logarithmic axis, zero and negative numbers are far below its start.
+        """
         if self.log:
-            return math.log(max(number, 1e-300) / self.low) / math.log(self.high / self.low)
+            positive = max(number, 1e-300)  # near the smallest float
+            return math.log(positive / self.low) / math.log(self.high / self.low)
         return (number - self.low) / (self.high - self.low)
 
     @property
@@ -134,7 +141,7 @@ def _legend(chart: Chart) -> str:
 
 
 def _script_data(chart: Chart, places: bool) -> str:
-    """Returns the data of a chart that the script reads, as JSON.
+    """Returns JSON of the axes and lines of a chart, which the script of the page reads.
 
     places: whether the script states the recommended preloads while the cursor is elsewhere.
     """
@@ -204,6 +211,7 @@ def _svg_content(chart: Chart, size: tuple[float, float]) -> str:
     width, height = size[0] - _LEFT - _RIGHT, size[1] - _TOP - _BOTTOM
 
     def place(x: float, y: float) -> tuple[float, float]:
+        """Returns the position [px] of a point in the field of the lines."""
         return x_axis.share(x) * width, (1.0 - y_axis.share(y)) * height
 
     marks = [] if chart.limit is None else [_limit_area(chart, x_axis.low, place, width, height)]
@@ -217,8 +225,8 @@ def _svg_content(chart: Chart, size: tuple[float, float]) -> str:
             f'<text class="lanes" data-from="{bar_end:g}" '
             f'x="{place(bar_end, 1.0)[0] + 4:.1f}" y="{height - 4:g}">{_VIOLATED}</text>'
         )
-    # bars lie under all lines, stars over them
-    marks.sort(key=lambda mark: ("star" in mark) - ("rect" in mark))
+    # bars are drawn first, under all lines, and stars last
+    marks.sort(key=lambda mark: -1 if "rect" in mark else 1 if "star" in mark else 0)
     return (
         f'<g class="grid">{_grid(x_axis, y_axis, place, width, height)}</g>'
         f'<text x="{_LEFT + width / 2:g}" y="{size[1] - 6:g}" class="x" text-anchor="middle">'
@@ -272,9 +280,13 @@ class _LinePoint(NamedTuple):
 
 
 def _line_marks(line: ChartLine, k: int, place: _Place, height: float, log: bool) -> Iterable[str]:
-    """Yields the marks of line k: bars of violations, strokes, band, points, and star.
+    """Yields the SVG marks of line k: bars of violations, strokes, band, points, and star.
 
     A stroke is bold if both of its points satisfy all requirements.
+
+    place: returns the position [px] of a point.
+    height: of the field of the lines [px].
+    log: whether the ordinate is logarithmic.
     """
     points = [
         _LinePoint(x, None if y is not None and log and y <= 0.0 else y, is_allowed=not note)
@@ -309,7 +321,10 @@ def _line_marks(line: ChartLine, k: int, place: _Place, height: float, log: bool
 def _stroke(
     classes: str, start: tuple[float, float], end: tuple[float, float], place: _Place
 ) -> str:
-    """Returns a straight line between two points, which it carries as numbers."""
+    """Returns a straight line between two points, which the attribute `data-at` states.
+
+    classes: of the style sheet.
+    """
     (x0, y0), (x1, y1) = place(*start), place(*end)
     numbers = " ".join(f"{number:.6g}" for number in (*start, *end))
     path = f"M{x0:.1f} {y0:.1f}L{x1:.1f} {y1:.1f}"
@@ -317,7 +332,7 @@ def _stroke(
 
 
 def _mark(kind: str, method: str, shape: str, x: float, y: float, place: _Place) -> str:
-    """Returns a mark at a point, which it carries as numbers.
+    """Returns a mark at a point, which the attribute `data-at` states.
 
     kind, method: classes of the style sheet.
     shape: path about the point [px].

@@ -29,6 +29,8 @@ AS_CSV = {"study.nc": "cases", "wear_life.nc": "cases", "dynamic.nc": "dynamic",
 # Characters that a data URI between quotation marks may contain as they are; `#` would end it.
 UNQUOTED = " !$'()*+,-./:;<=>?@[]_|~"
 LINE = r'translate\([-\d.]+ ([\d.]+)\)|y="([\d.]+)"'
+"""Ordinate of a line of text, which Matplotlib writes as a translation or as an attribute."""
+PIXELS_PER_POINT = 4.0 / 3.0  # by CSS
 PAPER, INK = (20, 23, 27), "#e4e7eb"
 """Colours of a dark page, as in page.css."""
 DECIMALS = 1  # of a coordinate [pt]
@@ -55,12 +57,12 @@ def drawings(files: Sequence[Path]) -> Iterator[Drawing]:
     """
     for file in files:
         if file.suffix == ".svg":
-            other = file.with_suffix(".png")
-            yield _drawing(file, other if other in files else None)
+            png = file.with_suffix(".png")
+            yield _drawing(file, png if png in files else None)
 
 
 def _data_behind(root: ET.Element) -> list[Path]:
-    """Returns the files that a figure states as its source, and tables of the same numbers."""
+    """Returns the files that an SVG figure states as its source, and tables of their numbers."""
     text = next((node.text or "" for node in root.iter(_SOURCE)), "").strip()
     files = [Path(path) for path in text.split(DATA_SEPARATOR) if path]
     tables = [
@@ -70,7 +72,10 @@ def _data_behind(root: ET.Element) -> list[Path]:
 
 
 def _drawing(file: Path, png: Path | None) -> Drawing:
-    """Reads an SVG figure and reduces it; contains the PNG instead if that is much lighter."""
+    """Returns the drawing of an SVG figure, reduced, or of the PNG if that is much lighter.
+
+    CaseFileError: a file cannot be read, or is no figure.
+    """
     try:
         root = ET.fromstring(file.read_text(encoding="utf-8"))
         _, _, width, height = (float(number) for number in root.attrib["viewBox"].split())
@@ -95,8 +100,8 @@ def _drawing(file: Path, png: Path | None) -> Drawing:
         path=file,
         message=message,
         description=description,
-        width=round(width * 4.0 / 3.0),  # from points to pixels
-        height=round(height * 4.0 / 3.0),
+        width=round(width * PIXELS_PER_POINT),
+        height=round(height * PIXELS_PER_POINT),
         uri=uri,
         data=data,
     )
@@ -114,11 +119,15 @@ def _remove_message(root: ET.Element) -> float:
 
 
 def _reduced_svg(root: ET.Element) -> str:
-    """Returns an SVG without invisible content: comments, digits, empty groups, unused names."""
+    """Returns the text of an SVG, with styles for a dark page and without invisible content.
+
+    It lacks metadata, unused names, groups without attributes, and most decimals of coordinates.
+    """
     ET.register_namespace("", SVG)
     ET.register_namespace("xlink", XLINK)
+    # colours also start with #, so that they are among the references
     references = dict.fromkeys(re.findall(r"#([\w-]+)", ET.tostring(root, encoding="unicode")))
-    short_ids = {name: f"i{k}" for k, name in enumerate(references)}  # colours are among them
+    short_ids = {name: f"i{k}" for k, name in enumerate(references)}
     _remove_black_of_texts(root)
     for node in root.iter():
         _shorten_references(node, short_ids)
@@ -141,9 +150,13 @@ def _reduced_svg(root: ET.Element) -> str:
 
 
 def _shorten_references(node: ET.Element, short_ids: Mapping[str, str]) -> None:
-    """Replaces the `id` of a node, and those to which it refers; removes an `id` without use."""
-    if identifier := node.attrib.pop("id", None):
-        node.attrib |= {"id": short_ids[identifier]} if identifier in short_ids else {}
+    """Shortens the `id` of a node and its references to others; removes an `id` without use.
+
+    short_ids: by each `id` to which some node refers.
+    """
+    identifier = node.attrib.pop("id", None)
+    if identifier is not None and identifier in short_ids:
+        node.set("id", short_ids[identifier])
     for name in ("clip-path", HREF):
         if name in node.attrib:
             value = re.sub(r"#([\w-]+)", lambda match: f"#{short_ids[match[1]]}", node.attrib[name])

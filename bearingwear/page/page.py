@@ -29,7 +29,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.units import Rough, key_in_words, printed_unit, without_unit_breaks
 from bearingwear.results.warnings import merged_warnings, warnings_in
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.arrangement import METHODS
 from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.changes import KIND_KEY, METHOD_KEY
@@ -102,30 +102,36 @@ class PageAnswer:
 
     @property
     def sentence_blocks(self) -> list[Block]:
-        """Sentences beside the charts; those of the place `more` only without a question."""
+        """Returns the blocks of sentences beside the charts.
+
+        Those of the place `more` are among them only if the charts have no question.
+        """
         places = ("lead",) if self.question else ("lead", "more")
         return [block for block in self.document.blocks_in(*places) if not block.rows]
 
     @property
     def leading_tables(self) -> list[Block]:
-        """Tables beside the first chart."""
+        """Returns the tables beside the first chart."""
         return [block for block in self.document.blocks_in("lead") if block.rows]
 
     @property
     def open_tables(self) -> list[Block]:
-        """Blocks that stand open below the charts."""
+        """Returns the blocks that stand open below the charts."""
         return [block for block in self._blocks_below_charts if block.place == "open"]
 
     @property
     def folded_tables(self) -> list[Block]:
-        """Blocks that are folded away below the charts."""
+        """Returns the blocks that are folded away below the charts."""
         return [block for block in self._blocks_below_charts if block.place != "open"]
 
     @property
     def _blocks_below_charts(self) -> list[Block]:
-        """Tables below the charts, and blocks without a place."""
-        blocks = self.document.blocks
-        return [b for b in blocks if (b.rows or not b.place) and b.place != "lead"]
+        """Returns the tables below the charts, and blocks without a place."""
+        return [
+            block
+            for block in self.document.blocks
+            if (block.rows or not block.place) and block.place != "lead"
+        ]
 
 
 def page(
@@ -154,7 +160,7 @@ def page(
     datasets = [*section_datasets.values(), *answer_datasets]
     section_of = _sections(section_datasets)
     inputs = [section.scene for section in section_of.values()]
-    inputs = inputs or [scene_of(dataset) for dataset in datasets]
+    inputs = inputs or [plain_scene(dataset) for dataset in datasets]
     assumed = _assumed_keys_with_file_contents(inputs, scenes)
     figures = list(drawings([*section_files, *answer_files]))
     page_answers = _page_answers(answer_files, figures)
@@ -346,7 +352,7 @@ def _sketch_of_first_answer(
 
 
 def _check_suffixes(files: Iterable[Path], suffixes: Sequence[str]) -> None:
-    """Refuses files that would silently be missing on the page."""
+    """Raises CaseFileError for a file that the page would leave out because of its suffix."""
     for file in files:
         if file.suffix not in suffixes:
             got = "a folder" if file.is_dir() else f"the suffix {file.suffix!r}"
@@ -357,7 +363,7 @@ def _check_suffixes(files: Iterable[Path], suffixes: Sequence[str]) -> None:
 
 
 def _is_life(dataset: xr.Dataset) -> bool:
-    """Whether a dataset contains lives by preload method, not cases."""
+    """Returns whether a dataset contains lives by preload method, not cases."""
     return "end_criterion" in dataset and "preload_method" in dataset.dims
 
 
@@ -370,7 +376,7 @@ def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
                 f"{file}: got a single result, which `bearingwear show` prints, expected a file of "
                 "a study; `bearingwear study SCENE.yaml` makes a page of a scene"
             )
-        section = sections.setdefault(file.parent, Section(scene_of(dataset)))
+        section = sections.setdefault(file.parent, Section(plain_scene(dataset)))
         status = dataset["status"].values
         solved_codes = (OK, CRITERION_NOT_REACHED) if _is_life(dataset) else (OK,)
         solved = int(np.isin(status, solved_codes).sum())
@@ -463,13 +469,13 @@ class KeyRow(NamedTuple):
 
     @property
     def label(self) -> str:
-        """The key with its unit in brackets, and a mark if its value is assumed."""
+        """Returns the key with its unit in brackets, and a mark if its value is assumed."""
         unit = f" ({self.unit})" if self.unit else ""
         return f"{self.words}{unit}{ASSUMED if self.is_assumed else ''}"
 
     @property
     def differ(self) -> bool:
-        """Whether the values differ."""
+        """Returns whether the scenes have different values."""
         return len(set(self.values)) > 1
 
     def with_unit(self, value: str) -> str:

@@ -14,6 +14,8 @@ _BALL = (110.0, 70.0)
 _RING, _SHOULDER, _RELIEVED = 1.75, 0.2, 0.07
 """Assumed, over the ball diameter: width of the rings, heights of their shoulders on the loaded and
 on the other side."""
+_BEYOND_CONTACT = 0.08
+"""Least assumed height of a loaded shoulder beyond the contact, over the ball diameter."""
 _WALL = 0.35
 """Assumed thickness of a ring below its groove, over the ball diameter, if its size is missing."""
 _GAP = 0.7
@@ -21,15 +23,23 @@ _GAP = 0.7
 _MARGIN, _TOP = 96.0, 26.0
 
 
+class RingSection(NamedTuple):
+    """The section of a ring [mm]."""
+
+    is_inner: bool
+    groove: float  # radius of curvature
+    rim: float  # radius of the bore, or of the outside
+    shoulder: float  # radius on the loaded side
+
+
 class BearingSection(NamedTuple):
     """The section of a bearing [mm]: x along the axis, z radially, the ball at x = 0."""
 
-    ball: float
-    pitch: float
-    angle: float
-    grooves: tuple[float, float]  # radii, inner and outer
-    rims: tuple[float, float]  # radii of the bore and of the outside
-    shoulders: tuple[float, float]  # radii on the loaded sides
+    ball: float  # diameter
+    pitch: float  # diameter
+    angle: float  # contact angle [rad]
+    inner: RingSection
+    outer: RingSection
     sized: bool  # whether bore and outside are known
 
     @property
@@ -37,11 +47,11 @@ class BearingSection(NamedTuple):
         """Returns the unit vector (x, z) from the centre of the ball to the outer contact."""
         return math.sin(self.angle), math.cos(self.angle)
 
-    def centre(self, inner: bool) -> tuple[float, float]:
-        """Returns the centre (x, z) of the circle of a groove."""
+    def centre(self, ring: RingSection) -> tuple[float, float]:
+        """Returns the centre (x, z) of the circle of the groove of a ring."""
         x, z = self.normal
-        distance = self.grooves[not inner] - 0.5 * self.ball
-        sign = 1.0 if inner else -1.0
+        distance = ring.groove - 0.5 * self.ball
+        sign = 1.0 if ring.is_inner else -1.0
         return sign * distance * x, 0.5 * self.pitch + sign * distance * z
 
 
@@ -61,36 +71,44 @@ class _Layout(NamedTuple):
 
 
 def section_of(bearing: Mapping[str, Any]) -> BearingSection:
-    """Returns the section of the bearing of a scene; missing dimensions are assumed."""
+    """Returns the section of a bearing; missing dimensions are assumed.
+
+    bearing: the block of a scene.
+    """
     ball, pitch = bearing["ball_diameter_mm"], bearing["pitch_diameter_mm"]
     angle = math.radians(bearing["contact_angle_deg"])
-    # the shoulders are high enough for the contact
-    shoulder = (0.5 - max(_SHOULDER, 0.5 * (1.0 - math.cos(angle)) + 0.08)) * ball
-    rim = (0.5 + _WALL) * ball
+    # the shoulders reach beyond the contact at the contact angle
+    shoulder_height = max(_SHOULDER, 0.5 * (1.0 - math.cos(angle)) + _BEYOND_CONTACT)
+    rim_distance, shoulder_distance = (0.5 + _WALL) * ball, (0.5 - shoulder_height) * ball
     bore, outside = bearing.get("bore_mm"), bearing.get("outside_diameter_mm")
-    inner, outer = bearing.get("inner_shoulder_mm"), bearing.get("outer_shoulder_mm")
+    inner_shoulder = bearing.get("inner_shoulder_mm")
+    outer_shoulder = bearing.get("outer_shoulder_mm")
     return BearingSection(
         ball=ball,
         pitch=pitch,
         angle=angle,
-        grooves=(bearing["inner_groove_factor"] * ball, bearing["outer_groove_factor"] * ball),
-        rims=(
-            0.5 * bore if bore else 0.5 * pitch - rim,
-            0.5 * outside if outside else 0.5 * pitch + rim,
+        inner=RingSection(
+            is_inner=True,
+            groove=bearing["inner_groove_factor"] * ball,
+            rim=0.5 * bore if bore else 0.5 * pitch - rim_distance,
+            shoulder=0.5 * inner_shoulder if inner_shoulder else 0.5 * pitch - shoulder_distance,
         ),
-        shoulders=(
-            0.5 * inner if inner else 0.5 * pitch - shoulder,
-            0.5 * outer if outer else 0.5 * pitch + shoulder,
+        outer=RingSection(
+            is_inner=False,
+            groove=bearing["outer_groove_factor"] * ball,
+            rim=0.5 * outside if outside else 0.5 * pitch + rim_distance,
+            shoulder=0.5 * outer_shoulder if outer_shoulder else 0.5 * pitch + shoulder_distance,
         ),
         sized=bool(bore and outside),
     )
 
 
 def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None = None) -> Markup:
-    """Returns the section of a bearing or of a pair, with its preload, as SVG with a caption.
+    """Returns HTML with an SVG of the section of a bearing or of a pair, and with its caption.
 
-    method: of preload; by default that of the scene.
-    preload_N: by default that of the scene.
+    scene: content of a scene file.
+    method: of preload, one of `PRELOAD_METHODS`; by default that of the scene.
+    preload_N: stated in the caption; by default that of the scene.
     """
     arrangement = scene.get("arrangement") or {}
     is_pair = arrangement.get("kind", "single") != "single"
@@ -133,8 +151,8 @@ def _layout(sections: Sequence[BearingSection], is_back_to_back: bool) -> _Layou
     ring_width = _RING * max(section.ball for section in sections) * scale
     distance = (1.0 + _GAP) * ring_width if is_pair else 0.0
     centres = [_MARGIN + 0.5 * ring_width + k * distance for k in range(len(sections))]
-    inner_radius = min(section.rims[0] for section in sections)
-    outer_radius = max(section.rims[1] for section in sections)
+    inner_radius = min(section.inner.rim for section in sections)
+    outer_radius = max(section.outer.rim for section in sections)
     return _Layout(
         scale=scale,
         ring_width=ring_width,
@@ -151,7 +169,7 @@ def _rings(section: BearingSection) -> str:
     middle = 0.5 * section.pitch
     reach = 0.95 * section.ball
     return (
-        f"{_ring(section, True)}{_ring(section, False)}"
+        f"{_ring(section, section.inner)}{_ring(section, section.outer)}"
         f'<circle class="ball" cx="0" cy="{middle:.4f}" r="{0.5 * section.ball:.4f}"/>'
         f'<path class="contact" d="M{-reach * x:.4f} {middle - reach * z:.4f}'
         f'L{reach * x:.4f} {middle + reach * z:.4f}"/>'
@@ -159,21 +177,26 @@ def _rings(section: BearingSection) -> str:
     )
 
 
-def _ring(section: BearingSection, inner: bool) -> str:
-    """Returns the path of a ring with its groove [mm]; the inner one is loaded at -x."""
-    sign = 1.0 if inner else -1.0
+def _ring(section: BearingSection, ring: RingSection) -> str:
+    """Returns the path of a ring with its groove [mm].
+
+    The inner ring is loaded at -x, the outer one at +x.
+    """
+    sign = 1.0 if ring.is_inner else -1.0
     groove_bottom = 0.5 * section.pitch - sign * 0.5 * section.ball
-    loaded, relieved = section.shoulders[not inner], groove_bottom + sign * _RELIEVED * section.ball
-    left, right = (loaded, relieved) if inner else (relieved, loaded)
-    radius, rim = section.grooves[not inner], section.rims[not inner]
-    centre_x, centre_z = section.centre(inner)
+    relieved_shoulder = groove_bottom + sign * _RELIEVED * section.ball
+    left, right = ring.shoulder, relieved_shoulder
+    if not ring.is_inner:
+        left, right = right, left
+    radius, rim = ring.groove, ring.rim
+    centre_x, centre_z = section.centre(ring)
     # the ends of the groove are where its circle meets the shoulders
     left_x = centre_x - math.sqrt(max(radius * radius - (left - centre_z) ** 2, 0.0))
     right_x = centre_x + math.sqrt(max(radius * radius - (right - centre_z) ** 2, 0.0))
     half_width = 0.5 * _RING * section.ball
     return (
         f'<path class="ring" d="M{-half_width:.4f} {rim:.4f}V{left:.4f}H{left_x:.4f}'
-        f"A{radius:.4f} {radius:.4f} 0 0 {int(inner)} {right_x:.4f} {right:.4f}"
+        f"A{radius:.4f} {radius:.4f} 0 0 {int(ring.is_inner)} {right_x:.4f} {right:.4f}"
         f'H{half_width:.4f}V{rim:.4f}Z"/>'
     )
 
@@ -188,13 +211,18 @@ def _preload(
     half_width = 0.5 * layout.ring_width
     element = _spring if has_spring else _spacer
     if len(layout.centres) == 1:
-        y, left = _ring_y(section, layout, inner=True), layout.centres[0] - half_width
-        wall_x, wall_y = layout.centres[0] + half_width + 4, _ring_y(section, layout, inner=False)
+        y, left = _ring_y(section, layout, section.inner), layout.centres[0] - half_width
+        wall_x = layout.centres[0] + half_width + 4
+        wall_y = _ring_y(section, layout, section.outer)
         wall = f'<path class="ground" d="M{wall_x:.1f} {wall_y - 24:.1f}v48"/>'
         return wall + element(left - 58, left - 22, y) + _arrow(left - 20, left - 1, y)
     first, second = sorted(layout.centres)
-    element_y = _ring_y(section, layout, inner=not is_back_to_back)
-    arrow_y = _ring_y(section, layout, inner=is_back_to_back)
+    # the element lies between rings of one kind, and arrows act on the other ones
+    element_ring, pressed_ring = section.outer, section.inner
+    if not is_back_to_back:
+        element_ring, pressed_ring = pressed_ring, element_ring
+    element_y = _ring_y(section, layout, element_ring)
+    arrow_y = _ring_y(section, layout, pressed_ring)
     left, right = first - half_width, second + half_width
     return (
         element(first + half_width, second - half_width, element_y)
@@ -203,10 +231,11 @@ def _preload(
     )
 
 
-def _ring_y(section: BearingSection, layout: _Layout, inner: bool) -> float:
+def _ring_y(section: BearingSection, layout: _Layout, ring: RingSection) -> float:
     """Returns the ordinate of the middle of a ring's side [px]."""
-    edge = 0.5 * section.pitch + (-1.0 if inner else 1.0) * 0.5 * section.ball
-    return layout.y(0.5 * (section.rims[not inner] + edge))
+    sign = -1.0 if ring.is_inner else 1.0
+    groove_bottom = 0.5 * section.pitch + sign * 0.5 * section.ball
+    return layout.y(0.5 * (ring.rim + groove_bottom))
 
 
 def _spacer(left: float, right: float, y: float) -> str:
@@ -236,15 +265,15 @@ def _arrow(start: float, end: float, y: float) -> str:
 
 
 def _dimensions(section: BearingSection, layout: _Layout) -> str:
-    """Returns the dimensions of the first bearing as text, and a bar of a round length."""
+    """Returns the dimensions of the first bearing as text, and a bar of a round length [mm]."""
     ball = section.ball
-    inner_factor, outer_factor = (radius / ball for radius in section.grooves)
+    inner_factor, outer_factor = section.inner.groove / ball, section.outer.groove / ball
     lines = [
         f"ball ø {ball:.4g} mm, pitch circle ø {section.pitch:.4g} mm",
         f"groove factors {inner_factor:.4g} (inner), {outer_factor:.4g} (outer)",
     ]
     if section.sized:
-        lines[0] += f", {2 * section.rims[0]:.4g} × {2 * section.rims[1]:.4g} mm"
+        lines[0] += f", {2 * section.inner.rim:.4g} × {2 * section.outer.rim:.4g} mm"
     text_x, text_y = 0.5 * layout.width, layout.height - 36.0
     texts = "".join(
         f'<text x="{text_x:.1f}" y="{text_y + 20 * k:.1f}" text-anchor="middle">{text}</text>'

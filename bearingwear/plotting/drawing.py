@@ -65,10 +65,12 @@ class HouseFigure(Figure):
     data_files: tuple[str, ...] = ()
 
     def savefig(self, *args: Any, **kwargs: Any) -> None:
+        """Saves the figure in the style of the package; arguments are those of Matplotlib."""
         with matplotlib.style.context(["default", STYLE]):
             super().savefig(*args, **kwargs)
 
     def _repr_png_(self) -> bytes:
+        """Returns the figure as PNG, for a notebook."""
         file = io.BytesIO()
         self.savefig(file, format="png")
         return file.getvalue()
@@ -110,7 +112,8 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
             raise OutputError(f"{path}: got the suffix {path.suffix!r}, expected {allowed}")
     metadata = {".svg": _svg_metadata(figure), ".png": {}, ".pdf": {"CreationDate": None}}
     _set_plain_log_labels(figure)
-    if layout := figure.get_layout_engine():  # takes longer than drawing: once for all formats
+    if layout := figure.get_layout_engine():
+        # once for all formats, because the layout takes longer than drawing
         layout.execute(figure)
         figure.set_layout_engine("none")
     for path, suffix in suffixes.items():
@@ -140,8 +143,10 @@ def _svg_metadata(figure: Figure) -> dict[str, str | None]:
         text.get_text() for legend in figure.legends for text in legend.get_texts()
     )
     sentences = [f"{ordinates} against {abscissae}"]
-    sentences += [f"Panels: {panels}"] if panels else []
-    sentences += [f"Legend: {keys}"] if keys else []
+    if panels:
+        sentences.append(f"Panels: {panels}")
+    if keys:
+        sentences.append(f"Legend: {keys}")
     files = getattr(figure, "data_files", ())
     return {
         "Title": figure.get_suptitle().replace("\n", " "),
@@ -152,7 +157,7 @@ def _svg_metadata(figure: Figure) -> dict[str, str | None]:
 
 
 def _distinct_texts(texts: Iterable[str]) -> str:
-    """Lists the texts that are not empty, each once."""
+    """Returns the texts that are not empty, each once, separated by commas."""
     return ", ".join(dict.fromkeys(text.replace("\n", " ") for text in texts if text))
 
 
@@ -161,8 +166,10 @@ def mark_failed(
 ) -> bool:
     """Draws a cross at the foot of a panel for each unsolved case; returns whether there is one.
 
-    where: abscissa of each case. status: of each case.
-    slot: row of the crosses, so that those of several lines do not hide each other.
+    where: abscissa of each case.
+    status: of each case; all but `OK` are unsolved.
+    slot: row of the crosses from the foot, one for each line of the panel, so that they do not
+        hide each other.
     """
     failed = where.values[status.values != OK]
     if failed.size:
@@ -173,41 +180,44 @@ def mark_failed(
 
 
 def list_failed(axes: Any, names: list[str]) -> None:
-    """Lists in a corner of a panel the lines that are missing because they were not solved."""
+    """Writes into a corner of a panel the names of the lines that were not solved."""
     if names:
         text = "\n".join(["not solved:", *names])
         axes.text(0.02, 0.98, text, transform=axes.transAxes, color="crimson", va="top")
 
 
 def key(label: str, **style: Any) -> Line2D:
-    """Returns an entry of a legend."""
+    """Returns an entry of a legend: a line without points in a style of Matplotlib."""
     return Line2D([], [], label=label, **style)
 
 
 def method_keys(names: Iterable[str], scene: Mapping[str, Any] | None = None) -> list[Line2D]:
-    """Returns the legend of the preload methods, or of the kinds of pairs for a pair."""
+    """Returns a legend entry for each preload method; for a pair, under the name of its kind.
+
+    scene: plain data; without it, that of a single bearing.
+    """
     return [
         key(method_words(scene or {}, name), color=COLOURS[name], linewidth=3) for name in names
     ]
 
 
 def race_keys() -> list[Line2D]:
-    """Returns the legend of the contacts of each race, and of both contacts of a ball."""
+    """Returns legend entries of the contacts with each race, and of both contacts of a ball."""
     keys = [key(f"{race} contact", color="0.3", **style) for race, style in RACE_STYLES.items()]
     return [*keys, key("ball, both contacts", color="0.3", **BALL_STYLE)]
 
 
 def dashes(frictions: Iterable[float]) -> dict[float, str]:
-    """Returns the line style of each friction coefficient."""
+    """Returns a line style for each friction coefficient; they repeat after four."""
     return {mu: DASHES[k % len(DASHES)] for k, mu in enumerate(frictions)}
 
 
 def dash_keys(styles: dict[float, str]) -> list[Line2D]:
-    """Returns the legend of the friction coefficients."""
+    """Returns a legend entry for each friction coefficient, whose line styles are given."""
     return [key(friction_text(mu), color="0.3", linestyle=dash) for mu, dash in styles.items()]
 
 
-def lines(
+def draw_lines(
     panel: Any,
     values: xr.DataArray,
     axis: str,
@@ -219,25 +229,31 @@ def lines(
     """Draws a quantity over an axis: a colour for each preload method, a line style for each race.
 
     values: over `axis` and, optionally, `preload_method` and `race`.
+    axis: dimension along the abscissa, a key of `ABSCISSAE`.
     label: of the ordinate, without unit.
     unit: in which the values are shown; by default that of the values.
     status: of each case over `axis` and `preload_method`; unsolved cases get a cross at the foot.
-    **look: of the lines; it takes precedence over that of a race.
+    **look: of the lines, in words of Matplotlib; it takes precedence over that of a race. Values
+        without `preload_method` need a `color`.
 
     Returns: whether there is a cross.
     """
     has_failed = False
+    has_races = "race" in values.dims
     by_method = methods(values) if "preload_method" in values.dims else [("", values)]
-    for slot, (name, of_method) in enumerate(by_method):
-        shown = of_method if unit is None else unit.of(of_method)
-        colour = look.get("color") or COLOURS[name]
-        styles = list(RACE_STYLES.values()) if "race" in of_method.dims else [{}]
-        for k, style in enumerate(styles):
-            line = shown.isel(race=k) if "race" in of_method.dims else shown
-            panel.plot(of_method[axis], line, **{**style, "color": colour, **look})
+    for slot, (method, method_values) in enumerate(by_method):
+        ordinates = method_values if unit is None else unit.of(method_values)
+        colour = look.get("color") or COLOURS[method]
+        abscissae = method_values[axis]
+        if has_races:
+            for race, style in enumerate(RACE_STYLES.values()):
+                line_style = {**style, "color": colour, **look}
+                panel.plot(abscissae, ordinates.isel(race=race), **line_style)
+        else:
+            panel.plot(abscissae, ordinates, **{"color": colour, **look})
         if status is not None:
-            method_status = status.isel(preload_method=slot) if name else status
-            has_failed |= mark_failed(panel, of_method[axis], method_status, colour, slot)
+            method_status = status.isel(preload_method=slot) if method else status
+            has_failed |= mark_failed(panel, abscissae, method_status, colour, slot)
     panel.set_xlabel(ABSCISSAE[axis])
     if label:
         panel.set_ylabel(unit.label(label) if unit else label)
@@ -256,7 +272,7 @@ def series_look(k: int) -> dict[str, Any]:
 
 
 def failed_keys(any_failed: bool) -> list[Line2D]:
-    """Returns the legend of the crosses, if there are any."""
+    """Returns the legend entry of the crosses of unsolved cases; none if no case failed."""
     return [key("not solved", color="0.3", **FAILED)] if any_failed else []
 
 
@@ -284,8 +300,9 @@ def lines_of_a_title(title: str, width: int) -> list[str]:
     def wrapped(width: int) -> list[str]:
         return textwrap.wrap(title, width, break_long_words=False)
 
-    fewest = len(wrapped(width))
-    narrowest = next(w for w in range(1, width + 1) if len(wrapped(w)) <= fewest)
+    fewest_lines = len(wrapped(width))
+    # the narrowest width with no more lines makes them even
+    narrowest = next(w for w in range(1, width + 1) if len(wrapped(w)) <= fewest_lines)
     return wrapped(narrowest)
 
 
@@ -296,8 +313,11 @@ def start_at_zero(axes: Any) -> None:
 
 
 def power_of_ten(values: Sequence[xr.DataArray]) -> int:
-    """Returns the power of ten, a multiple of three, over which the largest value is 1 to 1000."""
-    largest = max((float(abs(v).max()) for v in values if v.size and v.notnull().any()), default=0)
+    """Returns a power of ten, a multiple of three, over which the largest magnitude is 1 to 1000.
+
+    It is 0 if all values are 0 or NaN.
+    """
+    largest = max((float(abs(v).max()) for v in values if v.notnull().any()), default=0.0)
     return 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.plotting.drawing import Figure, save
-from bearingwear.results.kinds import Registry, function, kind_of
+from bearingwear.results.kinds import Registry, imported_function, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.words import dataset_of_bearing
 
@@ -14,19 +14,21 @@ from bearingwear.results.words import dataset_of_bearing
 def figure_of(
     dataset: xr.Dataset, name: str | Path, figures: Registry, bearing: str | None = None
 ) -> Figure:
-    """Returns the figure of a dataset with the codes of files. May raise CaseFileError.
+    """Returns the figure of a result, by the function of its kind.
 
+    CaseFileError: a kind that is not drawn, or two different bearings without a choice.
+
+    dataset: with codes, as in files.
     name: of the file, for messages.
-    figures: for each kind that can be drawn, a function that takes the dataset and returns a
-        figure.
-    bearing: `first` or `second`, if two differ.
+    figures: by kind, the dotted name of a function that takes the dataset and returns a figure.
+    bearing: `first` or `second`, if the bearings of a pair differ.
     """
     kind = kind_of(dataset)
     dataset = dataset_of_bearing(dataset, name, bearing)
     if kind not in figures:
         allowed = ", ".join(figures) or "none"
         raise CaseFileError(f"{name}: got a file of kind {kind}, expected {allowed}")
-    figure: Figure = function(figures[kind])(dataset)
+    figure: Figure = imported_function(figures[kind])(dataset)
     return figure
 
 
@@ -36,5 +38,8 @@ def plot(
     figures: Registry,
     bearing: str | None = None,
 ) -> None:
-    """Draws a result file into files whose suffixes determine their formats."""
+    """Draws a result file into files whose suffixes determine their formats.
+
+    figures, bearing: as for `figure_of`.
+    """
     save(figure_of(load(path), path, figures, bearing), outputs)

@@ -26,9 +26,11 @@ class _VariableView:
         self.dimensions, self.dtype, self.ndim = entry.dims, data.dtype, data.ndim
 
     def __getattr__(self, name: str) -> Any:
+        """Returns a netCDF attribute, as `netCDF4.Variable` does."""
         return _attribute(self._attributes, name)
 
     def __getitem__(self, index: Any) -> Any:
+        """Returns data by index."""
         return self._data[index]
 
     def ncattrs(self) -> list[str]:
@@ -48,9 +50,11 @@ class ContentsView:
         }
 
     def __getattr__(self, name: str) -> Any:
+        """Returns a global attribute, as `netCDF4.Dataset` does."""
         return _attribute(self._attributes, name)
 
     def __getitem__(self, name: str) -> _VariableView:
+        """Returns a variable by name."""
         return self.variables[name]
 
     def ncattrs(self) -> list[str]:
@@ -63,7 +67,7 @@ class ContentsView:
 
 
 def _attribute(attributes: dict[str, Any], name: str) -> Any:
-    """Returns an attribute; raises AttributeError if it is missing, as of any object."""
+    """Returns an attribute by name. AttributeError: there is none, as for any object."""
     if name not in attributes:
         raise AttributeError(name)
     return attributes[name]

@@ -97,14 +97,14 @@ def common_attributes() -> dict[str, Any]:
 def contents_of(result: Result) -> Contents:
     """Returns the contents of the file of a result, variables in the order of the table."""
     values, scene = result.values, result.scene
-    is_life, fidelity = "end_criterion" in values, result.attrs.get("fidelity")
+    is_life = "end_criterion" in values
     table = _variable_table(is_life, is_pair(scene))
     check_in_table(values, table)
     solved = {name: stored_data(table[name], value) for name, value in values.items()}
     layout = _layout(
         is_life=is_life,
         is_of_pair=is_pair(scene),
-        is_averaged=fidelity == "dynamic" and not is_life,
+        is_averaged=result.attrs.get("fidelity") == "dynamic" and not is_life,
         shapes=tuple((name, data.shape) for name, data in solved.items()),
         strips=scene.get("model", {}).get("strips", STANDARD.strips),
         balls=scene["bearing"]["ball_count"] if "bearing" in scene else 0,
@@ -116,8 +116,8 @@ def contents_of(result: Result) -> Contents:
         for name, entry in layout.entries.items()
     }
     kind = "wear life" if is_life else "case"
-    title = {"title": f"{kind} of {scene['name']}" if "name" in scene else kind}
-    attrs = common_attributes() | title | result.attrs
+    title = f"{kind} of {scene['name']}" if "name" in scene else kind
+    attrs = common_attributes() | {"title": title} | result.attrs
     return Contents(layout, data, {key: _attribute(value) for key, value in attrs.items()})
 
 
@@ -135,7 +135,10 @@ def _with_phase_names(layout: Layout, names: str) -> Layout:
 
 
 def stacked_contents(results: Sequence[Result], dim: str) -> Contents:
-    """Returns the contents of results of the same shapes, stacked along a new first dimension."""
+    """Returns the contents of results of the same shapes, stacked along a new first dimension.
+
+    dim: name of that dimension. Attributes and missing variables are those of the first result.
+    """
     layout, data, attrs = contents_of(results[0])
     values = results[0].values
     table = _variable_table("end_criterion" in values, is_pair(results[0].scene))
@@ -153,7 +156,7 @@ def stacked_contents(results: Sequence[Result], dim: str) -> Contents:
 
 @functools.cache
 def _variable_table(is_life: bool, is_of_pair: bool) -> Mapping[str, Variable]:
-    """Returns the variables that a file may contain, the coordinates first."""
+    """Returns the variables that a file of a case or life may contain, the coordinates first."""
     table = LIFE if is_life else CASE
     return ALL_COORDINATES | (pair_table(table) if is_of_pair else table)
 
@@ -173,7 +176,9 @@ def _layout(
     strips: int,
     balls: int,
 ) -> Layout:
-    """Returns the layout of a result; it is shared, so do not write to it.
+    """Returns the layout of the file of a result; it is shared, so do not write to it.
+
+    ValueError: values whose dimensions are not those of the table.
 
     is_averaged: whether the values are means over the evaluated turns of a dynamic case.
     shapes: name and shape of each value.
@@ -198,11 +203,8 @@ def _layout(
         if name not in ALL_COORDINATES and (name in shape_of or variable.always)
     }
     if is_averaged:
-        for name, entry in variables.items():
-            if name in shape_of and (method := _cell_method(table[name])):
-                entry.attrs["cell_methods"] = method
-                if entry.dims[: len(TIME)] != TIME:
-                    entry.attrs["long_name"] += OVER_TURNS[method]
+        for name in variables.keys() & shape_of.keys():
+            _describe_averaging(variables[name], table[name])
     used_dims = dict.fromkeys(dim for entry in variables.values() for dim in entry.dims)
     coordinates = _coordinates(used_dims, shape_of, sizes)
     if balls and "ball" in coordinates and sizes["ball"] == 1:
@@ -210,10 +212,24 @@ def _layout(
     return Layout(coordinates, variables, {dim: sizes[dim] for dim in used_dims})
 
 
+def _describe_averaging(entry: Entry, variable: Variable) -> None:
+    """Adds to the attributes of a variable how a dynamic case averages it."""
+    method = _cell_method(variable)
+    if method is None:
+        return
+    entry.attrs["cell_methods"] = method
+    if entry.dims[: len(TIME)] != TIME:
+        entry.attrs["long_name"] += OVER_TURNS[method]
+
+
 def _coordinates(
     used_dims: Container[str], shape_of: Mapping[str, tuple[int, ...]], sizes: Mapping[str, int]
 ) -> dict[str, Entry]:
-    """Returns the coordinates of the dimensions that are used; these never have missing values."""
+    """Returns the coordinates of the dimensions that are used; these never have missing values.
+
+    shape_of: shapes of the values of a result, by name.
+    sizes: of all dimensions.
+    """
     coordinates = {}
     for name, variable in ALL_COORDINATES.items():
         dim = variable.dims[0]
@@ -237,10 +253,11 @@ def _entry(
     sizes: Mapping[str, int],
     default: np.ndarray | None = None,
 ) -> Entry:
-    """Returns the entry of a variable; its data are `default` or missing values if not solved.
+    """Returns the entry of a variable. ValueError: the shape of its value is not that of its dims.
 
     solved_shape: of its value in a result; None if there is none.
     sizes: of all dimensions.
+    default: data if there is no value; None means missing values.
     """
     dims = variable.dims
     shape = tuple(sizes[dim] for dim in dims)
@@ -256,7 +273,7 @@ def _entry(
 
 
 def stored_data(variable: Variable, value: Any) -> np.ndarray:
-    """Converts a value [SI, radians] to the type and unit of its variable in a file."""
+    """Returns a value [SI, radians] as an array in the type and unit of its variable in a file."""
     data = np.array(value, dtype=variable.stored_type)
     if variable.scale != 1.0 and data.dtype.kind == "f":
         data = np.asarray(data * data.dtype.type(variable.scale))
@@ -274,7 +291,10 @@ def _cell_method(variable: Variable) -> str | None:
 
 
 def _attribute(value: Any) -> Any:
-    """Converts a value to a netCDF attribute that every reader understands."""
+    """Returns a value in a type that every reader of netCDF understands as an attribute.
+
+    That is a 64 bit number, or text; Boolean values become 0 and 1.
+    """
     if isinstance(value, bool | np.bool_ | int | np.integer):
         return np.int64(value)
     if isinstance(value, float | np.floating):

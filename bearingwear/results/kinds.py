@@ -31,6 +31,8 @@ def kind_of(file: Any) -> str:
 
     Cases and lives are recognised by their variables. Every other file states its kind in its
     attribute `kind`, or else in its title, up to the first ` of ` or colon.
+
+    file: `netCDF4.Dataset`, `ContentsView` or `xarray.Dataset`.
     """
     if _is_scalar(file, "end_criterion"):
         return LIFE_KIND
@@ -46,8 +48,8 @@ def _is_scalar(file: Any, name: str) -> bool:
     return name in file.variables and file[name].ndim == 0
 
 
-def function(dotted: str) -> Callable[..., Any]:
-    """Imports the function with a dotted name, `module:function`."""
-    module, _, name = dotted.partition(":")
+def imported_function(dotted_name: str) -> Callable[..., Any]:
+    """Returns the function of a dotted name, `module:function`, after importing its module."""
+    module, _, name = dotted_name.partition(":")
     imported: Callable[..., Any] = getattr(importlib.import_module(module), name)
     return imported

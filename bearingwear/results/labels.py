@@ -37,8 +37,9 @@ def _labelled_variable(variable: xr.Variable) -> xr.Variable:
 
 
 def named_data(codes: np.ndarray, attrs: Mapping[Any, Any]) -> tuple[np.ndarray, dict[Any, Any]]:
-    """Returns the names of codes and their attributes.
+    """Returns the name of each code, and the attributes of a variable of names.
 
+    codes: whole numbers of any shape; -1 has the name `NO_NAME`.
     attrs: of the codes; their `flag_meanings` are the names.
     """
     names = np.asarray(_code_names(attrs["flag_meanings"])[codes])
@@ -47,33 +48,45 @@ def named_data(codes: np.ndarray, attrs: Mapping[Any, Any]) -> tuple[np.ndarray,
 
 @functools.cache
 def _code_names(meanings: str) -> np.ndarray:
-    """Returns an array with the name of each code, and with that of -1 as its last item."""
+    """Returns the names of the codes 0, 1, ... in an array; the index -1 finds that of -1.
+
+    meanings: names, separated by spaces.
+    """
     return np.array([*meanings.split(), NO_NAME])
 
 
 def coded(dataset: xr.Dataset) -> xr.Dataset:
-    """Reverses `labelled`: returns a dataset with the codes and attributes of files.
+    """Returns a dataset with codes instead of names, and the attributes of files.
 
-    A variable with other names than its `flag_meanings` is not changed.
+    It reverses `labelled`. A variable with other names than its `flag_meanings` is not changed.
     """
-    codes = {}
-    for name, variable in dataset.variables.items():
-        meanings = str(variable.attrs.get("flag_meanings", "")).split()
-        labels = variable.values
-        code_of = {NO_NAME: -1} | {label: code for code, label in enumerate(meanings)}
-        if meanings and labels.dtype.kind in "UOT" and set(labels.flat) <= set(code_of):
-            numbers = np.array([code_of[label] for label in labels.flat], dtype=np.int8)
-            attrs = _attributes_of_codes(variable.attrs, len(meanings))
-            codes[name] = (variable.dims, numbers.reshape(labels.shape), attrs)
-    result = dataset.assign(codes)
+    variables = {name: _coded_variable(variable) for name, variable in dataset.variables.items()}
+    result = dataset.assign(
+        {name: variable for name, variable in variables.items() if variable is not None}
+    )
     result.attrs = {key: dataset.attrs[key] for key in dataset.attrs if key not in ONLY_IN_MEMORY}
     return result
 
 
-def _attributes_of_codes(attrs: Mapping[Any, Any], count: int) -> dict[Any, Any]:
-    """Returns the attributes of names with `flag_values`, in the order of the files of commands.
+def _coded_variable(variable: xr.Variable) -> tuple[Any, np.ndarray, dict[Any, Any]] | None:
+    """Returns dimensions, codes and attributes of a variable of names; None for any other."""
+    meanings = str(variable.attrs.get("flag_meanings", "")).split()
+    names = variable.values
+    code_of = {NO_NAME: -1} | {name: code for code, name in enumerate(meanings)}
+    is_text = names.dtype.kind in "UOT"  # fixed or variable length, or objects
+    if not (meanings and is_text and set(names.flat) <= code_of.keys()):
+        return None
+    codes = np.array([code_of[name] for name in names.flat], dtype=np.int8)
+    attrs = _attributes_of_codes(variable.attrs, len(meanings))
+    return variable.dims, codes.reshape(names.shape), attrs
 
-    count: the number of flags.
+
+def _attributes_of_codes(attrs: Mapping[Any, Any], count: int) -> dict[Any, Any]:
+    """Returns the attributes of a variable of names with `flag_values` before `flag_meanings`.
+
+    That is their order in the files of commands.
+
+    count: number of codes.
     """
     attributes = {}
     for key, value in attrs.items():

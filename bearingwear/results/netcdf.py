@@ -99,30 +99,34 @@ def _write_contents(file: Any, contents: Contents) -> None:
         variable[...] = data[name]
 
 
-def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
+def dataset_of_result(result: Result, by_name: bool = False) -> xr.Dataset:
     """Returns the dataset that `load` returns for the file of a result, with `wall_time_s`.
 
-    by_name: replaces codes by names, as `labelled` does.
+    by_name: whether with names instead of codes, as `labelled` does.
     """
     contents = contents_of(result)
     contents.attrs["wall_time_s"] = float(result.wall_time_s)
-    data = {
-        name: _values_and_attrs(entry, contents.data[name], by_name)[0]
-        for name, entry in contents.layout.variables.items()
-    }
-    # a copy with other data: the constructor takes longer than a solve
+    data = {}
+    for name, entry in contents.layout.variables.items():
+        data[name], _ = _values_and_attrs(entry, contents.data[name], by_name)
+    # the constructor of a dataset takes longer than a solve, so an earlier one is copied
     filled = _template(contents, by_name).copy(deep=False, data=data)
     for name, entry in contents.layout.coordinates.items():
-        if entry.dims != (name,):  # no index, which would be immutable
+        if entry.dims != (name,):  # without an index, whose values the template already has
             filled.variables[name].data = contents.data[name]
     filled.attrs = contents.attrs
     return filled
 
 
 def stacked_datasets(results: Iterable[Result], dim: str) -> list[xr.Dataset]:
-    """Stacks results along a new first dimension; one dataset for neighbours of the same shapes."""
-    runs = (tuple(run) for _, run in itertools.groupby(results, _fidelity_and_shapes))
-    return [_contents_dataset(stacked_contents(run, dim)) for run in runs]
+    """Returns datasets of results along a new first dimension, in the order of the results.
+
+    Neighbours of the same model and shapes share a dataset.
+
+    dim: name of the dimension.
+    """
+    groups = itertools.groupby(results, _fidelity_and_shapes)
+    return [_contents_dataset(stacked_contents(tuple(group), dim)) for _, group in groups]
 
 
 def _fidelity_and_shapes(result: Result) -> tuple[str | None, list[tuple[str, tuple[int, ...]]]]:
@@ -132,7 +136,7 @@ def _fidelity_and_shapes(result: Result) -> tuple[str | None, list[tuple[str, tu
 
 
 def _contents_dataset(contents: Contents, by_name: bool = False) -> xr.Dataset:
-    """Returns the contents of a file as a dataset."""
+    """Returns the contents of a file as a dataset, with names instead of codes if `by_name`."""
     import xarray as xr
 
     layout, data = contents.layout, contents.data
@@ -146,7 +150,7 @@ def _contents_dataset(contents: Contents, by_name: bool = False) -> xr.Dataset:
 def _variables(
     entries: Mapping[str, Entry], data: Mapping[str, np.ndarray], by_name: bool
 ) -> dict[str, xr.Variable]:
-    """Returns variables of a dataset."""
+    """Returns entries and their data as variables of a dataset, by name."""
     import xarray as xr
 
     variables = {}
@@ -168,7 +172,10 @@ def _values_and_attrs(
 
 
 _TEMPLATES: dict[Any, tuple[Layout, xr.Dataset]] = {}
-"""Datasets of earlier results with the layouts that they follow; alike results differ in data."""
+"""Datasets of earlier results by the ids of their layouts and the bytes of their coordinates.
+
+Each entry holds its layout, so that no other one gets the id meanwhile.
+"""
 
 
 def _template(contents: Contents, by_name: bool) -> xr.Dataset:
@@ -182,7 +189,8 @@ def _template(contents: Contents, by_name: bool) -> xr.Dataset:
         if len(_TEMPLATES) >= MOST_TEMPLATES:
             _TEMPLATES.clear()
         _TEMPLATES[key] = layout, _contents_dataset(contents, by_name).drop_attrs(deep=False)
-    return _TEMPLATES[key][1]
+    _, template = _TEMPLATES[key]
+    return template
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -209,7 +217,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def load_kind(path: str | os.PathLike[str], *kinds: str) -> xr.Dataset:
-    """Reads a result file of one of some kinds. May raise CaseFileError."""
+    """Reads a result file whose attribute `kind` is one of some. May raise CaseFileError."""
     dataset = load(path)
     if dataset.attrs.get("kind") not in kinds:
         allowed = " or ".join(kinds)
@@ -263,15 +271,15 @@ def check_readable(path: str | os.PathLike[str]) -> None:
 
 @contextlib.contextmanager
 def json_faults(path: str | os.PathLike[str], expected: str) -> Iterator[None]:
-    """Turns any fault in reading a JSON file into a CaseFileError of one line.
+    """Is a context that turns any fault in reading a JSON file into a CaseFileError of one line.
 
     expected: words for the content that the file should have.
     """
     try:
         yield
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
-        reason = " ".join(str(error).split())
-        raise CaseFileError(f"{path}: cannot be read ({reason}), expected {expected}") from None
+        problem = f"cannot be read ({' '.join(str(error).split())}), expected {expected}"
+        raise CaseFileError(f"{path}: {problem}") from None
 
 
 def damaged_file_error(path: str | os.PathLike[str], error: BaseException) -> CaseFileError:

@@ -56,12 +56,19 @@ def is_pair(scene: Mapping[str, Any]) -> bool:
 
 
 def method_words(scene: Mapping[str, Any], method: str) -> str:
-    """Returns the words for a preload method; for a pair, the kind of the pair."""
-    return (PAIRS[method] if is_pair(scene) else method).replace("_", " ")
+    """Returns the words for a preload method; for a pair, those for the kind of the pair.
+
+    scene: plain data; empty for a single bearing.
+    """
+    name = PAIRS[method] if is_pair(scene) else method
+    return name.replace("_", " ")
 
 
 def pair_table(table: Mapping[str, Variable]) -> dict[str, Variable]:
-    """Returns the table for a pair, in which all but shared variables are over the bearings."""
+    """Returns a table of variables for a pair: those not in `SHARED` have a value for each bearing.
+
+    table: the variables of a single bearing.
+    """
     return {
         name: variable if name in SHARED else replace(variable, dims=(OF_BEARING, *variable.dims))
         for name, variable in table.items()

@@ -15,7 +15,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, header, load_kind
 from bearingwear.results.units import Interval, Rough, digits, key_in_words
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.coefficients import NINETY, usual_spread
 from bearingwear.scene.decisive import decisive_data
@@ -89,10 +89,9 @@ class Spread(NamedTuple):
 
         `90 % of bearings have lives between 0.34 and 5.8 h`.
         """
-        low, high = self.bearings.text.split(" to ")
-        text = f"{BEARINGS_BETWEEN} have lives between {low} and {high} h".replace(
-            " %", "\N{NO-BREAK SPACE}%"
-        )
+        low, high = Rough(self.bearings.low).text, Rough(self.bearings.high).text
+        bearings = BEARINGS_BETWEEN.replace(" %", "\N{NO-BREAK SPACE}%")
+        text = f"{bearings} have lives between {low} and {high} h"
         if self.bearings.low == 0.0:
             text += " (0: some bearings meet an end-of-life criterion when new)"
         if self.solved < 1.0:
@@ -131,15 +130,16 @@ def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None
     scene: plain data. Without distributions, those of the table of coefficients apply.
     life: in any unit, which is that of the interval.
     """
-    distributions, assumed = scene.get("uncertainty"), ""
+    distributions, assumed = scene.get("uncertainty") or {}, ""
     if scene and not distributions:
         distributions, assumed = usual_spread(scene)
-    of_wear = [wear for name, wear in (distributions or {}).items() if name in WORN]
-    are_lognormal = all("factor" in wear and "median" not in wear for wear in of_wear)
-    if not of_wear or not are_lognormal or not life > 0.0:
+    wear_spreads = [spread for name, spread in distributions.items() if name in WORN]
+    are_lognormal = all("factor" in spread and "median" not in spread for spread in wear_spreads)
+    if not wear_spreads or not are_lognormal or not life > 0.0:
         return None, ""
-    deviation = math.hypot(*(math.log(wear["factor"]) for wear in of_wear))
-    low, high = (life * math.exp(z * deviation) for z in (-NINETY, NINETY))
+    # variances of independent logarithms add up
+    deviation = math.hypot(*(math.log(spread["factor"]) for spread in wear_spreads))
+    low, high = life * math.exp(-NINETY * deviation), life * math.exp(NINETY * deviation)
     return Interval(low, high), assumed
 
 
@@ -151,7 +151,7 @@ def hours_in_words(scene: Mapping[str, Any], life_h: float) -> str:
 
 
 def spread_text(spread: Spread | None) -> str:
-    """Returns `Spread.sentence`, or a note that there is no spread."""
+    """Returns `Spread.sentence`; without a spread, that it was not computed."""
     return spread.sentence if spread else NO_QUANTILES
 
 
@@ -166,10 +166,13 @@ def load_quantiles(path: str | Path) -> list[xr.Dataset]:
 
 
 def at_each_friction(uncertainty: xr.Dataset) -> list[xr.Dataset]:
-    """Returns a dataset for each friction coefficient, with its scene; the file itself without."""
+    """Returns a dataset for each friction coefficient, whose scene has that coefficient.
+
+    uncertainty: contents of a file; without the dimension `friction`, they are the only dataset.
+    """
     if "friction" not in uncertainty.dims:
         return [uncertainty]
-    scene = scene_of(uncertainty)
+    scene = plain_scene(uncertainty)
     return [
         uncertainty.sel(friction=mu, drop=True).assign_attrs(
             scene=json.dumps(with_changes(scene, {"friction.ball_race": mu}))
@@ -179,10 +182,15 @@ def at_each_friction(uncertainty: xr.Dataset) -> list[xr.Dataset]:
 
 
 def uncertainties_at(path: str | Path) -> list[xr.Dataset]:
-    """Reads the quantiles in a file and in the files of uncertainty beside it."""
-    folder = Path(path).parent
+    """Returns the datasets of `load_quantiles` from a file and the files of uncertainty beside it.
+
+    Files of another kind, and those that cannot be read, are left out.
+    """
+    folder, files = Path(path).parent, [Path(path)]
+    for place in PLACES_BESIDE:
+        files += sorted(folder.glob(place))
     uncertainties = []
-    for file in [path, *(file for place in PLACES_BESIDE for file in sorted(folder.glob(place)))]:
+    for file in files:
         with contextlib.suppress(CaseFileError):
             # most files are of another kind, and need not wait for xarray
             if header(file).get("kind") == KIND:
@@ -199,29 +207,32 @@ def spread_of(
 ) -> Spread | None:
     """Returns the spread of the life of a scene; None if it was not computed for that scene.
 
-    uncertainties: files of the study of uncertainty.
+    uncertainties: contents of files of the study of uncertainty, as from `load_quantiles`.
     scene: of the life, as in its file; that of a study leaves out the keys that it varies.
-    method, friction: of the life; None as the friction of a film.
-    choice: the scene's own preload or the recommended one.
+    method: preload method of the life.
+    friction: ball-race friction coefficient of the life; None for that of the scene, or of a film.
+    choice: the scene's own preload, `GIVEN`, or the recommended one, `RECOMMENDED`.
     """
-    for dataset in uncertainties:
-        sampled_scene = scene_of(dataset)
-        if ASSUMED_SPREAD in dataset.attrs and "uncertainty" not in scene:
+    for uncertainty in uncertainties:
+        sampled_scene = plain_scene(uncertainty)
+        if ASSUMED_SPREAD in uncertainty.attrs and "uncertainty" not in scene:
             del sampled_scene["uncertainty"]
-        flags = dataset["preload_method"].attrs["flag_meanings"].split()
-        methods = [flags[int(flag)] for flag in dataset["preload_method"].values]
-        if (
-            method in methods
-            and choice in dataset[PRELOAD_CHOICE]
-            and _decisive_scene(scene, method, friction) == _decisive_scene(sampled_scene, method)
-        ):
-            of_method = dataset.isel(preload_method=methods.index(method))
-            return spread_at(of_method.sel({PRELOAD_CHOICE: choice}))
+        by_method = dict(methods(uncertainty))
+        if method not in by_method or choice not in uncertainty[PRELOAD_CHOICE]:
+            continue
+        sampled = _decisive_scene(sampled_scene, method)
+        if _decisive_scene(scene, method, friction) == sampled:
+            return spread_at(by_method[method].sel({PRELOAD_CHOICE: choice}))
     return None
 
 
 def causes_sentence(scene: Mapping[str, Any]) -> str:
-    """Lists the uncertain values of a scene, by the parts of the spread that they cause."""
+    """Returns sentences that name the uncertain values of a scene by the spread that they cause.
+
+    They are the scatter of the bearings of a batch, and the uncertainty of the batch.
+
+    scene: plain data.
+    """
     distributions = {
         key: Distribution(**content) for key, content in (scene.get("uncertainty") or {}).items()
     }
@@ -241,26 +252,30 @@ def causes_sentence(scene: Mapping[str, Any]) -> str:
 
 
 def _cause_words(key: str) -> str:
-    """Returns the words for a key of the block `uncertainty`."""
-    words = "ball-race friction" if key == "ball_race" else key_in_words(key)[0]
+    """Returns the words for a key of the block `uncertainty`, without its unit."""
+    if key == "ball_race":
+        return "ball-race friction"
+    words, _ = key_in_words(key)
     return words.replace("brinell", "Brinell")
 
 
 def _decisive_scene(
     scene: Mapping[str, Any], method: str, friction: float | None = None
 ) -> dict[str, Any]:
-    """Returns the keys of a scene that determine its spread, at a preload method and friction.
+    """Returns the data of a scene that determine its spread, at a preload method and friction.
 
     Settings of accuracy are left out, since they change a life by far less than its spread.
+
+    friction: ball-race friction coefficient; None for that of the scene.
     """
-    point: dict[str, Any] = {"operation.preload_method": method}
+    changes: dict[str, Any] = {"operation.preload_method": method}
     if friction is not None:
-        point["friction.ball_race"] = friction
+        changes["friction.ball_race"] = friction
     blocks = {
         key: block for key, block in decisive_data(scene).items() if key not in ("name", "model")
     }
     blocks["wear"] = {"ball_diameter_loss_um": 0.0} | scene["wear"]
-    return with_changes(blocks, point)
+    return with_changes(blocks, changes)
 
 
 def spread_at(uncertainty: xr.Dataset) -> Spread | None:
@@ -274,15 +289,7 @@ def spread_at(uncertainty: xr.Dataset) -> Spread | None:
     scatter = interval_of(uncertainty, SCATTER_ONLY)
     unknown = interval_of(uncertainty, BATCH_ONLY)
     has_scatter = scatter.low != scatter.high
-    inputs_of = {BEARINGS_BETWEEN: ALL_INPUTS, WITHIN_BATCH: SCATTER_ONLY, OF_BATCH: BATCH_ONLY}
-    errors = {
-        label: ", ".join(_error_text(uncertainty, inputs, p) for p in INTERVAL)
-        for label, inputs in inputs_of.items()
-    }
     probabilities = MEDIAN_BATCH if has_scatter else {}
-    errors |= {
-        label: _error_text(uncertainty, SCATTER_ONLY, p) for label, p in probabilities.items()
-    }
     within_batch = uncertainty["life_quantile"].sel({UNCERTAIN_INPUTS: SCATTER_ONLY})
     return Spread(
         bearings=bearings,
@@ -291,12 +298,29 @@ def spread_at(uncertainty: xr.Dataset) -> Spread | None:
         quantiles={
             label: float(within_batch.sel(probability=p)) for label, p in probabilities.items()
         },
-        errors=errors,
+        errors=_error_texts(uncertainty, probabilities),
         solved=float(uncertainty["solved_share"]),
         failures=_failure_counts(uncertainty),
         longest=_longest_life_interval(uncertainty),
         longest_share=100.0 * float(uncertainty.get("longest_share", math.nan)),
     )
+
+
+def _error_texts(uncertainty: xr.Dataset, probabilities: Mapping[str, float]) -> dict[str, str]:
+    """Returns the confidence intervals of the ends of the intervals, and of some quantiles.
+
+    The keys are the labels of `Spread.rows`.
+
+    probabilities: of the quantiles that scatter alone makes, by their labels.
+    """
+    inputs_of = {BEARINGS_BETWEEN: ALL_INPUTS, WITHIN_BATCH: SCATTER_ONLY, OF_BATCH: BATCH_ONLY}
+    texts = {
+        label: ", ".join(_error_text(uncertainty, inputs, end) for end in INTERVAL)
+        for label, inputs in inputs_of.items()
+    }
+    for label, probability in probabilities.items():
+        texts[label] = _error_text(uncertainty, SCATTER_ONLY, probability)
+    return texts
 
 
 def interval_of(uncertainty: xr.Dataset, inputs: int) -> Interval:
@@ -320,21 +344,29 @@ def _failure_counts(uncertainty: xr.Dataset) -> dict[str, int]:
 
 
 def _error_text(uncertainty: xr.Dataset, inputs: int, probability: float) -> str:
-    """Returns the confidence interval of a quantile with two digits; an end may be unknown."""
+    """Returns the confidence interval of a quantile [unit of the file] as text with two digits.
+
+    An end may be unknown: `up to 5.8`, `from 0.34`, `not known`.
+
+    inputs: which of the uncertain inputs vary, a value of `UNCERTAIN_INPUTS`.
+    """
     index = {UNCERTAIN_INPUTS: inputs, "probability": probability}
-    low, high = (float(uncertainty[f"life_quantile_{end}"].sel(index)) for end in ("low", "high"))
+    low = Rough(uncertainty["life_quantile_low"].sel(index))
+    high = Rough(uncertainty["life_quantile_high"].sel(index))
     if math.isfinite(low) and math.isfinite(high):
-        return " to ".join(dict.fromkeys(Rough(end).text for end in (low, high)))
+        return low.text if low.text == high.text else f"{low.text} to {high.text}"
     if math.isfinite(high):
-        return f"up to {Rough(high).text}"
-    return f"from {Rough(low).text}" if math.isfinite(low) else "not known"
+        return f"up to {high.text}"
+    return f"from {low.text}" if math.isfinite(low) else "not known"
 
 
 def _longest_life_interval(uncertainty: xr.Dataset) -> Interval | None:
-    """Returns the share of bearings that live longest with the method [%]; None of one method."""
-    low, high = (
-        100.0 * float(uncertainty.get(f"longest_share_{end}", math.nan)) for end in ("low", "high")
-    )
+    """Returns the interval of the share of bearings that live longest with this method [%].
+
+    It is None for a file with a single preload method.
+    """
+    low = 100.0 * float(uncertainty.get("longest_share_low", math.nan))
+    high = 100.0 * float(uncertainty.get("longest_share_high", math.nan))
     return Interval(low, high) if math.isfinite(low) else None
 
 
@@ -344,7 +376,7 @@ def quantities_of(uncertainty: xr.Dataset) -> list[str]:
 
 
 def available_preload_choice(uncertainty: xr.Dataset) -> int:
-    """Returns the choice of the recommended preload, or of the scene's own without such."""
+    """Returns `RECOMMENDED` if a file has a recommended preload, else `GIVEN`."""
     if RECOMMENDED not in uncertainty["preload_choice"]:
         return GIVEN
     recommended = uncertainty["preload"].sel(preload_choice=RECOMMENDED)

@@ -21,31 +21,18 @@ MAY_DIFFER = ("description", "wear", "uncertainty", "calibrated", "model", REGUL
 
 
 def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> dict[str, Any]:
-    """Returns the state from which a run continues.
+    """Returns the state from which a run continues: `state` (m,) in SI units, `time` [s], `scene`.
+
+    The latter is the scene of the file as plain data.
 
     scene: the scene to continue; it may differ from the file's only in `MAY_DIFFER`.
 
-    Returns: `state` (m,) in SI units, `time` [s], `scene` as plain data.
     CaseFileError: one line: no such case, not solved, of another version of the solver, of
     another scene.
     """
     name = os.fspath(path)
     with open_result(path) as file:
-        fidelity = str(getattr(file, "fidelity", "none"))
-        if fidelity != "dynamic" or "contact_load" not in file.variables:
-            raise CaseFileError(
-                f"{name}: got a file with fidelity {fidelity}, expected a dynamic case"
-            )
-        status = int(file["status"][...])
-        if status != OK:
-            raise CaseFileError(
-                f"{name}: got a case with status {STATUS_NAMES[status]}, expected status ok"
-            )
-        if file.source_hash != source_hash():
-            raise CaseFileError(
-                f"{name}: got a case solved with another version of the solver, "
-                f"{file.source_hash}, expected this version, {source_hash()}"
-            )
+        _check_can_continue(name, file)
         state = _numbers(file["final_state"])
         time = float(_numbers(file["final_time"]))
         earlier_scene = json.loads(file.scene)
@@ -56,6 +43,26 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
     if scene is not None:
         _check_same_scene(name, earlier_scene, scene.plain)
     return {"state": state, "time": time, "scene": earlier_scene}
+
+
+def _check_can_continue(name: str, file: Any) -> None:
+    """Refuses an open file that is no dynamic case, or not solved, or by another version.
+
+    name: of the file.
+    """
+    fidelity = str(getattr(file, "fidelity", "none"))
+    if fidelity != "dynamic" or "contact_load" not in file.variables:
+        raise CaseFileError(f"{name}: got a file with fidelity {fidelity}, expected a dynamic case")
+    status = int(file["status"][...])
+    if status != OK:
+        raise CaseFileError(
+            f"{name}: got a case with status {STATUS_NAMES[status]}, expected status ok"
+        )
+    if file.source_hash != source_hash():
+        raise CaseFileError(
+            f"{name}: got a case solved with another version of the solver, "
+            f"{file.source_hash}, expected this version, {source_hash()}"
+        )
 
 
 def _numbers(variable: Any) -> np.ndarray:

@@ -84,18 +84,19 @@ def display(units: str, *values: Any, shown: str = "") -> Display:
     """Returns the unit in which all values of a quantity are shown.
 
     units: of the file.
-    *values: in that unit; their largest magnitude determines the display.
+    *values: numbers or arrays in that unit; their largest finite magnitude determines the unit.
     shown: key of `SCALES`, if it is not `units`: `%`.
     """
     scales = SCALES.get(shown or units, (_Scale(shown or units, 1.0),))
     arrays = [np.abs(np.asarray(value, dtype=float)).ravel() for value in values]
     numbers = np.concatenate(arrays) if arrays else np.empty(0)
     largest = float(numbers[np.isfinite(numbers)].max(initial=0.0))
-    # a number that rounds up to the next unit is shown in that unit
-    fitting = [scale for scale in scales if rounded(scale.factor * largest) >= scale.least] or [
-        scales[0]
-    ]
-    return Display(unit=fitting[-1].unit, factor=fitting[-1].factor)
+    display_scale = scales[0]
+    for scale in scales:
+        # rounded, so that a number which rounds up to the next unit is shown in that unit
+        if rounded(scale.factor * largest) >= scale.least:
+            display_scale = scale
+    return Display(unit=display_scale.unit, factor=display_scale.factor)
 
 
 def rounded(value: float) -> float:
@@ -114,11 +115,14 @@ def digits(value: float, unit: str = "") -> str:
         return "0"
     if unit.startswith("%") and 0.0 < abs(value) < LEAST_PERCENT:
         return f"< {LEAST_PERCENT:g}"
-    return f"{rounded(value) + 0.0:.7g}"
+    return f"{rounded(value) + 0.0:.7g}"  # + 0.0 makes 0 of -0
 
 
 def scale_of(unit: str) -> tuple[str, float]:
-    """Returns the unit of files for a unit of the display, and the factor from it to that one."""
+    """Returns the unit of files for a unit of the display, and the factor from the former.
+
+    A unit that is not in `SCALES` is that of files, too.
+    """
     for file_unit, scales in SCALES.items():
         for scale in scales:
             if scale.unit == unit:
@@ -131,7 +135,7 @@ class Rough(float):
 
     @property
     def text(self) -> str:
-        """Returns the number with its two digits, however small it is: K_s/H may be 1e-17 m2/N."""
+        """Returns the number with two digits, however small it is: K_s/H may be 1e-17 m2/N."""
         return f"{float(f'{self:.2g}'):.7g}" if math.isfinite(self) else digits(self)
 
     def in_unit(self, unit: str) -> str:
@@ -144,7 +148,7 @@ class Percent(float):
 
     @property
     def text(self) -> str:
-        """Returns the number with its sign."""
+        """Returns the number with three digits and its sign."""
         text = digits(self, "%")
         return text if self < 0.0 or text.startswith("<") else f"+{text}"
 
@@ -176,7 +180,11 @@ class Estimated(float):
 
     @classmethod
     def of(cls, value: float, error: float) -> Estimated:
-        """Returns a number with its error, at least `RESOLVED`; NaN if the error is not known."""
+        """Returns a number with its error.
+
+        The error is at least the share `RESOLVED` of the number. One that is 0 or NaN is not known,
+        and is stored as NaN.
+        """
         number = cls(value)
         number.error = max(error, RESOLVED * abs(value)) if error > 0.0 else math.nan
         return number
@@ -193,23 +201,30 @@ class Estimated(float):
 
 
 def text_to_error(value: float, error: float) -> str:
-    """Returns a number as text to the first digit of its error: `0.87` with an error of 0.02."""
+    """Returns a number as text to the first digit of its error: `0.87` with an error of 0.02.
+
+    It has three digits if the error is not known, 0 or infinite.
+    """
     if not (math.isfinite(value) and 0.0 < error < math.inf):
         return digits(value)
-    places = -math.floor(math.log10(float(f"{error:.0e}")))
-    return f"{round(value, places) + 0.0:.{max(places, 0)}f}"
+    rounded_error = float(f"{error:.0e}")  # 0.096 rounds to 0.1, whose first digit is another
+    places = -math.floor(math.log10(rounded_error))
+    return f"{round(value, places) + 0.0:.{max(places, 0)}f}"  # + 0.0 makes 0 of -0
 
 
 def span(values: Iterable[float]) -> str:
-    """Returns the least and the largest finite value: `1.2 to 3`; a dash if there is none."""
-    finite = sorted(value for value in values if math.isfinite(value))
-    ends = [finite[0], finite[-1]] if finite else [math.nan]
+    """Returns the least and the largest finite value as text: `1.2 to 3`.
+
+    It is a single number where both have the same text, and a dash if no value is finite.
+    """
+    finite = [value for value in values if math.isfinite(value)]
+    ends = [min(finite), max(finite)] if finite else [math.nan]
     texts = [end.text if isinstance(end, Rough) else digits(end) for end in ends]
     return " to ".join(dict.fromkeys(texts))
 
 
 def printed_unit(unit: str) -> str:
-    """Returns a unit with its proper characters and without breaks: `N/um` as `N/µm`."""
+    """Returns a unit with its proper characters and no-break spaces: `N/um` as `N/µm`."""
     text = re.sub(r"u(?=[mNsJ])", "µ", unit).replace("degree", "°")
     text = text.replace("m3", "m³").replace("s2", "s²")
     return text.replace(" ", "\N{NO-BREAK SPACE}")
@@ -272,6 +287,6 @@ _MICRO = re.compile(r"(?<=\N{NO-BREAK SPACE})u(?=m(?!\w))|(?<=\N{NO-BREAK SPACE}
 
 
 def without_unit_breaks(text: str) -> str:
-    """Returns a text without line breaks between numbers and units, and with µ for u in these."""
+    """Returns a text with no-break spaces between numbers and units, and µ for u in units."""
     text = _MICRO.sub("µ", _UNIT.sub("\N{NO-BREAK SPACE}", text))
     return text.replace("N/µm", "N/\N{WORD JOINER}µm")

@@ -45,7 +45,10 @@ class Variable:
 
     @functools.cached_property
     def missing(self) -> np.generic:
-        """Returns the value that marks it as not solved: NaN, or the last flag, named "none"."""
+        """Returns the value that marks it as not solved: NaN, or the last flag, named "none".
+
+        ValueError: a whole number without flags, which has no such value.
+        """
         return self.stored_type.type(len(self.flags) - 1 if self.flags else np.nan)
 
     @property
@@ -68,7 +71,7 @@ class Variable:
 
 
 def table(*variables: Variable, always: bool = False) -> dict[str, Variable]:
-    """Returns variables by their names.
+    """Returns variables by their names, as a table that `|` joins with others.
 
     always: sets `Variable.always` of all of them.
     """

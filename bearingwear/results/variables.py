@@ -45,7 +45,10 @@ def _history(
     scale: float = 1.0,
     comment: str | None = None,
 ) -> Variable:
-    """Returns a variable of a dynamic case over time, stored in single precision."""
+    """Returns the variable of a history in a dynamic case, stored in single precision.
+
+    name: without its prefix `history_`; the others are as in `Variable`.
+    """
     return Variable(f"history_{name}", dims, units, long_name, "f4", scale, comment=comment)
 
 
@@ -108,11 +111,14 @@ case, or all balls. Other variables are represented by their mean."""
 
 
 def of_all_balls(name: str, values: Any, balls: int | str) -> Any:
-    """Returns one value for all balls: the mean, or an extreme for the variables of `EXTREMES`.
+    """Returns the values of a variable with one for all balls: the mean or, in `EXTREMES`, that.
 
-    balls: axis or dimension of the balls.
+    name: of the variable.
+    values: NumPy array or `xarray.DataArray`.
+    balls: its axis or dimension of the balls.
     """
-    return getattr(values, EXTREMES.get(name, "mean"))(balls)
+    reduction = EXTREMES.get(name, "mean")  # name of a method of arrays
+    return getattr(values, reduction)(balls)
 
 
 # fmt: off

@@ -12,22 +12,29 @@ WARNING = "warning: "
 
 
 def warnings_in(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Returns the warnings in the global attributes of a result or of a file."""
+    """Returns the warnings in the global attributes of a result or of a file.
+
+    Each has an `id`, a `sentence`, an `advice`, an `excess` over its limit, which may be None, and
+    in a file of several cases their number, `cases`.
+    """
     warnings: list[dict[str, Any]] = json.loads(attributes.get("warnings", "[]"))
     return warnings
 
 
 def merged_warnings(attributes: Iterable[Mapping[str, Any]]) -> str:
-    """Returns the attribute `warnings` of many results: the worst of each id, with its `cases`.
+    """Returns the attribute `warnings` of a file of many results, as JSON.
+
+    It has the worst warning of each id, with the number of results that have one.
 
     attributes: of each result.
     """
     worst: dict[str, dict[str, Any]] = {}
-    for warning in (warning for result in attributes for warning in warnings_in(result)):
-        previous = worst.get(warning["id"], warning | {"cases": 0})
-        cases = previous["cases"] + warning.get("cases", 1)
-        is_worse = (warning["excess"] or 0.0) > (previous["excess"] or 0.0)
-        worst[warning["id"]] = (warning if is_worse else previous) | {"cases": cases}
+    for result_attributes in attributes:
+        for warning in warnings_in(result_attributes):
+            previous = worst.get(warning["id"], warning | {"cases": 0})
+            cases = previous["cases"] + warning.get("cases", 1)
+            is_worse = (warning["excess"] or 0.0) > (previous["excess"] or 0.0)
+            worst[warning["id"]] = (warning if is_worse else previous) | {"cases": cases}
     return json.dumps(list(worst.values()))
 
 
@@ -37,7 +44,7 @@ def warning_lines(attributes: Mapping[str, Any]) -> list[str]:
 
 
 def warning_line(warning: Mapping[str, Any]) -> str:
-    """Returns a warning as text; one of several cases with their number."""
+    """Returns a warning as text, with the number of cases that have it if there are several."""
     cases = warning.get("cases", 1)
     count = f"{cases} cases, at worst: " if cases > 1 else ""
     return f"{WARNING}{count}{warning['sentence']}; {warning['advice']}"

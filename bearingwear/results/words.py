@@ -19,7 +19,7 @@ _Data = TypeVar("_Data", "xr.Dataset", "xr.DataArray")
 
 
 def methods(dataset: _Data) -> list[tuple[str, _Data]]:
-    """Returns name and slice of each preload method in a dataset or variable."""
+    """Returns the name of each preload method in a dataset or variable, with its slice."""
     names = dataset["preload_method"].attrs["flag_meanings"].split()
     return [
         (names[int(flag)], dataset.isel(preload_method=k))
@@ -28,38 +28,40 @@ def methods(dataset: _Data) -> list[tuple[str, _Data]]:
 
 
 def datasets_by_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
-    """Returns the slice of each bearing of a pair, by `first` and `second`.
+    """Returns the datasets of the bearings of a pair, by `first` and `second`.
 
-    The key is None for a single bearing, and for two that are alike.
+    There is one dataset, with the key None, for a single bearing and for two with equal values.
     """
     if OF_BEARING not in dataset.dims:
         return {None: dataset}
-    first, second = (dataset.isel({OF_BEARING: k}, drop=True) for k in range(2))
+    first = dataset.isel({OF_BEARING: 0}, drop=True)
+    second = dataset.isel({OF_BEARING: 1}, drop=True)
     if first.equals(second):
         return {None: first}
-    scene = scene_of(dataset)
-    return {
-        bearing: slice_of_bearing.assign_attrs(
-            scene=json.dumps(scene | {"name": f"{scene['name']}, {bearing} bearing"})
-        )
-        for bearing, slice_of_bearing in zip(BEARINGS, (first, second), strict=True)
-    }
+    scene = plain_scene(dataset)
+    datasets: dict[str | None, xr.Dataset] = {}
+    for bearing, bearing_dataset in zip(BEARINGS, (first, second), strict=True):
+        bearing_scene = scene | {"name": f"{scene['name']}, {bearing} bearing"}
+        datasets[bearing] = bearing_dataset.assign_attrs(scene=json.dumps(bearing_scene))
+    return datasets
 
 
 def dataset_of_bearing(
     dataset: xr.Dataset, name: str | Path, bearing: str | None = None
 ) -> xr.Dataset:
-    """Returns the slice of one bearing: `first` or `second`, or None for the only one.
+    """Returns the dataset of one bearing.
 
     name: of the file, for messages.
+    bearing: `first` or `second` of a pair; None for a single bearing, or two with equal values.
+
     CaseFileError: two bearings that differ without a choice of one, or a choice in a file of a
     single bearing.
     """
-    slices = datasets_by_bearing(dataset)
-    if None in slices and OF_BEARING in dataset.dims:  # two that are alike
-        slices |= dict.fromkeys(BEARINGS, slices[None])
-    if bearing in slices:
-        return slices[bearing]
+    datasets = datasets_by_bearing(dataset)
+    if bearing in datasets:
+        return datasets[bearing]
+    if bearing in BEARINGS and OF_BEARING in dataset.dims:  # two with equal values
+        return datasets[None]
     if bearing is None:
         raise CaseFileError(
             f"{name}: got a file with two different bearings, expected a choice: --bearing first "
@@ -72,17 +74,17 @@ def dataset_of_bearing(
 
 
 def name_in_words(name: str) -> str:
-    """Returns a name in files as words."""
+    """Returns a name in files as words, with spaces for underscores."""
     return name.replace("_", " ")
 
 
-def scene_of(dataset: xr.Dataset) -> dict[str, Any]:
-    """Returns the scene of a dataset as plain data."""
+def plain_scene(dataset: xr.Dataset) -> dict[str, Any]:
+    """Returns the data of the scene in a dataset's attribute `scene`, as `Scene.to_dict` has it."""
     return json.loads(dataset.attrs["scene"])
 
 
 def friction_text(mu: float) -> str:
-    """Returns `µ = 0.1` without breaks, for a title."""
+    """Returns a friction coefficient as `µ = 0.1` without line breaks, for a title."""
     return f"µ\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{mu:g}"
 
 

@@ -39,16 +39,27 @@ class AccuracyPreset(NamedTuple):
     tolerance: float
 
     def keys(self, slip_over: str, cage_wears: bool = False) -> dict[str, float | int | str]:
-        """Returns the settings by their paths in a scene."""
-        values = self._asdict()
-        del values["error"]
+        """Returns the settings by their whole keys, such as `model.tolerance`.
+
+        slip_over: `line` or `ellipse`, where slip is evaluated.
+        cage_wears: whether the wear of a cage is computed, which limits the step tolerance.
+        """
+        ellipse_strips, points_across = self.over_ellipse
+        is_over_ellipse = slip_over == "ellipse"
+        step_tolerance = self.dynamic_tolerance
         if cage_wears:
-            values["dynamic_tolerance"] = min(self.dynamic_tolerance, CAGE_TOLERANCE)
-        ellipse_strips, values["points_across"] = values.pop("over_ellipse")
-        if slip_over == "ellipse":
-            values |= {"quadrature": "split", "strips": ellipse_strips}
-        regularisation = {REGULARISATION: values.pop("slip_regularisation_m_s")}
-        return regularisation | {f"model.{name}": value for name, value in values.items()}
+            step_tolerance = min(step_tolerance, CAGE_TOLERANCE)
+        return {
+            REGULARISATION: self.slip_regularisation_m_s,
+            "model.quadrature": "split" if is_over_ellipse else self.quadrature,
+            "model.strips": ellipse_strips if is_over_ellipse else self.strips,
+            "model.steady_starts": self.steady_starts,
+            "model.dynamic_tolerance": step_tolerance,
+            "model.simulated_turns": self.simulated_turns,
+            "model.settled_drift": self.settled_drift,
+            "model.tolerance": self.tolerance,
+            "model.points_across": points_across,
+        }
 
 
 REGULARISATION = "friction.slip_regularisation_m_s"
@@ -125,13 +136,19 @@ NAMED_PRESETS = {"draft": PRESETS[0], "standard": PRESETS[2], "reference": PRESE
 STANDARD = NAMED_PRESETS["standard"]
 
 
-def slip_is_over(contact: str, slip_over: str | None) -> str:
-    """Returns where a contact model evaluates slip, `line` or `ellipse`, if the scene leaves it."""
-    return slip_over or SLIP_OVER[contact != "paper"]
+def slip_region(contact: str, slip_over: str | None) -> str:
+    """Returns where slip is evaluated: over the `line` or the `ellipse`.
+
+    contact, slip_over: keys of `model`; without the latter, the contact model decides.
+    """
+    return slip_over or ("line" if contact == "paper" else "ellipse")
 
 
 def accuracy_preset(accuracy: str | float) -> AccuracyPreset:
-    """Returns the preset of a name, or the cheapest one that is meant for a target error."""
+    """Returns the preset of a name, or the cheapest one that is meant for a target error.
+
+    For an error below that of all presets, it is the most accurate one.
+    """
     if isinstance(accuracy, str):
         return NAMED_PRESETS[accuracy]
     return next((preset for preset in PRESETS if preset.error <= accuracy), PRESETS[-1])
@@ -223,20 +240,23 @@ class Model:
     # fmt: on
 
     @property
-    def slip_is_over(self) -> str:
-        """Returns where slip is evaluated, `line` or `ellipse`; if not given, as `contact` does."""
-        return slip_is_over(self.contact, self.slip_over)
+    def slip_region(self) -> str:
+        """Returns where slip is evaluated: over the `line` or the `ellipse` of a contact."""
+        return slip_region(self.contact, self.slip_over)
 
     @property
-    def traction_bears(self) -> bool:
-        """Whether the balance of normal forces includes traction, where the model can."""
+    def includes_traction(self) -> bool:
+        """Whether the balance of normal forces includes traction, if the solver can include it."""
         if self.normal_balance:
             return self.normal_balance == "with_traction"
         return self.contact != "paper"
 
     @property
     def averaged_turns(self) -> float:
-        """Returns the turns over which a dynamic run is averaged; its second half if not given."""
+        """Returns the number of turns at the end of a dynamic run that are averaged.
+
+        By default it is half of the run.
+        """
         return self.evaluated_turns or 0.5 * self.simulated_turns
 
 
@@ -245,7 +265,7 @@ MOST_HISTORY_POINTS = 1_000_000
 
 
 def check_model(scene: Scene) -> None:
-    """Refuses settings that contradict each other."""
+    """Refuses settings of the block `model` that contradict each other or the scene."""
     if scene.model.cage_results and scene.cage is None:
         raise SceneError("model.cage_results", "got true; only allowed with a cage", ("cage",))
     turns, averaged = scene.model.simulated_turns, scene.model.evaluated_turns

@@ -94,26 +94,26 @@ class Arrangement:
     # fmt: on
 
     def __post_init__(self) -> None:
-        flat = flat_keys(self.second)
-        for key in flat:
-            block, _, name = key.partition(".")
-            shared = block == "operation" and name in SHARED_KEYS
-            shared = shared or (block == "wear" and name != "ball_diameter_loss_um")
-            if not name or block not in OWN_BLOCKS or shared:
+        """Refuses keys of `second` that both bearings share, and those of another kind."""
+        values_by_key = flat_keys(self.second)
+        for key, value in values_by_key.items():
+            if not _may_differ(key):
                 raise SceneError(
                     f"second.{key}" if key else "second",
-                    f"got {shown(flat[key])} for a key that is unknown or common to both bearings, "
+                    f"got {shown(value)} for a key that is unknown or common to both bearings, "
                     f"expected a key of {', '.join(OWN_BLOCKS)}, except speeds, preload, counts "
                     "and end of life",
                 )
-        object.__setattr__(self, "second", MappingProxyType(flat))
+        object.__setattr__(self, "second", MappingProxyType(values_by_key))
         _check_kind(self)
 
     def __hash__(self) -> int:
-        plain_fields = self.kind, self.orientation, self.tandem, self.external_axial_N
-        return hash((*plain_fields, repr(dict(self.second))))
+        """Returns a hash of some fields, although a mapping proxy has none of its own."""
+        second = repr(dict(self.second))
+        return hash((self.kind, self.orientation, self.tandem, self.external_axial_N, second))
 
     def __reduce__(self) -> tuple[Any, ...]:
+        """Returns what pickle makes a copy from."""
         return reduced_record(self)
 
     @property
@@ -123,26 +123,42 @@ class Arrangement:
 
     @property
     def is_symmetric(self) -> bool:
-        """Whether each of the two is the single bearing: alike, and no force but the preload."""
-        free = self.kind == "rigid_pair" or self.spring_stiffness_N_um == 0.0
-        alone = max(self.tandem) == 1
-        return free and alone and not self.second and self.external_axial_N == 0.0
+        """Whether two equal bearings carry nothing but the preload, so that one stands for both."""
+        has_constant_force = self.kind == "rigid_pair" or self.spring_stiffness_N_um == 0.0
+        has_tandem = max(self.tandem) > 1
+        has_external_force = self.external_axial_N != 0.0
+        return has_constant_force and not (has_tandem or self.second or has_external_force)
 
 
-def set_over_pair(tandem: Sequence[int]) -> float:
-    """Returns the preload of each side of a rigid set over that of a pair of the same bearings.
+def _may_differ(key: str) -> bool:
+    """Whether the second bearing of a pair may have another value of a key of a scene."""
+    block, _, name = key.partition(".")
+    if not name or block not in OWN_BLOCKS:
+        return False
+    if block == "wear":
+        return name == "ball_diameter_loss_um"
+    return block != "operation" or name not in SHARED_KEYS
 
-    Makers grind a bearing for the preload of a pair; the faces of a set leave the same offset to
-    its two sides. It holds at rest by Hertz' law at a constant angle; makers print 1.35 or 1.36 for
-    2 and 1.
+
+def set_preload_ratio(tandem: Sequence[int]) -> float:
+    """Returns the preload of a side of a rigid set over that of a rigid pair of its bearings [1].
+
+    Makers grind a bearing for the preload of a pair, so the two sides of a set share the offset of
+    a pair's faces. At rest and at a constant contact angle, Hertz' law gives the ratio; for 2 and 1
+    bearings it is 1.36, and makers print 1.35 or 1.36.
+
+    tandem: number of bearings on each of the two sides.
     """
-    approach = sum(n ** (-2.0 / 3.0) for n in tandem)
+    approach = sum(count ** (-2.0 / 3.0) for count in tandem)
     return float((2.0 / approach) ** 1.5)
 
 
 def flat_keys(block: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the values of a block and its inner blocks by whole keys, and lists as tuples."""
-    return {key: tuple(v) if isinstance(v, list) else v for key, v in leaves(block).items()}
+    """Returns the values of nested blocks by keys such as `wear.counts`, with lists as tuples."""
+    return {
+        key: tuple(value) if isinstance(value, list) else value
+        for key, value in leaves(block).items()
+    }
 
 
 def _check_kind(arrangement: Arrangement) -> None:
@@ -161,33 +177,20 @@ def _check_kind(arrangement: Arrangement) -> None:
 
 
 def sides_of(scene: Scene) -> tuple[Scene, ...]:
-    """Returns a bearing of each side as a single one, which keeps span and orientation.
+    """Returns a scene of a single bearing for each side of a pair; else the scene alone.
 
-    A bearing in tandem has its share of the preload.
+    These scenes keep span and orientation. A bearing in tandem has its share of the preload.
 
     SceneError where the second is no valid bearing.
     """
     arrangement = scene.arrangement
     if arrangement is None or not arrangement.is_pair:
         return (scene,)
-    unset: dict[str, Any] = {"external_axial_N": 0.0, "spring_stiffness_N_um": 0.0, "second": {}}
-    single = replace(arrangement, kind="single", tandem=(1, 1), **unset)
-    preload = scene.operation.preload_N
-    by_tandem = {
-        count: replace(
-            scene,
-            arrangement=single,
-            operation=replace(scene.operation, preload_N=preload / count),
-            cases=None,
-            duty=None,
-        )
-        for count in {*arrangement.tandem}
-    }
-    first, second = (by_tandem[count] for count in arrangement.tandem)
+    first, second = _single_bearings(scene, arrangement)
     changes, end = dict(arrangement.second), scene.wear.end_of_life
     film_ends_life = end is not None and end.film_worn_share is not None
     if film_ends_life and "friction.film" in changes and changes["friction.film"] is None:
-        # both share an end of life, which is then that of the first bearing's film
+        # the criterion holds for the first bearing alone, because the second has no film
         changes["wear.end_of_life.film_worn_share"] = None
     try:
         return first, second.with_(changes) if changes else second
@@ -196,8 +199,32 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
         raise SceneError(key, error.problem, error.involved) from None
 
 
-def one_bearing(scene: Scene, source: object) -> Scene:
-    """Returns the scene if it has a single bearing; refuses it otherwise."""
+def _single_bearings(scene: Scene, arrangement: Arrangement) -> list[Scene]:
+    """Returns a scene of a single bearing for each side, without the differences of the second."""
+    single = replace(
+        arrangement,
+        kind="single",
+        tandem=(1, 1),
+        external_axial_N=0.0,
+        spring_stiffness_N_um=0.0,
+        second={},
+    )
+    scenes: dict[int, Scene] = {}  # equal sides share a scene, and so all that is cached in it
+    for count in arrangement.tandem:
+        if count not in scenes:
+            preload = scene.operation.preload_N / count
+            operation = replace(scene.operation, preload_N=preload)
+            scenes[count] = replace(
+                scene, arrangement=single, operation=operation, cases=None, duty=None
+            )
+    return [scenes[count] for count in arrangement.tandem]
+
+
+def single_bearing_scene(scene: Scene, source: object) -> Scene:
+    """Returns the scene unchanged; refuses one with a pair of bearings.
+
+    source: file of the scene, for the SceneError.
+    """
     if scene.arrangement is not None and scene.arrangement.is_pair:
         raise SceneError(
             "arrangement.kind",
@@ -208,12 +235,22 @@ def one_bearing(scene: Scene, source: object) -> Scene:
 
 
 def bearings_holding(method: str) -> float:
-    """Returns how many bearings of a symmetric pair support the rotor: 1 with a spring, else 2."""
+    """Returns how many bearings of a symmetric pair hold the rotor axially.
+
+    It is 2 with the preload method `fixed_position`, and 1 with `constant_force`, where a spring
+    holds the other bearing.
+    """
     return 2.0 if method == "fixed_position" else 1.0
 
 
-def held_by(scene: Scene, method: str, preload_N: float | None = None, **operation: float) -> Scene:
-    """Returns the scene with another preload method, preload or operation, and the kind of pair."""
+def with_method(
+    scene: Scene, method: str, preload_N: float | None = None, **operation: float
+) -> Scene:
+    """Returns the scene with another preload method; a pair gets the kind of that method.
+
+    preload_N: by default that of the scene.
+    **operation: further keys of the block `operation` and their new values.
+    """
     arrangement = scene.arrangement
     if arrangement is not None and arrangement.is_pair:
         kind = PAIRS[method]
@@ -238,4 +275,4 @@ def check_arrangement(scene: Scene) -> None:
             ("operation.preload_method",),
         )
     if arrangement.second:
-        _ = scene.sides  # refuses what is no bearing
+        _ = scene.sides  # computing them raises the error of an invalid second bearing

@@ -25,15 +25,21 @@ def assumed_keys(path: str | os.PathLike[str]) -> set[str]:
     node = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     keys = set(_assumed_keys_of_block(node, text.splitlines()))
     for file in derived:
-        changed = tuple(data_of(text_of(file), file).get("set", {}))
-        keys = {key for key in keys if not f"{key}.".startswith(tuple(f"{c}." for c in changed))}
+        changes = data_of(text_of(file), file).get("set", {})
+        blocks = tuple(f"{key}." for key in changes)  # a changed block has new values in all keys
+        keys = {key for key in keys if not f"{key}.".startswith(blocks)}
     return keys
 
 
 def _assumed_keys_of_block(
     node: yaml.MappingNode, lines: Sequence[str], block: str = "", block_is_assumed: bool = False
 ) -> Iterator[str]:
-    """Yields the assumed keys of a block."""
+    """Yields the keys of a block that comments mark as assumed, with those of inner blocks.
+
+    lines: of the file.
+    block: path of the block, with a dot at its end.
+    block_is_assumed: whether a comment at the block, or around it, marks all its keys.
+    """
     for name, value in node.value:
         line = name.start_mark.line
         above = lines[line - 1].strip() if line else ""

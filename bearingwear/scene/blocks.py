@@ -190,7 +190,7 @@ OF_CAGE = ("pocket_clearance_mm", "guide_clearance_mm", "cage_film_worn_share")
 """Criteria that a cage alone has."""
 
 _CRITERIA: Any = optional_numbers(
-    {name: Key(one.end[0], one.key_unit, one.end[1]) for name, one in ENDS.items()}
+    {name: Key(measure.end[0], measure.key_unit, measure.end[1]) for name, measure in ENDS.items()}
 )
 
 

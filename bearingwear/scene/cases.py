@@ -49,15 +49,15 @@ def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[s
 
 
 def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
-    """Returns the nominal scene and the scene in each of its cases, all without a duty.
+    """Returns the nominal scene and the scene in each of its cases by name, without a duty.
 
     SceneError where a case is no valid scene.
     """
-    alone = replace(scene, cases=None, duty=None)
-    scenes = {NOMINAL: alone}
+    nominal = replace(scene, cases=None, duty=None)
+    scenes = {NOMINAL: nominal}
     for name, changes in (scene.cases or {}).items():
         try:
-            scenes[name] = alone.with_(changes)
+            scenes[name] = nominal.with_(changes)
         except SceneError as error:
             key = ".".join(filter(None, ("cases", name, error.source or error.key)))
             raise SceneError(key, error.problem, error.involved) from None
@@ -65,21 +65,21 @@ def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
 
 
 def cases_that_wear(scene: Scene) -> dict[str, Scene]:
-    """Returns the cases of a scene in which the shaft turns and wears the bearing; else all.
+    """Returns by name the cases in which a race turns, so that it wears; all cases if none turns.
 
     A duty has a single life over all its phases: that of the scene itself.
     """
     if scene.duty is not None:
         return {NOMINAL: scene}
-    return {
-        name: case_scene
-        for name, case_scene in scene.in_cases.items()
-        if case_scene.operation.turns
-    } or dict(scene.in_cases)
+    turning = {name: case for name, case in scene.in_cases.items() if case.operation.turns}
+    return turning or dict(scene.in_cases)
 
 
-def in_case(scene: Scene, name: str, source: str) -> Scene:
-    """Returns a scene in the case of a name; `source` names it in the error."""
+def scene_in_case(scene: Scene, name: str, source: str) -> Scene:
+    """Returns a scene in the case of a name, `nominal` or one of `cases`.
+
+    source: what named the case, such as `--case`; the SceneError of an unknown name begins with it.
+    """
     if name not in scene.in_cases:
         problem = f"got {name}, expected {', '.join(scene.in_cases)}"
         raise SceneError("", problem, source=source)

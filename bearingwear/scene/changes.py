@@ -17,7 +17,10 @@ KEY = r"[^\s.=\[\]]+(\.[^\s.=\[\]]+)*"
 
 
 def changes_of(texts: Iterable[str]) -> dict[str, Any]:
-    """Reads changes from texts `operation.preload_N=9`, as `--set` takes them, with YAML values."""
+    """Returns the values of some texts such as `operation.preload_N=9` by key, as YAML reads them.
+
+    SceneError: a text without `=`, a value that is no YAML, or a key that is set twice.
+    """
     changes: list[tuple[str, Any]] = []
     for text in texts:
         key, equals, value = text.partition("=")
@@ -55,7 +58,9 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
                 allowed = place.allowed if place else "another value"
                 problem = f"got a key under {path}, which is not a block, expected {allowed}"
                 raise SceneError("", problem, source=f"--set {key}")
-            block[name] = block = dict(inner or {})
+            copy = dict(inner or {})
+            block[name] = copy
+            block = copy
         parent = key_of_scene(".".join(blocks))
         if value is None and last in block and parent is not None and parent.kind == "mapping":
             del block[last]
@@ -65,12 +70,16 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
 
 
 def joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the changes that a new preload method or a new kind of a pair implies."""
+    """Returns the changes that a new preload method or a new kind of a pair implies.
+
+    Empty for the data of a scene without a pair, and for changes of neither.
+    """
     arrangement = data.get("arrangement")
     pair = arrangement if isinstance(arrangement, Mapping) else {}
     if str(pair.get("kind")) not in METHODS:
         return {}
-    kind = str(changes.get(KIND_KEY, PAIRS.get(str(changes.get(METHOD_KEY)))))
+    kind_of_method = PAIRS.get(str(changes.get(METHOD_KEY)))
+    kind = str(changes.get(KIND_KEY, kind_of_method))
     if kind not in METHODS:
         return {}
     implied: dict[str, Any] = {METHOD_KEY: METHODS[kind], KIND_KEY: kind}
@@ -82,26 +91,40 @@ def joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str
 def error_of_change(
     error: SceneError, data: Mapping[str, Any], changes: Sequence[str]
 ) -> SceneError:
-    """Returns the error with the change that caused it as its source, if one did."""
+    """Returns the error with the key of the change that caused it as its source, if one did.
+
+    data: of the scene without the changes.
+    changes: their keys.
+    """
     for faulty_key in (error.key, *error.involved):
         for key in changes:
-            for changed_key in filter(None, (key, _missing_block(data, key))):
-                if faulty_key == changed_key or faulty_key.startswith(
-                    (f"{changed_key}.", f"{changed_key}[")
-                ):
-                    name = "" if error.key == key else error.key
-                    if unknown := _unknown_material(key, data):
-                        return SceneError("", unknown, error.involved, f"--set {key}")
-                    return SceneError(name, error.problem, error.involved, f"--set {key}")
+            if not _is_within(faulty_key, key, _missing_block(data, key)):
+                continue
+            source = f"--set {key}"
+            if problem := _unknown_material(key, data):
+                return SceneError("", problem, error.involved, source)
+            name = "" if error.key == key else error.key
+            return SceneError(name, error.problem, error.involved, source)
     return error
 
 
+def _is_within(key: str, *paths: str | None) -> bool:
+    """Whether a key is one of some paths, or stands below one."""
+    for path in paths:
+        if path is not None and (key == path or key.startswith((f"{path}.", f"{path}["))):
+            return True
+    return False
+
+
 def _unknown_material(key: str, data: Mapping[str, Any]) -> str:
-    """Returns what is wrong with a change of one value of a material that a scene lacks."""
-    block, _, rest = key.partition(".")
-    name, _, value = rest.partition(".")
+    """Returns what is wrong with a key such as `materials.steel.density_kg_m3`; "" if nothing.
+
+    It is wrong if the scene has no such material.
+    """
+    block, _, path = key.partition(".")
+    name, _, property_name = path.partition(".")
     materials = data.get("materials")
-    if block != "materials" or not value or not isinstance(materials, Mapping):
+    if block != "materials" or not property_name or not isinstance(materials, Mapping):
         return ""
     if name in materials:
         return ""

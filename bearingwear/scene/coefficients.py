@@ -42,22 +42,31 @@ class Measured:
 
 
 def _measured_row(row: Mapping[str, str]) -> Measured:
-    """Returns a row of coefficients.csv as a record."""
-    ends = {
-        quantity: tuple(float(row[f"{end}_{quantity}"] or math.nan) for end in ("least", "largest"))
-        for quantity in ("wear", "friction")
-    }
-    words = ("surface", "against", "film", "conditions", "source", "url", "read")
-    return Measured(**ends, **{name: row[name] for name in words})  # type: ignore[arg-type]
+    """Returns a row of coefficients.csv as a record; an empty number as NaN."""
+
+    def number(column: str) -> float:
+        return float(row[column]) if row[column] else math.nan
+
+    return Measured(
+        surface=row["surface"],
+        against=row["against"],
+        film=row["film"],
+        wear=(number("least_wear"), number("largest_wear")),
+        friction=(number("least_friction"), number("largest_friction")),
+        conditions=row["conditions"],
+        source=row["source"],
+        url=row["url"],
+        read=row["read"],
+    )
 
 
-def _table() -> dict[str, Measured]:
-    """Reads coefficients.csv."""
+def _measured_wear() -> dict[str, Measured]:
+    """Reads coefficients.csv: what each source measured, by the name of the row."""
     text = Path(__file__).with_suffix(".csv").read_text(encoding="utf-8")
     return {row["name"]: _measured_row(row) for row in csv.DictReader(text.splitlines())}
 
 
-MEASURED_WEAR = _table()
+MEASURED_WEAR = _measured_wear()
 """Published values."""
 
 
@@ -70,9 +79,12 @@ class LogSpread:
 
     @classmethod
     def of(cls, low: float, high: float, least: float = 1.0) -> LogSpread:
-        """Returns the spread whose 90 % interval is from low to high; `least` bounds its factor."""
-        middle = math.sqrt(low * high)
-        return cls(median=middle, factor=max((high / low) ** (0.5 / NINETY), least))
+        """Returns the spread whose 90 % interval is from low to high.
+
+        least: smallest factor that it may have.
+        """
+        factor = (high / low) ** (0.5 / NINETY)
+        return cls(median=math.sqrt(low * high), factor=max(factor, least))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,12 +95,6 @@ class RubbingPair:
     wear: LogSpread  # K_s/H [m2/N]
     friction: LogSpread
     why: str
-
-
-def _ends(*rows: str) -> tuple[float, float]:
-    """Returns the least and largest K_s/H of some rows [m2/N]."""
-    values = [value for row in rows for value in MEASURED_WEAR[row].wear if not math.isnan(value)]
-    return M2_PER_N * min(values), M2_PER_N * max(values)
 
 
 ASSUMED_WEAR = LogSpread(median=7.6e-16, factor=3.0)
@@ -121,13 +127,20 @@ _STARVED = (
 )
 
 
+def _wear_range(row: str) -> tuple[float, float]:
+    """Returns the least and largest K_s/H [m2/N] of a row of `MEASURED_WEAR` that has both."""
+    least, largest = MEASURED_WEAR[row].wear
+    return M2_PER_N * least, M2_PER_N * largest
+
+
 _BOUND_ROWS = ("nesc_r4", "nesc_r4_hybrid")
 _WRITTEN = 5e-3  # to which `new` rounds a wear coefficient
 
 
 def _upper_bound(row: str) -> LogSpread:
-    """Returns the largest K_s/H of a row, with the assumed spread."""
-    return LogSpread(median=M2_PER_N * MEASURED_WEAR[row].wear[1], factor=ASSUMED_WEAR.factor)
+    """Returns the largest K_s/H [m2/N] of a row of `MEASURED_WEAR`, with the assumed spread."""
+    _, largest = MEASURED_WEAR[row].wear
+    return LogSpread(median=M2_PER_N * largest, factor=ASSUMED_WEAR.factor)
 
 
 STEEL, NITRIDE = "bearing_steel", "silicon_nitride"
@@ -135,8 +148,8 @@ STEEL, NITRIDE = "bearing_steel", "silicon_nitride"
 RUBBING = {
     ("dry", STEEL): RubbingPair(
         rows=("archard", "dry_steel"),
-        wear=LogSpread.of(*_ends("archard"), least=3.0),
-        friction=LogSpread.of(0.8, 0.8, least=1.2),
+        wear=LogSpread.of(*_wear_range("archard"), least=ASSUMED_WEAR.factor),
+        friction=LogSpread(median=0.8, factor=ASSUMED_FRICTION.factor),
         why="The spread for dry steel is assumed, because the source covers only one steel and one "
         "load",
     ),
@@ -185,53 +198,30 @@ def rubbing(lubrication: str | None, ball_material: str | None) -> Rubbing:
 
     KeyError where no source has them.
     """
-    scatter = FILM_SCATTER if lubrication == "mos2" else WEAR_SCATTER
-
-    def spread(wear: LogSpread, friction: LogSpread, rule: str) -> dict[str, str]:
-        factors = {"wear": wear.factor, "friction": friction.factor, "scatter": scatter}
-        return {name: f"{value:.2g}" for name, value in factors.items()} | {"rule": rule}
-
-    dry = RUBBING["dry", STEEL]
     if lubrication is None:
-        return Rubbing(
-            wear=None,
-            friction=ASSUMED_FRICTION.median,
-            film=None,
-            spread=spread(ASSUMED_WEAR, ASSUMED_FRICTION, ""),
-            rule="",
-            friction_rule="",
-            summary=f"not given, so K_s/H ({ASSUMED_WEAR.median:g} m2/N for steel) is assumed, and "
-            "lives, which go as 1/(K_s/H), only compare designs; --lubrication dry takes "
-            f"{dry.wear.median:.2g}, starved at most {RUBBING['starved', STEEL].wear.median:.2g}",
-        )
+        return _assumed_rubbing()
     pair = RUBBING[NEAREST.get(lubrication, lubrication), ball_material or STEEL]
-    rule = f"docs/coefficients.md: {', '.join(pair.rows)}"
-    summary = f"{lubrication}; K_s/H {pair.wear.median:.2g} m2/N, {rule}"
-    if pair.why == _STARVED:
-        summary += ", a bound: lives are at least these"
-    if lubrication in NEAREST:
-        summary += (
-            f"; no source has {lubrication}, so that of {NEAREST[lubrication]} bearings is taken"
-        )
-    film: dict[str, object] | None = None
+    rule = _rule(pair)
+    film, bare_pair = None, pair
     if lubrication == "mos2":
+        bare_pair = RUBBING["dry", STEEL]
         film = {
             "shear_strength": SHEAR_STRENGTH_MPA,
             "pressure_coefficient": PRESSURE_COEFFICIENT,
             "wear_coefficient": yaml_number(float(f"{pair.wear.median * STEEL_GPA * 1e9:.3g}")),
             "lives": MOS2_LIVES,
-            "bare": dry.friction.median,
+            "bare": bare_pair.friction.median,
             "rule": rule,
         }
-    bare_pair = dry if film else pair
+    scatter = WEAR_SCATTER if film is None else FILM_SCATTER
     return Rubbing(
         wear=bare_pair.wear.median,
         friction=pair.friction.median,
         film=film,
-        spread=spread(pair.wear, pair.friction, f"; {rule}"),
-        rule=f"docs/coefficients.md: {', '.join(bare_pair.rows)}",
+        spread=_spread_texts(pair.wear, pair.friction, scatter) | {"rule": f"; {rule}"},
+        rule=_rule(bare_pair),
         friction_rule="" if pair.friction is ASSUMED_FRICTION else rule,
-        summary=summary,
+        summary=_lubrication_summary(lubrication, pair),
     )
 
 
@@ -249,43 +239,98 @@ def is_wear_bound(scene: Mapping[str, Any]) -> bool:
     return True
 
 
-_STEEL = ((180.0, 230.0), (7400.0, 8300.0))
-"""Young's modulus [GPa] and density [kg/m3] by which a material of a scene is taken for steel."""
+def _assumed_rubbing() -> Rubbing:
+    """Returns the assumed coefficients of a bearing whose lubrication is not known."""
+    dry, starved = RUBBING["dry", STEEL].wear, RUBBING["starved", STEEL].wear
+    return Rubbing(
+        wear=None,
+        friction=ASSUMED_FRICTION.median,
+        film=None,
+        spread=_spread_texts(ASSUMED_WEAR, ASSUMED_FRICTION, WEAR_SCATTER) | {"rule": ""},
+        rule="",
+        friction_rule="",
+        summary=f"not given, so K_s/H ({ASSUMED_WEAR.median:g} m2/N for steel) is assumed, and "
+        "lives, which go as 1/(K_s/H), only compare designs; --lubrication dry takes "
+        f"{dry.median:.2g}, starved at most {starved.median:.2g}",
+    )
+
+
+def _rule(pair: RubbingPair) -> str:
+    """Names the rows of the table in the documentation that define a pair."""
+    return f"docs/coefficients.md: {', '.join(pair.rows)}"
+
+
+def _spread_texts(wear: LogSpread, friction: LogSpread, scatter: float) -> dict[str, str]:
+    """Returns geometric standard deviations by `wear`, `friction` and `scatter`, as text."""
+    factors = {"wear": wear.factor, "friction": friction.factor, "scatter": scatter}
+    return {name: f"{factor:.2g}" for name, factor in factors.items()}
+
+
+def _lubrication_summary(lubrication: str, pair: RubbingPair) -> str:
+    """Returns the line that `new` prints on a lubrication: K_s/H, its source, and its limits."""
+    summary = f"{lubrication}; K_s/H {pair.wear.median:.2g} m2/N, {_rule(pair)}"
+    if pair.why == _STARVED:
+        summary += ", a bound: lives are at least these"
+    if nearest := NEAREST.get(lubrication):
+        summary += f"; no source has {lubrication}, so that of {nearest} bearings is taken"
+    return summary
+
+
+_STEEL = {"youngs_modulus_GPa": (180.0, 230.0), "density_kg_m3": (7400.0, 8300.0)}
+"""Least and largest values by which a material of a scene is taken for steel."""
 
 
 def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     """Returns distributions for a scene without any, and a line that says where they come from.
 
-    scene: as `Scene.to_dict` has it. The middle of each distribution is the scene's own value.
+    The distributions are plain data of the block `uncertainty`, about the scene's own values.
+
+    scene: as `Scene.to_dict` has it.
     """
-    bearing, film_block = scene["bearing"], scene["friction"].get("film")
-    parts = [scene["materials"][bearing[f"{part}_material"]] for part in ("ball", "race")]
-    coated = film_block is not None or any(part.get("film") for part in parts)
-    pair = STEEL if all(map(_is_steel, parts)) else ""
-    row = RUBBING.get(("mos2" if coated else "dry", pair))
-    wear, friction = (row.wear, row.friction) if row else (ASSUMED_WEAR, ASSUMED_FRICTION)
-    block = film_block or scene["friction"]
-    friction_key = "shear_strength_MPa" if film_block else "ball_race"
-    scatter = FILM_SCATTER if coated else WEAR_SCATTER
-    factors = {"wear_coefficient": wear.factor, "wear_scatter": scatter}
-    if block.get(friction_key):
-        factors[friction_key] = friction.factor
-    text = {name: f"{factor:.2g}" for name, factor in factors.items()}
-    if row:
-        film_words = "film mos2 (no source for other films)" if coated else "dry"
-        summary = f"spread for steel/steel, {film_words}, from {', '.join(row.rows)}"
-    else:
-        summary = "spread assumed, because no source covers these materials"
-    summary += f": K_s/H by a factor of {text['wear_coefficient']}"
-    summary += f", friction by a factor of {text[friction_key]}" if friction_key in text else ""
-    spread = {name: {"distribution": "lognormal", "factor": float(f)} for name, f in text.items()}
-    source = "as films of gears" if coated else "assumed"
-    summary += f"; within a batch, K_s/H by a factor of {text['wear_scatter']} ({source})"
-    return spread, summary
+    bearing, friction = scene["bearing"], scene["friction"]
+    materials = [scene["materials"][bearing[f"{part}_material"]] for part in ("ball", "race")]
+    film = friction.get("film")
+    is_coated = film is not None or any(material.get("film") for material in materials)
+    pair = None
+    if all(map(_is_steel, materials)):
+        pair = RUBBING["mos2" if is_coated else "dry", STEEL]
+    factors = {
+        "wear_coefficient": (pair.wear if pair else ASSUMED_WEAR).factor,
+        "wear_scatter": FILM_SCATTER if is_coated else WEAR_SCATTER,
+    }
+    friction_key = "shear_strength_MPa" if film else "ball_race"
+    if (film or friction).get(friction_key):
+        factors[friction_key] = (pair.friction if pair else ASSUMED_FRICTION).factor
+    texts = {name: f"{factor:.2g}" for name, factor in factors.items()}
+    distributions = {
+        name: {"distribution": "lognormal", "factor": float(text)} for name, text in texts.items()
+    }
+    return distributions, _spread_summary(texts, pair, is_coated)
+
+
+def _spread_summary(factors: Mapping[str, str], pair: RubbingPair | None, is_coated: bool) -> str:
+    """Returns a line on the factors of `usual_spread` and their source.
+
+    pair: whose spread is taken; None if the spread is assumed.
+    is_coated: whether balls or races have a film.
+    """
+    summary = "spread assumed, because no source covers these materials"
+    if pair is not None:
+        lubrication = "film mos2 (no source for other films)" if is_coated else "dry"
+        summary = f"spread for steel/steel, {lubrication}, from {', '.join(pair.rows)}"
+    summary += f": K_s/H by a factor of {factors['wear_coefficient']}"
+    for friction_key in ("shear_strength_MPa", "ball_race"):
+        if friction_key in factors:
+            summary += f", friction by a factor of {factors[friction_key]}"
+    source = "as films of gears" if is_coated else "assumed"
+    return f"{summary}; within a batch, K_s/H by a factor of {factors['wear_scatter']} ({source})"
 
 
 def with_usual_spread(scene: Scene) -> tuple[Scene, str]:
-    """Returns a scene with distributions, and a line on them that is empty if it has its own."""
+    """Returns a scene with the distributions of `usual_spread`, and a line that states them.
+
+    A scene that has distributions is returned as it is, with an empty line.
+    """
     if scene.uncertainty:
         return scene, ""
     spread, summary = usual_spread(scene.to_dict())
@@ -294,5 +339,4 @@ def with_usual_spread(scene: Scene) -> tuple[Scene, str]:
 
 def _is_steel(material: Mapping[str, float]) -> bool:
     """Whether the elastic modulus and the density of a material are those of steel."""
-    values = (material["youngs_modulus_GPa"], material["density_kg_m3"])
-    return all(low <= value <= high for value, (low, high) in zip(values, _STEEL, strict=True))
+    return all(low <= material[key] <= high for key, (low, high) in _STEEL.items())

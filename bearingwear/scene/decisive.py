@@ -13,6 +13,7 @@ def reads_cage(data: Mapping[str, Any]) -> bool:
 
 
 _UNREAD = ("description", "uncertainty", "cage_uncertainty")
+"""Blocks that no solve reads."""
 
 
 def decisive_data(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -20,8 +21,9 @@ def decisive_data(data: Mapping[str, Any]) -> dict[str, Any]:
 
     The material of the cage stays: a life checks whether it bears its temperature.
     """
-    without_unread = {key: value for key, value in data.items() if key not in _UNREAD}
-    if reads_cage(data):
-        return without_unread
-    friction = {k: v for k, v in (data.get("friction") or {}).items() if k != "cage"}
-    return without_unread | {"friction": friction, "cage": (data.get("cage") or {}).get("material")}
+    decisive = {key: value for key, value in data.items() if key not in _UNREAD}
+    if not reads_cage(data):
+        decisive["friction"] = dict(data.get("friction") or {})
+        decisive["friction"].pop("cage", None)
+        decisive["cage"] = (data.get("cage") or {}).get("material")
+    return decisive

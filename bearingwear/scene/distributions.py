@@ -13,7 +13,10 @@ from bearingwear.scene.uncertain import friction_correlation, uncertain_key
 
 
 def possible_range(key: str) -> tuple[float, float]:
-    """Returns the least and largest value of a key of a scene; (0, inf) for any other text."""
+    """Returns the least and largest value that a key of a scene takes.
+
+    (0, inf) for `wear_scatter`, which is no key of a scene.
+    """
     key_field = key_of_scene(key)
     return (0.0, np.inf) if key_field is None else key_field.key.ends
 
@@ -21,9 +24,10 @@ def possible_range(key: str) -> tuple[float, float]:
 def quantile(
     distribution: Distribution, nominal: float, ends: tuple[float, float], probability: np.ndarray
 ) -> np.ndarray:
-    """Returns quantiles of a distribution that is truncated at `ends`.
+    """Returns the quantiles of a truncated distribution, one for each probability.
 
-    `nominal` is the mean or median of a distribution that has none.
+    nominal: mean or median where the distribution does not state it.
+    ends: least and largest value, at which the distribution is truncated.
     """
     if distribution.distribution == "uniform":
         assert distribution.low is not None and distribution.high is not None
@@ -43,23 +47,28 @@ def quantile(
     return median * np.exp(width * ndtri(p_low + (p_high - p_low) * np.asarray(probability)))
 
 
-def value_at(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
-    """Returns quantiles of an uncertain value; its distribution is truncated to possible values."""
+def value_quantiles(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
+    """Returns quantiles of an uncertain value of a scene, one for each probability.
+
+    name: a key of `uncertainty`, whose distribution is truncated to the values that a scene takes.
+    """
     ends = possible_range(uncertain_key(name, scene.bearing.race_material))
     return quantile((scene.uncertainty or {})[name], scene.nominal(name), ends, probability)
 
 
-def values_at(scene: Scene, names: Sequence[str], probability: np.ndarray) -> np.ndarray:
-    """Returns uncertain values (n, names) at independent probabilities (n, names).
+def sampled_values(scene: Scene, names: Sequence[str], probability: np.ndarray) -> np.ndarray:
+    """Returns a sample of uncertain values of a scene, shape (samples, names).
 
-    A wear coefficient that is correlated with friction follows both probabilities.
+    names: keys of `uncertainty`.
+    probability: of each value, independent of the others, shape (samples, names). A wear
+        coefficient that is correlated with friction depends on the probabilities of both.
     """
-    friction, rho = friction_correlation(scene.uncertainty or {})
-    if rho and {friction, "wear_coefficient"} <= set(names):
+    friction, correlation = friction_correlation(scene.uncertainty or {})
+    if correlation and friction in names and "wear_coefficient" in names:
         friction_column, wear_column = names.index(friction), names.index("wear_coefficient")
         deviates = ndtri(probability[:, [friction_column, wear_column]])
-        wear_deviate = deviates @ (rho, math.sqrt(1.0 - rho * rho))
+        wear_deviate = deviates @ (correlation, math.sqrt(1.0 - correlation * correlation))
         probability = probability.copy()
         probability[:, wear_column] = ndtr(wear_deviate)
-    columns = [value_at(scene, name, probability[:, k]) for k, name in enumerate(names)]
+    columns = [value_quantiles(scene, name, probability[:, k]) for k, name in enumerate(names)]
     return np.stack(columns, axis=-1) if columns else probability

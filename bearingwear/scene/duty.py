@@ -49,6 +49,7 @@ class Duty:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Refuses a phase without hours and starts, and a cycle that takes no time."""
         object.__setattr__(self, "phases", MappingProxyType(dict(self.phases)))
         for name, phase in self.phases.items():
             if not phase.hours > 0.0 and not phase.starts > 0.0:
@@ -59,14 +60,19 @@ class Duty:
             raise SceneError("phases", problem, ("start_s", "stop_s"))
 
     def __hash__(self) -> int:
+        """Returns a hash of all fields, although a mapping proxy has none of its own."""
         return hash((tuple(self.phases.items()), self.start_s, self.stop_s, self.warmup))
 
     def __reduce__(self) -> tuple[Any, ...]:
+        """Returns what pickle makes a copy from."""
         return reduced_record(self)
 
     @property
     def cycle_s(self) -> float:
-        """Returns the time of one cycle [s], the same to the last digit in any order of phases."""
+        """Returns the time of one cycle [s].
+
+        `math.fsum` makes it independent of the order of phases to the last digit.
+        """
         return math.fsum(map(self.phase_s, self.phases.values()))
 
     @property
@@ -76,15 +82,18 @@ class Duty:
 
     @property
     def steady_ramp_s(self) -> float:
-        """Returns the time of the ramps of a start and a stop that are steady at each speed [s]."""
+        """Returns the time of those ramps of a start and a stop [s] whose states are steady.
+
+        With a warm-up, the start is a transient, so the stop alone counts.
+        """
         return self.stop_s if self.warmup else self.ramp_s
 
     def phase_s(self, phase: Phase) -> float:
-        """Returns the time of a phase with its starts and stops in one cycle [s]."""
+        """Returns the time of a phase in one cycle [s], its starts and stops included."""
         return _HOUR * phase.hours + phase.starts * self.ramp_s
 
     def running_s(self, phase: Phase) -> float:
-        """Returns the time at the speed of a phase in one cycle [s]."""
+        """Returns the time at the speed of a phase in one cycle [s], without starts and stops."""
         return _HOUR * phase.hours
 
     @property
@@ -114,26 +123,32 @@ def check_phases(scene: Scene) -> None:
     """Refuses cases of a duty that change the bearing, its films or its criteria."""
     if scene.duty is None:
         return
-    _check_starts(scene)
+    if scene.duty.warmup:
+        _check_warm_starts(scene, scene.duty)
     nominal = _fixed_over_duty(scene)
     for case, phase_scene in phase_cases(scene).items():
-        for block, value in _fixed_over_duty(phase_scene).items():
-            if value != nominal[block]:
-                changes = (scene.cases or {})[case]
-                key = next((key for key in changes if f"{key}.".startswith(f"{block}.")), block)
-                problem = (
-                    f"got {shown(changes.get(key))} in a case of the duty, expected a key that "
-                    "leaves the bearing, its films and its criteria as they are"
-                )
-                raise SceneError(f"cases.{case}.{key}", problem, ("duty",))
+        fixed = _fixed_over_duty(phase_scene)
+        for block in fixed:
+            if fixed[block] != nominal[block]:
+                raise _changed_block_error(scene, case, block)
 
 
-def _check_starts(scene: Scene) -> None:
+def _changed_block_error(scene: Scene, case: str, block: str) -> SceneError:
+    """Returns the error of a case of a duty that changes a block which all phases share."""
+    changes = (scene.cases or {})[case]
+    key = next((key for key in changes if f"{key}.".startswith(f"{block}.")), block)
+    problem = (
+        f"got {shown(changes.get(key))} in a case of the duty, expected a key that "
+        "leaves the bearing, its films and its criteria as they are"
+    )
+    return SceneError(f"cases.{case}.{key}", problem, ("duty",))
+
+
+def _check_warm_starts(scene: Scene, duty: Duty) -> None:
     """Refuses starts with a warm-up where a bearing has no heat capacities."""
-    assert scene.duty is not None
-    for name, phase in scene.duty.phases.items() if scene.duty.warmup else ():
-        case = scene.duty.case_of(name)
-        for side in scene.in_cases[case].sides if phase.starts else ():
+    cases_with_starts = [duty.case_of(name) for name, phase in duty.phases.items() if phase.starts]
+    for case in cases_with_starts:
+        for side in scene.in_cases[case].sides:
             if side.thermal is None or side.thermal.heat_capacity_J_K is None:
                 problem = (
                     "got true, expected a thermal network with heat_capacity_J_K in the case "
@@ -143,7 +158,10 @@ def _check_starts(scene: Scene) -> None:
 
 
 def _fixed_over_duty(scene: Scene) -> dict[str, Any]:
-    """Returns what wear depends on and no phase of a duty may change, by the blocks of a scene."""
+    """Returns the values that all phases of a duty must share, by the blocks of a scene.
+
+    They determine the wear and its end, so that a change would be another bearing.
+    """
     arrangement, film = scene.arrangement, scene.friction.film
     second = (arrangement.second if arrangement else None) or {}
     surfaces = {
@@ -158,7 +176,7 @@ def _fixed_over_duty(scene: Scene) -> dict[str, Any]:
         "cage": scene.cage,
         "wear": scene.wear,
         "model": scene.model,
-        # whether there is one, and its thickness, which may be left out
+        # a film without a thickness is not the same as no film
         "friction.film": (film is None, None if film is None else film.thickness_um),
         "materials": surfaces,
         "arrangement": (
@@ -169,15 +187,15 @@ def _fixed_over_duty(scene: Scene) -> dict[str, Any]:
 
 
 def phase_cases(scene: Scene) -> dict[str, Scene]:
-    """Returns the scene in each case of its duty, in the order of the cases, not of the phases.
+    """Returns by name the cases of a scene that phases of its duty use.
 
-    So nothing that is solved depends on the order of the phases.
+    They are in the order of the cases, so that nothing depends on the order of the phases.
     """
     assert scene.duty is not None
-    cases = {*map(scene.duty.case_of, scene.duty.phases)}
-    return {name: case for name, case in scene.in_cases.items() if name in cases}
+    names = {scene.duty.case_of(phase) for phase in scene.duty.phases}
+    return {name: case for name, case in scene.in_cases.items() if name in names}
 
 
 def cases_of_use(scene: Scene) -> dict[str, Scene]:
-    """Returns the scene in the cases in which requirements hold: those of its duty, else all."""
+    """Returns by name the cases of a scene in which requirements hold: those of a duty, or all."""
     return scene.in_cases if scene.duty is None else phase_cases(scene)

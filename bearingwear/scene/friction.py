@@ -123,7 +123,17 @@ class Friction:
 
 def check_films(scene: Scene) -> None:
     """Refuses friction and films that contradict each other, or the rest of a scene."""
-    friction, b = scene.friction, scene.bearing
+    _check_one_friction(scene.friction)
+    _check_coated_parts(scene)
+    _check_wear_of_films(scene)
+    _check_limits_of_films(scene)
+    film = scene.friction.film
+    if film is not None and film.wear_table is not None:
+        _check_wear_table(scene, film.wear_table)
+
+
+def _check_one_friction(friction: Friction) -> None:
+    """Refuses a coefficient beside a film, and neither of them."""
     if friction.film is None and friction.ball_race is None:
         raise SceneError(
             "friction.ball_race",
@@ -136,7 +146,12 @@ def check_films(scene: Scene) -> None:
             f"got {friction.ball_race:g} with friction.film, expected only one of them",
             ("friction.film",),
         )
-    parts = (b.ball_material, b.race_material)
+
+
+def _check_coated_parts(scene: Scene) -> None:
+    """Refuses films of materials that no part has, and a second film on the races."""
+    bearing, film = scene.bearing, scene.friction.film
+    parts = (bearing.ball_material, bearing.race_material)
     for name, material in scene.materials.items():
         for key, noun in (("film", "a film"), ("running_in", "running-in")):
             if getattr(material, key) is not None and name not in parts:
@@ -146,26 +161,22 @@ def check_films(scene: Scene) -> None:
                     + " and ".join(dict.fromkeys(parts)),
                     ("bearing.ball_material", "bearing.race_material"),
                 )
-    race_film = scene.materials[b.race_material].film
-    film = friction.film
+    race_film_key = f"materials.{bearing.race_material}.film"
+    race_film = scene.materials[bearing.race_material].film
     if film is not None and film.thickness_um is not None and race_film is not None:
         raise SceneError(
             "friction.film.thickness_um",
-            f"got {film.thickness_um:g} with materials.{b.race_material}.film, which also coats "
+            f"got {film.thickness_um:g} with {race_film_key}, which also coats "
             "the races, expected only one of them",
-            (f"materials.{b.race_material}.film",),
+            (race_film_key,),
         )
-    _check_wear_of_films(scene)
-    if film is not None and film.wear_table is not None:
-        _check_wear_table(scene, film.wear_table)
 
 
 def _check_wear_table(scene: Scene, rows: Sequence[FilmLife]) -> None:
     """Refuses a table that is no grid of pressures and temperatures, or that no film uses."""
-    key, b = "friction.film.wear_table", scene.bearing
-    material_films = (scene.materials[name].film for name in (b.ball_material, b.race_material))
+    key = "friction.film.wear_table"
     assert scene.friction.film is not None
-    if scene.friction.film.wear_coefficient is None and not any(material_films):
+    if scene.friction.film.wear_coefficient is None and not _coated_materials(scene):
         raise SceneError(
             "friction.film.wear_coefficient", "got nothing; wear_table requires this key", (key,)
         )
@@ -182,12 +193,11 @@ def _check_wear_table(scene: Scene, rows: Sequence[FilmLife]) -> None:
 
 
 def _check_wear_of_films(scene: Scene) -> None:
-    """Refuses films without a wear coefficient, and limits of films that never wear through."""
-    common_film, b = scene.friction.film, scene.bearing
+    """Refuses films that wear but have no wear coefficient."""
+    common_film = scene.friction.film
     common_coefficient = None if common_film is None else common_film.wear_coefficient
-    for name in dict.fromkeys((b.ball_material, b.race_material)):
-        film = scene.materials[name].film
-        if film is not None and film.wear_coefficient is None and common_coefficient is None:
+    for name, film in _coated_materials(scene).items():
+        if film.wear_coefficient is None and common_coefficient is None:
             raise SceneError(
                 f"materials.{name}.film.wear_coefficient",
                 "got nothing, expected a number > 0 and <= 1, here or under friction.film",
@@ -203,16 +213,21 @@ def _check_wear_of_films(scene: Scene) -> None:
             "got nothing; a film with a thickness requires this key",
             ("friction.film.thickness_um",),
         )
-    thick = has_thickness(scene)
-    if common_film is not None and common_film.bare_ball_race is not None and not thick:
+
+
+def _check_limits_of_films(scene: Scene) -> None:
+    """Refuses values that only a film which wears through can reach, where none does."""
+    if has_thickness(scene):
+        return
+    film, end = scene.friction.film, scene.wear.end_of_life
+    if film is not None and film.bare_ball_race is not None:
         raise SceneError(
             "friction.film.bare_ball_race",
-            f"got {common_film.bare_ball_race:g} with a film that never wears through; "
+            f"got {film.bare_ball_race:g} with a film that never wears through; "
             "only allowed with a thickness",
             ("friction.film",),
         )
-    end = scene.wear.end_of_life
-    if end is not None and end.film_worn_share is not None and not thick:
+    if end is not None and end.film_worn_share is not None:
         raise SceneError(
             "wear.end_of_life.film_worn_share",
             f"got {end.film_worn_share:g}; only allowed with a film that has a thickness",
@@ -221,14 +236,23 @@ def _check_wear_of_films(scene: Scene) -> None:
 
 
 def has_thickness(scene: Scene) -> bool:
-    """Whether any film of a scene can wear through."""
-    race_film, b = scene.friction.film, scene.bearing
-    material_films = (scene.materials[name].film for name in (b.ball_material, b.race_material))
-    return (race_film is not None and race_film.thickness_um is not None) or any(material_films)
+    """Whether any film on balls or races has a thickness, so that it can wear through."""
+    race_film = scene.friction.film
+    has_race_thickness = race_film is not None and race_film.thickness_um is not None
+    return has_race_thickness or bool(_coated_materials(scene))
 
 
-def changes_as_it_wears(scene: Scene) -> bool:
+def friction_changes_with_wear(scene: Scene) -> bool:
     """Whether friction or wear change with the worn depth, because of films or running-in."""
-    b = scene.bearing
-    parts = (scene.materials[name] for name in (b.ball_material, b.race_material))
-    return has_thickness(scene) or any(part.running_in is not None for part in parts)
+    names = (scene.bearing.ball_material, scene.bearing.race_material)
+    runs_in = any(scene.materials[name].running_in is not None for name in names)
+    return runs_in or has_thickness(scene)
+
+
+def _coated_materials(scene: Scene) -> dict[str, Film]:
+    """Returns the films of the materials of balls and races, by the names of the materials."""
+    films = {}
+    for name in (scene.bearing.ball_material, scene.bearing.race_material):
+        if (film := scene.materials[name].film) is not None:
+            films[name] = film
+    return films

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bearingwear.scene.accuracy import REGULARISATION, Model, accuracy_preset, slip_is_over
+from bearingwear.scene.accuracy import REGULARISATION, Model, accuracy_preset, slip_region
 from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.changes import KEY, changes_of, error_of_change, joined_keys, with_changes
 from bearingwear.scene.checking.check import (
@@ -34,7 +34,7 @@ Source = str | os.PathLike[str] | Mapping[str, Any] | Scene
 def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Scene:
     """Reads and checks a scene file.
 
-    overrides: `"operation.preload_N=9"` each, as `--set` takes them; the value is read as YAML.
+    overrides: changes such as `"operation.preload_N=9"`, whose values are read as YAML.
     SceneError: one line that names the file (or the `--set`), the key, what was given, what is
     allowed.
     """
@@ -58,7 +58,7 @@ def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
     """Returns the data of a scene, not checked, and its name in error messages."""
     source = source_name(scene)
     if isinstance(scene, Scene):
-        # checked like any other: who builds one in Python skips the ranges
+        # a Scene that was built in Python has unchecked values, so it goes the way of a dict
         return _data_without_accuracy(scene), source
     if isinstance(scene, Mapping):
         return scene, source
@@ -68,27 +68,30 @@ def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
 
 
 def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: str) -> Scene:
-    """Returns the scene of plain data with some values replaced.
+    """Returns the checked scene of plain data with some values replaced.
 
-    SceneError: names the change that is to blame as `--set KEY`.
+    source: name of the scene in error messages.
+    SceneError: begins with `--set KEY` where a change causes it.
     """
-    new = with_changes(data, changes)
+    changed_data = with_changes(data, changes)
     try:
-        return scene_from_dict(new, source)
+        return scene_from_dict(changed_data, source)
     except SceneError as error:
         raise error_of_change(error, data, list(changes)) from None
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
-    """Checks plain nested data and builds the scene from it."""
+    """Checks plain nested data and builds the scene from it.
+
+    source: name of the scene in error messages.
+    """
     try:
         plain = checked_data(Scene, data)
         _check_spread(plain)
         plain["description"] = " ".join(plain.get("description", "").split())
         regularisation_given = "slip_regularisation_m_s" in plain["friction"]
-        return _with_checked_cases(
-            with_regularisation(build_record(Scene, _with_accuracy(plain)), regularisation_given)
-        )
+        scene = build_record(Scene, _with_accuracy(plain))
+        return _with_checked_cases(with_regularisation(scene, regularisation_given))
     except SceneError as error:
         raise error.in_source(source) from None
 
@@ -99,7 +102,7 @@ def _with_checked_cases(scene: Scene) -> Scene:
     SceneError: a case is no valid scene, or no phase of the duty.
     """
     if scene.cases:
-        _ = scene.in_cases
+        _ = scene.in_cases  # computing them raises the error of an invalid case
     check_phases(scene)
     scene.__dict__[IS_CHECKED] = True
     return scene
@@ -110,8 +113,11 @@ def _is_checked(scene: Scene) -> bool:
     return IS_CHECKED in scene.__dict__
 
 
-def for_life(scene: Scene, source: str = "scene") -> Scene:
-    """Returns the scene if it defines an end of life; refuses it otherwise."""
+def scene_for_life(scene: Scene, source: str = "scene") -> Scene:
+    """Returns the scene unchanged; refuses one without a criterion for the end of life.
+
+    source: name of the scene in the SceneError.
+    """
     end = scene.wear.end_of_life
     if end is None or not end.criteria:
         names = ", ".join(file_part(EndOfLife).below)
@@ -146,6 +152,7 @@ class BasedOn:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Refuses changes whose keys are no paths of a scene."""
         for key in self.changes:
             if not re.fullmatch(KEY, key):
                 raise SceneError(
@@ -168,17 +175,17 @@ def scene_files(path: str | os.PathLike[str]) -> list[str]:
 _A_SCENE = "expected a scene, such as `bearingwear new mine.yaml 7008C` writes"
 
 
-def _blocks() -> set[str]:
+def _block_names() -> set[str]:
     """Returns the names of the blocks of a scene."""
     return {name for name, part in file_part(Scene).below.items() if part.kind != "text"}
 
 
-def _no_scene(error: SceneError, source: str) -> SceneError:
-    """Returns the error of a file that is no YAML, with what was probably meant."""
+def _unreadable_scene_error(error: SceneError, source: str) -> SceneError:
+    """Returns the error of a file that cannot be read as YAML, with advice where it is likely."""
     path = Path(source)
     with contextlib.suppress(OSError, ValueError):
         if not path.exists():
-            return _no_file(error, path)
+            return _missing_file_error(error, path)
         if path.is_file() and path.suffix not in SCENE_SUFFIXES and "not YAML" in error.problem:
             kind = f"a {path.suffix} file" if path.suffix else "text"
             problem = f"got {kind}, {_A_SCENE}"
@@ -186,7 +193,7 @@ def _no_scene(error: SceneError, source: str) -> SceneError:
     return error
 
 
-def _no_file(error: SceneError, path: Path) -> SceneError:
+def _missing_file_error(error: SceneError, path: Path) -> SceneError:
     """Returns the error of a file that does not exist, with the names of similar ones."""
     scenes = [file.name for file in path.parent.glob("*") if file.suffix in SCENE_SUFFIXES]
     similar = [name for name in scenes if Path(name).stem == path.name]
@@ -201,33 +208,42 @@ def _no_file(error: SceneError, path: Path) -> SceneError:
     return SceneError("", f"{error.problem}{advice}", source=error.source)
 
 
-def _read(path: str | os.PathLike[str], depth: int = 0) -> _SceneFile:
-    """Returns the data of a scene file, completed by those it is based on, and the files read."""
-    source = os.fspath(path)
+def _keys_of_file(source: str) -> dict[str, Any]:
+    """Reads one YAML file; refuses it if it has neither a block of a scene nor `based_on`."""
     try:
-        data = data_of(text_of(path, "scene"), source)
+        data = data_of(text_of(source, "scene"), source)
     except SceneError as error:
-        raise _no_scene(error, source) from None
+        raise _unreadable_scene_error(error, source) from None
     if not isinstance(data, dict):
         problem = f"got {shown(data)}, expected a scene, which is a block of keys"
         raise SceneError("", problem, source=source)
-    if data and not data.keys() & (_blocks() | {"based_on"}):
+    if data and not data.keys() & (_block_names() | {"based_on"}):
         names = ", ".join(short(str(name)) for name in [*data][:3])
         problem = f"got a file without any block of a scene ({names}), {_A_SCENE}"
         raise SceneError("", problem, source=source)
+    return data
+
+
+def _read(path: str | os.PathLike[str], depth: int = 0) -> _SceneFile:
+    """Reads a scene file and, with its changes applied, the one that it is based on.
+
+    depth: number of files that led here through `based_on`.
+    """
+    source = os.fspath(path)
+    data = _keys_of_file(source)
     if "based_on" not in data:
         stem = Path(source).stem
-        named = {"name": stem} if re.search(NAME, stem) else {}
-        return _SceneFile(named | data, [source])
+        default_name = {"name": stem} if re.search(NAME, stem) else {}
+        return _SceneFile(default_name | data, [source])
     derived = record(BasedOn, data, source)
     if depth > DEEPEST:
         problem = f"got {derived.based_on}, based on itself, expected another scene"
         raise SceneError("based_on", problem, source=source)
-    base, files = _read(Path(path).with_name(f"{derived.based_on}.yaml"), depth + 1)
-    replaced = {key: data[key] for key in ("name", "description") if key in data}
+    base = _read(Path(path).with_name(f"{derived.based_on}.yaml"), depth + 1)
+    texts = {key: data[key] for key in ("name", "description") if key in data}
     try:
-        changed = with_changes(base, replaced | dict(derived.changes))
-        return _SceneFile(changed, [source, *files])
+        changed = with_changes(base.data, texts | dict(derived.changes))
+        return _SceneFile(changed, [source, *base.files])
     except SceneError as error:
         key = error.source.removeprefix("--set ")
         raise SceneError(f"set.{key}", error.problem, source=source) from None
@@ -240,7 +256,7 @@ def _check_spread(data: Mapping[str, Any]) -> None:
     """Refuses a mean, median or bound of a distribution that the key itself may not have."""
     for name, distribution in (data.get("uncertainty") or {}).items():
         part = key_of_scene(uncertain_key(name, "NAME"))
-        if part is None:  # of no key
+        if part is None:  # wear_scatter, which is no key of a scene
             continue
         for end in ("mean", "median", "low", "high"):
             value = distribution.get(end)
@@ -264,8 +280,8 @@ def written_data(scene: Scene) -> dict[str, Any]:
 def _data_without_accuracy(scene: Scene) -> dict[str, Any]:
     """Returns the data of a scene without the values set by its accuracy, so that it can change."""
     plain = scene.to_dict()
-    preset, slip_area = accuracy_preset(scene.model.accuracy), scene.model.slip_is_over
-    for path, value in preset.keys(slip_area, _cage_wears(plain)).items():
+    preset = accuracy_preset(scene.model.accuracy)
+    for path, value in preset.keys(scene.model.slip_region, _cage_wears(plain)).items():
         block, _, name = path.partition(".")
         if path == REGULARISATION:
             by_accuracy = not regularisation_is_given(scene)
@@ -284,12 +300,14 @@ def _cage_wears(plain: Mapping[str, Any]) -> bool:
 
 
 def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
-    """Fills in the keys that the accuracy sets, where the scene does not give them."""
+    """Fills in the keys that the accuracy sets, where the scene does not give them; returns it.
+
+    plain: data of a scene, in which whole blocks are replaced.
+    """
     model = plain.get("model") or {}
-    slip_area = slip_is_over(model.get("contact", Model.contact), model.get("slip_over"))
+    region = slip_region(model.get("contact", Model.contact), model.get("slip_over"))
     preset = accuracy_preset(model.get("accuracy", Model.accuracy))
-    keys = preset.keys(slip_area, _cage_wears(plain))
-    for path, value in keys.items():
+    for path, value in preset.keys(region, _cage_wears(plain)).items():
         block, _, name = path.partition(".")
         plain[block] = {name: value} | (plain.get(block) or {})
     return plain
@@ -304,19 +322,20 @@ def variant(source: Source, changes: Mapping[str, Any]) -> Scene:
     SceneError: one line that names the file, or the change (as `--set`, which makes such
     changes).
     """
-    if (
-        isinstance(source, Scene)
-        and (with_new_values := _with_new_values(source, changes)) is not None
-    ):
-        return with_new_values
+    if isinstance(source, Scene):
+        changed = _quick_variant(source, changes)
+        if changed is not None:
+            return changed
     data, name = as_data(source)
     return changed_scene(data, changes, name)
 
 
-_CHECKED_ALONE = {
-    *("bearing", "materials", "operation", "arrangement", "temperature", "thermal", "fits"),
-    *("friction", "lubricant", "wear"),
+# fmt: off
+_INDEPENDENT_BLOCKS = {
+    "bearing", "materials", "operation", "arrangement", "temperature", "thermal", "fits",
+    "friction", "lubricant", "wear",
 }
+# fmt: on
 """Blocks on which nothing elsewhere depends but what a scene checks when it is made."""
 
 _SCENE_FILE = file_part(Scene)
@@ -325,23 +344,23 @@ _END = "wear.end_of_life"
 """Decides, with limits of the cage, the accuracy of the motion in time."""
 
 
-def _with_new_values(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
+def _quick_variant(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:
     """Returns the changed scene with only the changed values checked; ten times as fast.
 
     None where other blocks depend on them, or where a value is wrong: a full check then reports it.
     """
-    only_keys = all("." in key and not key.startswith(_END) for key in changes)
-    names = {key.partition(".")[0] for key in changes}
-    if not (only_keys and names <= _CHECKED_ALONE and _is_checked(scene)):
+    for key in changes:
+        block, dot, _ = key.partition(".")
+        if not dot or block not in _INDEPENDENT_BLOCKS or key.startswith(_END):
+            return None
+    if not _is_checked(scene):
         return None
     pair = {"arrangement": plain_data(scene.arrangement)} if scene.arrangement is not None else {}
-    new_values = {
-        tuple(key.split(".")): value
-        for key, value in {**changes, **joined_keys(pair, changes)}.items()
-    }
+    all_changes = {**changes, **joined_keys(pair, changes)}
+    values_by_path = {tuple(key.split(".")): value for key, value in all_changes.items()}
     regularisation_given = REGULARISATION in changes or regularisation_is_given(scene)
     try:
-        changed = changed_record(scene, _SCENE_FILE, new_values)
+        changed = changed_record(scene, _SCENE_FILE, values_by_path)
         return _with_checked_cases(with_regularisation(changed, regularisation_given))
     except ValueError:
         return None

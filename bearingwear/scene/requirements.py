@@ -44,13 +44,13 @@ class Launch:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Refuses an acceleration beside the density from which it is computed."""
         for direction in ("axial", "radial"):
             acceleration = getattr(self, f"{direction}_g")
-            if acceleration and getattr(self, f"{direction}_density_g2_Hz") is not None:
-                key = f"{direction}_density_g2_Hz"
-                raise SceneError(
-                    f"{direction}_g", f"got {acceleration:g} with {key}, expected only one of them"
-                )
+            density_key = f"{direction}_density_g2_Hz"
+            if acceleration and getattr(self, density_key) is not None:
+                problem = f"got {acceleration:g} with {density_key}, expected only one of them"
+                raise SceneError(f"{direction}_g", problem)
 
 
 RULES: dict[tuple[str, str], dict[str, float]] = {
@@ -104,6 +104,7 @@ class Drive:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Refuses factors beside a standard, and names that the rule does not have."""
         for name in ("resistances_Nm", "factors"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if (self.standard == "own") != bool(self.factors):
@@ -123,31 +124,42 @@ class Drive:
                 raise SceneError(f"resistances_Nm.{name}", problem, ("standard",))
 
     def __hash__(self) -> int:
-        return hash((self.torque_Nm, repr(self)))
+        """Returns a hash of the text of all fields, since mapping proxies have none."""
+        return hash(repr(self))
 
     def __reduce__(self) -> tuple[Any, ...]:
+        """Returns what pickle makes a copy from."""
         return reduced_record(self)
 
     @property
     def rule(self) -> Mapping[str, float]:
-        """Factors by class of resistance."""
+        """Returns the factor of each class of resistance: those of the standard, or one's own."""
         return self.factors if self.standard == "own" else RULES[self.standard, self.data]
 
     @property
     def bearings(self) -> str:
-        """Class of resistance of the bearing torque."""
+        """Returns the class of resistance of the bearing torque; "" if the scene defines none."""
         return self.bearings_as or _BEARINGS.get(self.standard, "")
 
-    def required_torque(self, torque: float) -> float:
-        """Returns the torque that the drive must have at a torque of the bearings [N m]."""
-        others = sum(self.rule[name] * T for name, T in self.resistances_Nm.items())
-        return self.rule[self.bearings] * torque + others
+    def required_torque(self, bearing_torque: float) -> float:
+        """Returns the torque that the drive must have [N m].
 
-    def margin(self, torque: float) -> float:
-        """Returns the excess of the drive's torque over the required one, relative to it [1]."""
-        needed = self.required_torque(torque)
-        return self.torque_Nm / needed - 1.0 if needed > 0.0 else math.inf
+        bearing_torque: friction torque of all bearings [N m].
+        """
+        other_torque = sum(self.rule[name] * torque for name, torque in self.resistances_Nm.items())
+        return self.rule[self.bearings] * bearing_torque + other_torque
 
-    def stalls(self, torque: float) -> bool:
-        """Whether the resisting torques, without any factor, exceed that of the drive."""
-        return torque + sum(self.resistances_Nm.values()) > self.torque_Nm
+    def margin(self, bearing_torque: float) -> float:
+        """Returns the torque margin: drive torque over required torque, minus 1.
+
+        It is infinite if nothing resists. bearing_torque: as in `required_torque`.
+        """
+        required = self.required_torque(bearing_torque)
+        return self.torque_Nm / required - 1.0 if required > 0.0 else math.inf
+
+    def stalls(self, bearing_torque: float) -> bool:
+        """Whether the resisting torques, without any factor, exceed that of the drive.
+
+        bearing_torque: friction torque of all bearings [N m].
+        """
+        return bearing_torque + sum(self.resistances_Nm.values()) > self.torque_Nm

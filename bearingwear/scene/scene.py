@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass, replace
 from html import escape
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from bearingwear.scene.accuracy import FIDELITIES, Model, check_model
 from bearingwear.scene.arrangement import Arrangement, check_arrangement, sides_of
@@ -78,7 +78,7 @@ __all__ = [
     "Wear",
     "key_of_scene",
     "most_balls",
-    "once",
+    "cached_in_scene",
 ]
 
 LARGEST_LOSS = 0.1
@@ -155,6 +155,7 @@ class Scene:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Makes mappings read-only, and refuses values that contradict each other."""
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
         for name in ("uncertainty", "cage_uncertainty"):
             if (distributions := getattr(self, name)) is not None:
@@ -165,10 +166,15 @@ class Scene:
         _check_balls(self)
         _check_rings(self)
         _check_speeds(self)
-        _check_wear(self)
+        _check_loss_count(self)
+        losses = self.wear.ball_diameter_loss_um
+        if len(set(losses)) == 1:  # equal losses are one number
+            object.__setattr__(self, "wear", replace(self.wear, ball_diameter_loss_um=losses[:1]))
+        _check_largest_loss(self)
         _check_cage_limits(self)
         if self.cage is not None:
-            _check_cage(self, self.cage)
+            _check_cage_ring(self, self.cage)
+            _check_pockets(self, self.cage)
         check_films(self)
         check_uncertainty(self)
         check_warmth(self)
@@ -177,12 +183,14 @@ class Scene:
         check_duty(self)
 
     def __repr__(self) -> str:
-        b, o, mu = self.bearing, self.operation, self.friction.ball_race
-        method = o.preload_method.replace("_", " ")
+        bearing, operation = self.bearing, self.operation
+        method = operation.preload_method.replace("_", " ")
+        coefficient = self.friction.ball_race
+        friction = "of a film" if coefficient is None else f"{coefficient:g}"
         return (
-            f"<Scene {self.name}: {b.ball_count} balls of {b.ball_diameter_mm:g} mm, "
-            f"{o.shaft_speed_rpm:g} r/min, {method} preload {o.preload_N:g} N, "
-            f"friction {'of a film' if mu is None else f'{mu:g}'}>"
+            f"<Scene {self.name}: {bearing.ball_count} balls of {bearing.ball_diameter_mm:g} mm, "
+            f"{operation.shaft_speed_rpm:g} r/min, {method} preload {operation.preload_N:g} N, "
+            f"friction {friction}>"
         )
 
     def _repr_html_(self) -> str:
@@ -194,16 +202,28 @@ class Scene:
         return f"<details><summary>{escape(repr(self))}</summary><table>{rows}</table></details>"
 
     def __hash__(self) -> int:
-        values = (getattr(self, f.name) for f in fields(self) if f.name != "cases")
-        plain = tuple(tuple(v.items()) if isinstance(v, Mapping) else v for v in values)
-        return hash((plain, repr(dict(self.cases or {}))))
+        """Returns a hash of all values, although mapping proxies have none of their own."""
+        hashable: list[Any] = []
+        for name in _field_names(Scene):
+            value = getattr(self, name)
+            if name == "cases":  # holds lists, too
+                hashable.append(repr(dict(value or {})))
+            elif isinstance(value, Mapping):
+                hashable.append(tuple(value.items()))
+            else:
+                hashable.append(value)
+        return hash(tuple(hashable))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        mark = {IS_CHECKED: True} if IS_CHECKED in self.__dict__ else None
-        return (*reduced_record(self), mark)
+        """Returns what pickle makes a copy from, which is checked if the scene is."""
+        state = {IS_CHECKED: True} if IS_CHECKED in self.__dict__ else None
+        return (*reduced_record(self), state)
 
     def nominal(self, name: str) -> float:
-        """Returns the scene's value of a key of `UNCERTAIN`; for materials, that of the races."""
+        """Returns the value of a key of `UNCERTAIN`, in the unit of the key.
+
+        A property of a material is that of the races. The value of `wear_scatter` is 1.
+        """
         return nominal_value(self, name)
 
     @property
@@ -218,24 +238,28 @@ class Scene:
 
     @functools.cached_property
     def in_cases(self) -> dict[str, Scene]:
-        """Returns the scene as it stands, `nominal`, and in each of its cases."""
+        """Returns the scene in each of its cases by name; `nominal` is the scene itself."""
         return scenes_of_cases(self)
 
     @functools.cached_property
     def sides(self) -> tuple[Scene, ...]:
-        """Returns each bearing of the arrangement as a single one."""
+        """Returns a scene of a single bearing for each side: two of a pair, otherwise one."""
         return sides_of(self)
 
     @property
-    def one_of_alike(self) -> Scene:
-        """Returns the first bearing of a symmetric pair; any other scene as it is."""
+    def symmetric_half(self) -> Scene:
+        """Returns the scene of one bearing for a symmetric pair, whose bearings are alike.
+
+        Any other scene is returned as it is.
+        """
         return self.sides[0] if self.pair is not None and self.pair.is_symmetric else self
 
     @functools.cached_property
     def without_cage(self) -> Scene:
         """Returns the scene without its cage, the cage's results and the limits of its wear."""
-        end = self.wear.end_of_life
-        wear = replace(self.wear, end_of_life=end and end.without_cage)
+        wear = self.wear
+        if wear.end_of_life is not None:
+            wear = replace(wear, end_of_life=wear.end_of_life.without_cage)
         model = replace(self.model, cage_results=False)
         return replace(self, cage=None, cage_uncertainty=None, wear=wear, model=model)
 
@@ -263,7 +287,7 @@ class Scene:
             )
         try:
             return variant(self, changes)
-        except SceneError as error:  # its text is for the command line
+        except SceneError as error:  # the command line names a changed key as `--set KEY`
             raise error.in_source(error.source.removeprefix("--set ")) from None
 
     def case(self, name: str) -> Scene:
@@ -274,9 +298,9 @@ class Scene:
         SceneError
             A ValueError with a one-line message that lists the cases.
         """
-        from bearingwear.scene.cases import in_case
+        from bearingwear.scene.cases import scene_in_case
 
-        return in_case(self, name, "case")
+        return scene_in_case(self, name, "case")
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the scene as plain nested data in the order of a scene file, with all defaults.
@@ -288,18 +312,20 @@ class Scene:
     @property
     def plain(self) -> Mapping[str, Any]:
         """Returns the data of `to_dict`; other scenes share parts of it, so do not write to it."""
-        return self._shared[0]
+        return self._serialised.plain
 
     @property
     def json(self) -> str:
         """Returns `to_dict` as JSON: the attribute `scene` of a result."""
-        return self._shared[1]
+        return self._serialised.json
 
     @functools.cached_property
-    def _shared(self) -> tuple[dict[str, Any], str]:
+    def _serialised(self) -> _Serialised:
         """Returns plain data and JSON of the scene, with blocks that other scenes share."""
         field_values = {name: getattr(self, name) for name in _field_names(Scene)}
-        return _mapping_and_json({k: part for k, part in field_values.items() if part is not None})
+        return _serialised_mapping(
+            {name: part for name, part in field_values.items() if part is not None}
+        )
 
 
 @functools.cache
@@ -309,6 +335,7 @@ def _field_names(record_type: type) -> tuple[str, ...]:
 
 
 _UNCHANGED = frozenset({float, int, bool, str})
+"""Types of values that are plain data. Looking up the exact type is faster than `isinstance`."""
 
 
 def plain_data(value: Any) -> Any:
@@ -324,60 +351,76 @@ def plain_data(value: Any) -> Any:
             elif part is not None:
                 plain[name] = plain_data(part)
         if value.__class__ is Wear and len(value.ball_diameter_loss_um) == 1:
-            (plain["ball_diameter_loss_um"],) = value.ball_diameter_loss_um
+            plain["ball_diameter_loss_um"] = value.ball_diameter_loss_um[0]  # as files have it
         return plain
     if isinstance(value, Mapping):
         return {key: plain_data(part) for key, part in value.items()}
-    return [plain_data(part) for part in value] if isinstance(value, tuple) else value
+    if isinstance(value, tuple):
+        return [plain_data(part) for part in value]
+    return value
 
 
-_MOST_KEPT = 256
-_KEPT: dict[int, tuple[Any, Any, str]] = {}
-"""Blocks by their id, with plain data and JSON: scenes in a loop have most of them in common."""
+class _Serialised(NamedTuple):
+    """A part of a scene in the two forms in which results hold it."""
+
+    plain: Any
+    json: str
 
 
-def _block_and_json(block: Any) -> tuple[Any, str]:
-    """Returns plain data and JSON of a block, which are computed once."""
-    kept = _KEPT.get(id(block))
-    if kept is None:
-        if len(_KEPT) >= _MOST_KEPT:
-            _KEPT.clear()
+_MOST_CACHED = 256
+_BLOCK_CACHE: dict[int, tuple[Any, _Serialised]] = {}
+"""Blocks by their id: scenes in a loop have most of them in common.
+
+Each entry holds its block, so that no other object gets the id meanwhile.
+"""
+
+
+def _serialised_block(block: Any) -> _Serialised:
+    """Returns plain data and JSON of a block, which are computed once for each block."""
+    if id(block) not in _BLOCK_CACHE:
+        if len(_BLOCK_CACHE) >= _MOST_CACHED:
+            _BLOCK_CACHE.clear()
         plain = plain_data(block)
-        kept = _KEPT[id(block)] = (block, plain, json.dumps(plain))
-    return kept[1:]
+        _BLOCK_CACHE[id(block)] = block, _Serialised(plain, json.dumps(plain))
+    _, serialised = _BLOCK_CACHE[id(block)]
+    return serialised
 
 
 _name_as_json = functools.lru_cache(maxsize=1024)(json.dumps)
 
 
-def _mapping_and_json(mapping: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+def _serialised_mapping(mapping: Mapping[str, Any]) -> _Serialised:
     """Returns plain data and JSON of a mapping of blocks, mappings and values."""
     plain, texts = {}, []
     for name, part in mapping.items():
         if _field_names(part.__class__):
-            plain[name], text = _block_and_json(part)
+            serialised = _serialised_block(part)
         elif isinstance(part, Mapping):
-            plain[name], text = _mapping_and_json(part)
+            serialised = _serialised_mapping(part)
         else:
-            plain[name] = plain_data(part)
-            text = json.dumps(plain[name])
-        texts.append(f"{_name_as_json(name)}: {text}")
-    return plain, f"{{{', '.join(texts)}}}"
+            data = plain_data(part)
+            serialised = _Serialised(data, json.dumps(data))
+        plain[name] = serialised.plain
+        texts.append(f"{_name_as_json(name)}: {serialised.json}")
+    return _Serialised(plain, f"{{{', '.join(texts)}}}")
 
 
-def once(of_scene: Callable[[Scene], Value]) -> Callable[[Scene], Value]:
-    """Wraps a function so that it computes its value once for each scene, and keeps it there."""
+def cached_in_scene(of_scene: Callable[[Scene], Value]) -> Callable[[Scene], Value]:
+    """Wraps a function of a scene so that its value is computed once and cached in the scene.
+
+    The cache is the scene's `__dict__`, under the function's dotted name.
+    """
     name = f"{of_scene.__module__}.{of_scene.__qualname__}"
 
     @functools.wraps(of_scene)
-    def kept_value(scene: Scene) -> Value:
-        values = scene.__dict__
-        if name not in values:
-            values[name] = of_scene(scene)
-        result: Value = values[name]
-        return result
+    def cached_value(scene: Scene) -> Value:
+        cache = scene.__dict__
+        if name not in cache:
+            cache[name] = of_scene(scene)
+        value: Value = cache[name]
+        return value
 
-    return kept_value
+    return cached_value
 
 
 def key_of_scene(path: str) -> Part | None:
@@ -388,8 +431,10 @@ def key_of_scene(path: str) -> Part | None:
 def _check_materials(scene: Scene) -> None:
     """Refuses the name of a material that the scene does not define."""
     blocks = {"bearing": scene.bearing, "cage": scene.cage, "fits": scene.fits}
-    for block, values in blocks.items():
-        for key, name in vars(values).items() if values else ():
+    for block, record in blocks.items():
+        if record is None:
+            continue
+        for key, name in vars(record).items():
             if key.endswith("material") and name is not None and name not in scene.materials:
                 problem = (
                     f"got {name!r}, which is not under materials, "
@@ -402,38 +447,44 @@ def _material_advice(name: str, scene: Scene) -> str:
     """Returns advice on the name of a material that the scene lacks, after a semicolon."""
     if advice := did_you_mean(name, scene.materials):
         return advice
-    if "silicon_nitride" in did_you_mean(name, ("silicon_nitride",)):
+    if did_you_mean(name, ("silicon_nitride",)):
         return (
             "; `bearingwear new --ball-material silicon_nitride` writes a block of silicon nitride"
         )
     return ""
 
 
+_BALL_CIRCLE = ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
+
+
 def most_balls(diameter: float, pitch_diameter: float) -> int:
-    """Returns how many balls (or pockets) of a diameter fit side by side on the pitch circle."""
+    """Returns how many balls (or pockets) fit side by side on the pitch circle.
+
+    diameter, pitch_diameter: in the same unit.
+    """
     if diameter >= pitch_diameter:
         return 0
-    # the tolerance is for balls that touch exactly
+    # without the tolerance, rounding would refuse the last of balls that touch exactly
     return math.floor(math.pi / math.asin(diameter / pitch_diameter) + 1e-9)
 
 
 def _check_balls(scene: Scene) -> None:
     """Refuses balls that do not fit on the pitch circle."""
-    b = scene.bearing
-    keys = ("bearing.ball_count", "bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
-    if b.ball_diameter_mm >= b.pitch_diameter_mm:
+    count, D = scene.bearing.ball_count, scene.bearing.ball_diameter_mm
+    dm = scene.bearing.pitch_diameter_mm
+    keys = ("bearing.ball_count", *_BALL_CIRCLE)
+    if D >= dm:
         raise SceneError(
             "bearing.pitch_diameter_mm",
-            f"got {b.pitch_diameter_mm:g} with balls of {b.ball_diameter_mm:g} mm, "
-            f"expected a number > {b.ball_diameter_mm:g}",
+            f"got {dm:g} with balls of {D:g} mm, expected a number > {D:g}",
             keys,
         )
-    limit = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
-    if b.ball_count > limit:
+    limit = most_balls(D, dm)
+    if count > limit:
         raise SceneError(
             "bearing.ball_count",
-            f"got {b.ball_count} balls of {b.ball_diameter_mm:g} mm that do not fit on a pitch "
-            f"circle of {b.pitch_diameter_mm:g} mm, expected at most {limit}",
+            f"got {count} balls of {D:g} mm that do not fit on a pitch circle of {dm:g} mm, "
+            f"expected at most {limit}",
             keys,
         )
 
@@ -449,7 +500,11 @@ def _check_rings(scene: Scene) -> None:
     ):
         value = getattr(scene.bearing, name)
         if value is not None and not above < value < below:
-            ends = [f"> {above:g}"] * (above > 0.0) + [f"< {below:g}"] * (below < math.inf)
+            ends = []
+            if above > 0.0:
+                ends.append(f"> {above:g}")
+            if below < math.inf:
+                ends.append(f"< {below:g}")
             raise SceneError(
                 f"bearing.{name}",
                 f"got {value:g} with balls of {D:g} mm on a pitch circle of {dm:g} mm, "
@@ -461,7 +516,7 @@ def _check_rings(scene: Scene) -> None:
 def _check_speeds(scene: Scene) -> None:
     """Refuses a lowest speed above that of the shaft."""
     lowest, speed = scene.operation.lowest_speed_rpm, scene.operation.shaft_speed_rpm
-    if lowest > max(speed, 0.0):  # a speed below zero is refused for itself
+    if lowest > max(speed, 0.0):  # the range of shaft_speed_rpm refuses a speed below zero
         raise SceneError(
             "operation.lowest_speed_rpm",
             f"got {lowest:g}, expected a number <= {speed:g}, the speed of the shaft",
@@ -469,30 +524,29 @@ def _check_speeds(scene: Scene) -> None:
         )
 
 
-def _check_wear(scene: Scene) -> None:
-    """Refuses a wrong number of diameter losses and too large ones; equal losses become one."""
-    loss = scene.wear.ball_diameter_loss_um
-    count = scene.bearing.ball_count
-    key = "wear.ball_diameter_loss_um"
-    if len(loss) not in (1, count):
+def _check_loss_count(scene: Scene) -> None:
+    """Refuses diameter losses that are neither one number nor one for each ball."""
+    losses, ball_count = scene.wear.ball_diameter_loss_um, scene.bearing.ball_count
+    if len(losses) not in (1, ball_count):
         raise SceneError(
-            key,
-            f"got {len(loss)} values, expected one number or a list with one number for each of "
-            f"the {count} balls",
+            "wear.ball_diameter_loss_um",
+            f"got {len(losses)} values, expected one number or a list with one number for each of "
+            f"the {ball_count} balls",
             ("bearing.ball_count",),
         )
-    if len(set(loss)) == 1:
-        object.__setattr__(scene, "wear", replace(scene.wear, ball_diameter_loss_um=loss[:1]))
+
+
+def _check_largest_loss(scene: Scene) -> None:
+    """Refuses diameter losses, now or at the end of life, that are too large for the ball."""
     largest = LARGEST_LOSS * 1e3 * scene.bearing.ball_diameter_mm
-    limits = {key: max(loss)}
+    losses = {"wear.ball_diameter_loss_um": max(scene.wear.ball_diameter_loss_um)}
     if scene.wear.end_of_life is not None:
-        limits["wear.end_of_life.ball_diameter_loss_um"] = (
-            scene.wear.end_of_life.ball_diameter_loss_um or 0.0
-        )
-    for limited_key, value in limits.items():
+        loss_at_end = scene.wear.end_of_life.ball_diameter_loss_um
+        losses["wear.end_of_life.ball_diameter_loss_um"] = loss_at_end or 0.0
+    for key, value in losses.items():
         if value >= largest:
             raise SceneError(
-                limited_key,
+                key,
                 f"got {value:g}, expected a number < {largest:g} "
                 f"({100 * LARGEST_LOSS:g} % of the ball diameter)",
                 ("bearing.ball_diameter_mm",),
@@ -515,53 +569,55 @@ def _check_cage_limits(scene: Scene) -> None:
             )
 
 
-def _check_cage(scene: Scene, cage: Cage) -> None:
-    """Refuses a cage that does not fit the balls, or whose pockets cut through its ring."""
-    b = scene.bearing
-    rim = ("cage.inner_diameter_mm", "cage.outer_diameter_mm")
-    circle = ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
+def _check_cage_ring(scene: Scene, cage: Cage) -> None:
+    """Refuses a cage whose ring does not reach the balls, or that has no clearance."""
+    bearing, ring_keys = scene.bearing, ("cage.inner_diameter_mm", "cage.outer_diameter_mm")
     if cage.inner_diameter_mm >= cage.outer_diameter_mm:
         raise SceneError(
-            rim[0],
+            "cage.inner_diameter_mm",
             f"got {cage.inner_diameter_mm:g}, expected a number < {cage.outer_diameter_mm:g}, "
             f"the cage's outer diameter",
-            rim,
+            ring_keys,
         )
-    inside, outside = (
-        b.pitch_diameter_mm - b.ball_diameter_mm,
-        b.pitch_diameter_mm + b.ball_diameter_mm,
-    )
+    inside = bearing.pitch_diameter_mm - bearing.ball_diameter_mm
+    outside = bearing.pitch_diameter_mm + bearing.ball_diameter_mm
     if cage.inner_diameter_mm >= outside or cage.outer_diameter_mm <= inside:
         raise SceneError(
-            rim[0],
+            "cage.inner_diameter_mm",
             f"got a cage from {cage.inner_diameter_mm:g} to {cage.outer_diameter_mm:g} mm that "
             f"does not reach the balls, expected a ring that overlaps the range from {inside:g} to "
             f"{outside:g} mm",
-            rim + circle,
+            ring_keys + _BALL_CIRCLE,
         )
-    guided = cage.guiding_race != "ball"
-    for name in ("pocket_clearance_mm", *(("guide_clearance_mm",) if guided else ())):
-        if not getattr(cage, name) > 0.0:
+    clearances = {"pocket_clearance_mm": cage.pocket_clearance_mm}
+    if cage.guiding_race != "ball":
+        clearances["guide_clearance_mm"] = cage.guide_clearance_mm
+    for name, clearance in clearances.items():
+        if not clearance > 0.0:
             raise SceneError(
                 f"cage.{name}", "got 0, expected a number > 0, because a cage requires clearance"
             )
-    pocket = b.ball_diameter_mm + cage.pocket_clearance_mm
-    if b.ball_count > most_balls(pocket, b.pitch_diameter_mm):
-        widest = b.pitch_diameter_mm * math.sin(math.pi / b.ball_count) - b.ball_diameter_mm
+
+
+def _check_pockets(scene: Scene, cage: Cage) -> None:
+    """Refuses pockets that overlap, or that cut through the ring of the cage."""
+    bearing = scene.bearing
+    pocket = bearing.ball_diameter_mm + cage.pocket_clearance_mm
+    if bearing.ball_count > most_balls(pocket, bearing.pitch_diameter_mm):
+        spacing = bearing.pitch_diameter_mm * math.sin(math.pi / bearing.ball_count)
         raise SceneError(
             "cage.pocket_clearance_mm",
             f"got {cage.pocket_clearance_mm:g}, which makes the pockets overlap, expected a "
-            f"number <= {widest:.4g}",
-            ("bearing.ball_count", *circle),
+            f"number <= {spacing - bearing.ball_diameter_mm:.4g}",
+            ("bearing.ball_count", *_BALL_CIRCLE),
         )
-
-    # What is left of a ring between the pockets; `model.dynamic` gives it this mass.
-    width, cut = cage.width_mm, b.ball_count * math.pi * (0.5 * pocket) ** 2
-    wall = math.pi * (cage.outer_diameter_mm + cage.inner_diameter_mm) / 2.0
-    if cut >= wall * width:
+    # the dynamic model gives the cage the mass of the ring between its pockets
+    pockets_area = bearing.ball_count * math.pi * (0.5 * pocket) ** 2
+    circumference = math.pi * (cage.outer_diameter_mm + cage.inner_diameter_mm) / 2.0
+    if pockets_area >= circumference * cage.width_mm:
         raise SceneError(
             "cage.width_mm",
-            f"got {width:g}, at which the pockets cut through the ring, expected a number > "
-            f"{cut / wall:.4g}",
-            ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
+            f"got {cage.width_mm:g}, at which the pockets cut through the ring, expected a "
+            f"number > {pockets_area / circumference:.4g}",
+            ("cage.pocket_clearance_mm", "bearing.ball_count", *_BALL_CIRCLE),
         )

@@ -45,7 +45,10 @@ def default_regularisation(scene: Scene) -> float:
 
 
 def with_regularisation(scene: Scene, is_given: bool) -> Scene:
-    """Returns the scene with the regularisation for its slip; marks one that was given."""
+    """Returns the scene with the default regularisation for its slip, unless it has its own.
+
+    is_given: whether the scene states a regularisation, which is then marked as given.
+    """
     if is_given:
         scene.friction.__dict__[_GIVEN] = True
         return scene
@@ -56,15 +59,18 @@ def with_regularisation(scene: Scene, is_given: bool) -> Scene:
 
 
 def regularisation_is_given(scene: Scene) -> bool:
-    """Whether the regularisation of a scene was given, as `with_regularisation` asks."""
+    """Whether the regularisation of a scene was given, by its mark or by another value."""
     friction = scene.friction
     if _GIVEN in friction.__dict__:
         return True
     return friction.slip_regularisation_m_s != default_regularisation(scene)
 
 
-def at_share(scene: Scene, share: float) -> Scene:
-    """Returns a scene at a share of its shaft speed and of the speed of its outer race."""
+def at_speed_share(scene: Scene, share: float) -> Scene:
+    """Returns a scene whose shaft and outer race turn at a share of their speeds.
+
+    A default regularisation follows the slip at the new speeds.
+    """
     operation = scene.operation
     shaft_speed = share * operation.shaft_speed_rpm
     slower = replace(
@@ -82,28 +88,37 @@ def mean_slip(scene: Scene) -> float:
     It adds the spin of one contact (outer race control), 3/16 a omega sin(alpha) in the mean of
     both under a Hertzian load, and the slip of a curved contact (Heathcote), 0.26 V (a/D)^2.
     """
-    b, operation = scene.bearing, scene.operation
+    bearing, operation = scene.bearing, scene.operation
     omega = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm) * _RPM
-    D, dm = _MM * b.ball_diameter_mm, _MM * b.pitch_diameter_mm
-    a, sine = _semi_axis(scene), math.sin(math.radians(b.contact_angle_deg))
+    D, dm = _MM * bearing.ball_diameter_mm, _MM * bearing.pitch_diameter_mm
+    a, sine = _semi_axis(scene), math.sin(math.radians(bearing.contact_angle_deg))
+    # V = omega dm/4 is the speed at which a ball rolls over either race
     return omega * (3.0 / 16.0 * a * sine + 0.26 * 0.25 * dm * (a / D) ** 2)
 
 
 def _semi_axis(scene: Scene) -> float:
-    """Returns the semi-major axis [m] of the inner contact, by Brewe and Hamrock's fit (1977)."""
-    b, operation = scene.bearing, scene.operation
-    D, dm = _MM * b.ball_diameter_mm, _MM * b.pitch_diameter_mm
-    alpha = math.radians(b.contact_angle_deg)
-    radial = math.hypot(*operation.radial_load_N) + operation.rotating_load_N
-    load = 5.0 * radial / math.cos(alpha)  # on the most loaded ball, Stribeck
+    """Returns the semi-major axis [m] of the inner contact, by Brewe and Hamrock's fit (1977).
+
+    It is that of the most loaded ball, and at least `LEAST_SEMI_AXIS` ball diameters.
+    """
+    bearing, operation = scene.bearing, scene.operation
+    D, dm = _MM * bearing.ball_diameter_mm, _MM * bearing.pitch_diameter_mm
+    alpha = math.radians(bearing.contact_angle_deg)
+    radial_load = math.hypot(*operation.radial_load_N) + operation.rotating_load_N
+    # Stribeck: the most loaded ball has 5/Z of a radial load
+    load = 5.0 * radial_load / math.cos(alpha)
     if alpha > 0.0:
         load += operation.preload_N / math.sin(alpha)
-    A = 1.0 / D - 0.5 / (b.inner_groove_factor * D)
+    # half the curvatures across and along the direction of rolling, the fit of ellipticity and
+    # elliptic integral by their ratio
+    A = 1.0 / D - 0.5 / (bearing.inner_groove_factor * D)
     B = 1.0 / D + math.cos(alpha) / (dm - D * math.cos(alpha))
-    kappa, E = 1.0339 * (B / A) ** 0.636, 1.0003 + 0.5968 * A / B
-    ball, race = (scene.materials[name] for name in (b.ball_material, b.race_material))
+    kappa = 1.0339 * (B / A) ** 0.636
+    E = 1.0003 + 0.5968 * A / B
+    ball = scene.materials[bearing.ball_material]
+    race = scene.materials[bearing.race_material]
     E_star = 1.0 / (_compliance(ball) + _compliance(race))
-    cube = 3.0 * E * load / b.ball_count / (2.0 * math.pi * kappa * E_star * (A + B))
+    cube = 3.0 * E * load / bearing.ball_count / (2.0 * math.pi * kappa * E_star * (A + B))
     return max(kappa * cube ** (1.0 / 3.0), LEAST_SEMI_AXIS * D)
 
 

@@ -10,6 +10,7 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import keyed, setting
 
 if TYPE_CHECKING:
+    from bearingwear.scene.friction import Friction
     from bearingwear.scene.scene import Scene
 
 UNCERTAIN = {
@@ -66,7 +67,7 @@ PARAMETERS = {
 """What each distribution needs, and what it may be given."""
 
 
-_PARAMETER_NAMES = tuple(dict.fromkeys(n for parts in PARAMETERS.values() for n in sum(parts, ())))
+_PARAMETER_NAMES = ("standard_deviation", "mean", "factor", "median", "low", "high")
 
 
 @keyed
@@ -110,12 +111,15 @@ def is_same_for_batch(name: str, spread: Distribution) -> bool:
 
 
 def friction_correlation(distributions: Mapping[str, Distribution]) -> tuple[str, float]:
-    """Returns the key of the uncertain friction, or "", and its correlation with the wear."""
+    """Returns the key of the uncertain friction and its correlation with the wear coefficient.
+
+    The key is "" if no friction is uncertain; the correlation is 0 if the scene states none.
+    """
+    friction_key = next((name for name in FRICTION_KEYS if name in distributions), "")
     wear = distributions.get("wear_coefficient")
-    return (
-        next((name for name in FRICTION_KEYS if name in distributions), ""),
-        (wear and wear.friction_correlation) or 0.0,
-    )
+    if wear is None or wear.friction_correlation is None:
+        return friction_key, 0.0
+    return friction_key, wear.friction_correlation
 
 
 def nominal_value(scene: Scene, name: str) -> float:
@@ -123,34 +127,26 @@ def nominal_value(scene: Scene, name: str) -> float:
     if name == "wear_scatter":
         return 1.0
     block: Any = operator.attrgetter(UNCERTAIN[name])(scene)
-    of_material = UNCERTAIN[name] == "materials"
-    return getattr(block[scene.bearing.race_material] if of_material else block, name)
+    if UNCERTAIN[name] == "materials":
+        block = block[scene.bearing.race_material]
+    return getattr(block, name)
 
 
 def uncertain_key(name: str, material: str) -> str:
-    """Returns the whole key of an uncertain value, as in `UNCERTAIN`."""
+    """Returns the whole key of an uncertain value, such as `operation.preload_N`.
+
+    name: a key of `UNCERTAIN`.
+    material: whose properties the keys of the block `materials` are.
+    """
     block = f"materials.{material}" if UNCERTAIN[name] == "materials" else UNCERTAIN[name]
     return f"{block}.{name}"
 
 
 def check_uncertainty(scene: Scene) -> None:
-    """Refuses distributions that lack a parameter, or have one too many."""
+    """Refuses distributions of values that a scene lacks, and those with wrong parameters."""
     for name, spread in (scene.uncertainty or {}).items():
         key = f"uncertainty.{name}"
-        for friction_kind, other_kind in (("ball_race", "film"), ("film", "ball_race")):
-            requires_kind = f"friction.{friction_kind}" in f"{UNCERTAIN[name]}.{name}"
-            if requires_kind and getattr(scene.friction, friction_kind) is None:
-                raise SceneError(
-                    key,
-                    f"got this key with friction.{other_kind}; "
-                    f"only allowed with friction.{friction_kind}",
-                    (key,),
-                )
-        if name == "thickness_um" and scene.friction.film and not scene.friction.film.thickness_um:
-            problem = (
-                "got this key without friction.film.thickness_um; only allowed with a thickness"
-            )
-            raise SceneError(key, problem, (key,))
+        _check_applies(scene.friction, name)
         if name == "wear_scatter" and spread.distribution != "lognormal":
             raise SceneError(
                 f"{key}.distribution", f"got {spread.distribution}, expected lognormal", (key,)
@@ -162,6 +158,20 @@ def check_uncertainty(scene: Scene) -> None:
         if scene.cage is None:
             raise SceneError(f"cage_uncertainty.{name}", "got this key without a cage", ("cage",))
         _check_parameters(f"cage_uncertainty.{name}", spread)
+
+
+def _check_applies(friction: Friction, name: str) -> None:
+    """Refuses an uncertain value of a film where there is none, or of the friction it replaces."""
+    key = f"uncertainty.{name}"
+    problem = ""
+    if name == "ball_race" and friction.ball_race is None:
+        problem = "with friction.film; only allowed with friction.ball_race"
+    elif UNCERTAIN[name] == "friction.film" and friction.film is None:
+        problem = "with friction.ball_race; only allowed with friction.film"
+    elif name == "thickness_um" and friction.film and not friction.film.thickness_um:
+        problem = "without friction.film.thickness_um; only allowed with a thickness"
+    if problem:
+        raise SceneError(key, f"got this key {problem}", (key,))
 
 
 def _check_parameters(key: str, spread: Distribution) -> None:
@@ -189,7 +199,10 @@ def _check_parameters(key: str, spread: Distribution) -> None:
 
 
 def _check_correlation(scene: Scene, name: str, value: float) -> None:
-    """Refuses a correlation of another value, or with a friction that is uncertain differently."""
+    """Refuses a correlation unless it is that of wear and friction that vary alike in a batch.
+
+    name: key of `uncertainty` whose `friction_correlation` has the value.
+    """
     distributions = scene.uncertainty or {}
     friction, _ = friction_correlation(distributions)
     problem = ""
@@ -197,7 +210,9 @@ def _check_correlation(scene: Scene, name: str, value: float) -> None:
         problem = "only allowed with uncertainty.wear_coefficient"
     elif not friction:
         problem = f"only allowed with uncertainty.{' or uncertainty.'.join(FRICTION_KEYS)}"
-    elif len({is_same_for_batch(n, distributions[n]) for n in (name, friction)}) > 1:
+    elif is_same_for_batch(name, distributions[name]) != is_same_for_batch(
+        friction, distributions[friction]
+    ):
         problem = f"expected the same value of same_for_batch for wear_coefficient and {friction}"
     if problem:
         key = f"uncertainty.{name}"

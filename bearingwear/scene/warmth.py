@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from bearingwear.scene.blocks import STEEL_EXPANSION
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, keyed, setting
 
 if TYPE_CHECKING:
+    from bearingwear.scene.blocks import Bearing
     from bearingwear.scene.scene import Scene
 
 _DEGREES = "[-273.15, 1000]"
@@ -91,7 +91,10 @@ class Thermal:
     # fmt: on
 
     def parts(self, inner_ring: float, balls: float, outer_ring: float) -> Temperature:
-        """Returns temperatures of rings and balls [degC] with those of shaft and housing."""
+        """Returns the temperatures of all parts from those of rings and balls [degC].
+
+        Shaft, housing and reference have the temperatures of the network.
+        """
         return Temperature(
             inner_ring_C=inner_ring,
             balls_C=balls,
@@ -126,7 +129,10 @@ class Fits:
 
 
 def expansion(scene: Scene, material: str) -> float:
-    """Returns the thermal expansion of a material; that of bearing steel if it has none [1/K]."""
+    """Returns the coefficient of thermal expansion of a material of a scene [1/K].
+
+    It is that of bearing steel where the scene does not state it.
+    """
     coefficient = scene.materials[material].thermal_expansion_1_K
     return STEEL_EXPANSION if coefficient is None else coefficient
 
@@ -148,28 +154,40 @@ def _check_fits(scene: Scene) -> None:
     """Refuses fits without the diameter of their ring, and those that strain it too much."""
     if scene.fits is None:
         return
-    fits, b = scene.fits, scene.bearing
+    _check_ring_diameters(scene.fits, scene.bearing)
+    _check_interferences(scene.fits, scene.bearing)
+
+
+def _check_ring_diameters(fits: Fits, bearing: Bearing) -> None:
+    """Refuses fits of rings without the diameter of their seat, and a shaft bored too wide."""
     for name, ring in (
         ("shaft_interference_um", "bore_mm"),
         ("shaft_bore_mm", "bore_mm"),
         ("housing_interference_um", "outside_diameter_mm"),
     ):
         value = getattr(fits, name)
-        if value and getattr(b, ring) is None:
+        if value and getattr(bearing, ring) is None:
             problem = f"got {value:g}; only allowed with bearing.{ring}"
             raise SceneError(f"fits.{name}", problem, (f"bearing.{ring}",))
-    if b.bore_mm is not None and fits.shaft_bore_mm >= b.bore_mm:
+    if bearing.bore_mm is not None and fits.shaft_bore_mm >= bearing.bore_mm:
         raise SceneError(
             "fits.shaft_bore_mm",
-            f"got {fits.shaft_bore_mm:g}, expected a number < {b.bore_mm:g}, the bore of the ring",
+            f"got {fits.shaft_bore_mm:g}, expected a number < {bearing.bore_mm:g}, "
+            "the bore of the ring",
             ("bearing.bore_mm",),
         )
+
+
+def _check_interferences(fits: Fits, bearing: Bearing) -> None:
+    """Refuses interferences that strain a ring by more than `LARGEST_STRAIN`."""
     for name, diameter in (
-        ("shaft_interference_um", b.bore_mm),
-        ("housing_interference_um", b.outside_diameter_mm),
+        ("shaft_interference_um", bearing.bore_mm),
+        ("housing_interference_um", bearing.outside_diameter_mm),
     ):
-        value, limit = getattr(fits, name), 1e3 * LARGEST_STRAIN * (diameter or 0.0)
-        if abs(value) > limit > 0.0:
+        if diameter is None:
+            continue
+        value, limit = getattr(fits, name), 1e3 * LARGEST_STRAIN * diameter
+        if abs(value) > limit:
             raise SceneError(
                 f"fits.{name}",
                 f"got {value:g}, expected a number from {-limit:g} to {limit:g} "
@@ -180,18 +198,18 @@ def _check_fits(scene: Scene) -> None:
 
 def _check_expansions(scene: Scene) -> None:
     """Refuses missing expansions of unlike materials, and parts that expand too much."""
-    warm = scene.temperature or scene.thermal
-    if warm is None:
+    if scene.temperature is None and scene.thermal is None:
         return
-    b, fits = scene.bearing, scene.fits or Fits()
-    ring = b.race_material
-    pairs = (
-        (b.ball_material, "bearing.ball_material"),
+    bearing, fits = scene.bearing, scene.fits or Fits()
+    ring = bearing.race_material
+    for material, key in (
+        (bearing.ball_material, "bearing.ball_material"),
         (fits.shaft_material or ring, "fits.shaft_material"),
         (fits.housing_material or ring, "fits.housing_material"),
-    )
-    for material, key in pairs:
-        for name in (material, ring) if material != ring else ():
+    ):
+        if material == ring:
+            continue
+        for name in (material, ring):
             if scene.materials[name].thermal_expansion_1_K is None:
                 raise SceneError(
                     f"materials.{name}.thermal_expansion_1_K",
@@ -199,63 +217,76 @@ def _check_expansions(scene: Scene) -> None:
                     "parts of different materials",
                     (key, "temperature", "thermal"),
                 )
-    for key, kelvin, name in _temperature_differences(scene):
-        alpha = expansion(scene, name)
-        if abs(alpha * kelvin) > LARGEST_STRAIN:
+    for part in _heated_parts(scene):
+        alpha = expansion(scene, part.material)
+        if abs(alpha * part.heating) > LARGEST_STRAIN:
             limit = LARGEST_STRAIN / alpha
+            block, _, _ = part.key.partition(".")
             raise SceneError(
-                key,
-                f"got a difference of {abs(kelvin):g} K from the mounting temperature, expected at "
-                f"most {limit:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % expansion)",
-                (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
+                part.key,
+                f"got a difference of {abs(part.heating):g} K from the mounting temperature, "
+                f"expected at most {limit:.4g} K for {part.material} "
+                f"({100.0 * LARGEST_STRAIN:g} % expansion)",
+                (f"{block}.reference_C", f"materials.{part.material}"),
             )
 
 
 def _check_play(scene: Scene) -> None:
     """Refuses temperatures at which the balls become as wide as a groove."""
-    t, b = scene.temperature, scene.bearing
-    if t is None:
+    temperature, bearing = scene.temperature, scene.bearing
+    if temperature is None:
         return
-
-    def growth(part_C: float | None, material: str) -> float:
-        above = 0.0 if part_C is None else part_C - t.reference_C
-        return 1.0 + expansion(scene, material) * above
-
-    ball = growth(t.balls_C, b.ball_material)
-    for factor, ring, part_C in (
-        (b.inner_groove_factor, "inner", t.inner_ring_C),
-        (b.outer_groove_factor, "outer", t.outer_ring_C),
+    reference_C = temperature.reference_C
+    balls_C = reference_C if temperature.balls_C is None else temperature.balls_C
+    ball_growth = 1.0 + expansion(scene, bearing.ball_material) * (balls_C - reference_C)
+    for ring, groove_factor, stated_C in (
+        ("inner", bearing.inner_groove_factor, temperature.inner_ring_C),
+        ("outer", bearing.outer_groove_factor, temperature.outer_ring_C),
     ):
-        running = factor * growth(part_C, b.race_material) / ball
-        if running <= 0.5:
-            ring_C = t.reference_C if part_C is None else part_C
-            balls_C = t.reference_C if t.balls_C is None else t.balls_C
+        ring_C = reference_C if stated_C is None else stated_C
+        ring_growth = 1.0 + expansion(scene, bearing.race_material) * (ring_C - reference_C)
+        if groove_factor * ring_growth / ball_growth <= 0.5:
             raise SceneError(
                 f"temperature.{ring}_ring_C",
                 f"got {ring_C:g} with balls at {balls_C:g} degC; only allowed if the groove "
-                f"remains wider than the balls (bearing.{ring}_groove_factor {factor:g})",
+                f"remains wider than the balls (bearing.{ring}_groove_factor {groove_factor:g})",
                 ("temperature.balls_C", f"bearing.{ring}_groove_factor"),
             )
 
 
-def _temperature_differences(scene: Scene) -> Iterator[tuple[str, float, str]]:
-    """Yields key, difference from the mounting temperature [K] and material of each temperature."""
-    b, fits = scene.bearing, scene.fits or Fits()
+class _HeatedPart(NamedTuple):
+    """A part whose temperature a scene states."""
+
+    key: str  # of its temperature
+    material: str
+    heating: float  # above the mounting temperature [K]
+
+
+def _heated_parts(scene: Scene) -> Iterator[_HeatedPart]:
+    """Yields the parts whose temperatures the blocks `temperature` or `thermal` state."""
+    bearing, fits = scene.bearing, scene.fits or Fits()
     materials = {
-        "balls_C": b.ball_material,
-        "shaft_C": fits.shaft_material or b.race_material,
-        "housing_C": fits.housing_material or b.race_material,
+        "inner_ring_C": bearing.race_material,
+        "outer_ring_C": bearing.race_material,
+        "balls_C": bearing.ball_material,
+        "shaft_C": fits.shaft_material or bearing.race_material,
+        "housing_C": fits.housing_material or bearing.race_material,
     }
     for block, temperatures in (("temperature", scene.temperature), ("thermal", scene.thermal)):
-        for field in fields(temperatures) if temperatures is not None else ():
-            value = getattr(temperatures, field.name)
-            if field.name.endswith("_C") and isinstance(value, int | float):
-                material = materials.get(field.name, b.race_material)
-                yield f"{block}.{field.name}", value - temperatures.reference_C, material  # type: ignore[union-attr]
+        if temperatures is None:
+            continue
+        for name, material in materials.items():
+            value = getattr(temperatures, name, None)  # a network states no rings and balls
+            if value is not None:
+                yield _HeatedPart(f"{block}.{name}", material, value - temperatures.reference_C)
 
 
 def check_heat_capacities(sides: Sequence[Scene], name: str) -> None:
-    """Refuses bearings without a thermal network or without heat capacities."""
+    """Refuses bearings without heat capacities or at rest, which have no warm-up.
+
+    sides: a scene of a single bearing for each side of a pair.
+    name: of the scene's file, for the SceneError.
+    """
     for side in sides:
         if side.thermal is None:
             problem = "got nothing, expected a thermal network with heat_capacity_J_K"

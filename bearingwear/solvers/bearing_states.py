@@ -27,7 +27,11 @@ from bearingwear.solvers.warm import Warm
 
 
 def states_of(bearings: Alone | OnRotor, conditions: Conditions, rotor: RotorState) -> States:
-    """Returns the state of each bearing on a rotor, with the values of the arrangement."""
+    """Returns the state of each bearing on a rotor, with the values of the arrangement.
+
+    conditions: that the bearings were solved in.
+    rotor: their solution.
+    """
     if rotor.status != code.OK:
         return tuple(State.unsolved(rotor.status, condition.loss) for condition in conditions)
     values = rotor.values
@@ -45,10 +49,10 @@ def ends_by_thermal_margin(scene: Scene) -> bool:
     return end is not None and end.thermal_margin is not None
 
 
-def kept_at(
+def bearings_at_temperatures(
     bearings: Alone | OnRotor, temperatures: np.ndarray, networks: Sequence[Thermal] = ()
 ) -> Alone | OnRotor | None:
-    """Returns bearings at given temperatures in place of those of their heat.
+    """Returns bearings with thermal networks at given temperatures, not at those of their heat.
 
     None if one of them cannot be so warm.
 
@@ -80,7 +84,11 @@ def heats_of(bearings: Alone | OnRotor, rotor: RotorState) -> tuple[HeatFlow, ..
 def margin_values(
     bearings: Alone | OnRotor, conditions: Conditions, rotor: RotorState
 ) -> dict[str, float]:
-    """Returns the thermal margin of bearings with thermal networks in a state of the rotor."""
+    """Returns the thermal margin of bearings in a state of the rotor, as a result variable.
+
+    It is infinite without a thermal network. Empty if the state was not solved, or if only one of
+    two bearings has a network.
+    """
     networks = [side.scene.thermal for side in bearings.sides]
     if not any(networks):
         return {"thermal_margin": math.inf}  # temperatures that are given do not run away
@@ -88,7 +96,8 @@ def margin_values(
         return {}
 
     def heats(temperatures: np.ndarray) -> np.ndarray | None:
-        bearings_there = kept_at(bearings, temperatures)
+        """Returns the heat of all parts at other temperatures; None without a state."""
+        bearings_there = bearings_at_temperatures(bearings, temperatures)
         rotor_there = None if bearings_there is None else bearings_there.solve(conditions)
         if bearings_there is None or rotor_there is None or rotor_there.status not in USABLE:
             return None
@@ -98,5 +107,5 @@ def margin_values(
     parts = np.array(
         [(t.inner_ring_C, t.balls_C, t.outer_ring_C) for t in warmth if t], dtype=float
     )
-    known_networks = [network for network in networks if network]
-    return {"thermal_margin": thermal_margin(known_networks, heat_slopes(heats, parts))}
+    all_networks = [network for network in networks if network]
+    return {"thermal_margin": thermal_margin(all_networks, heat_slopes(heats, parts))}

@@ -55,28 +55,34 @@ class Remembered:
         """Number of conditions without a state."""
 
     def __call__(self, conditions: Conditions) -> States:
+        """Returns the states of the bearings in their conditions."""
         if conditions not in self._states:
             near = self._nearest(conditions[0]) if len(conditions) == 1 else None
             rotor = self.bearings.solve(conditions, near)
             if rotor.status != code.OK:
                 self.failed += 1
             elif len(conditions) == 1:
-                loss, bare, *_ = conditions[0]
-                solutions = self._solutions.setdefault(bare, [])
-                bisect.insort(solutions, _SolutionAt(loss, rotor.sides[0]), key=_LOSS)
+                (condition,), (solution,) = conditions, rotor.sides
+                solutions = self._solutions.setdefault(condition.bare, [])
+                bisect.insort(solutions, _SolutionAt(condition.loss, solution), key=_LOSS)
             self._states[conditions] = states_of(self.bearings, conditions, rotor)
         return self._states[conditions]
 
     def _nearest(self, condition: Condition) -> SolvedBearing | None:
-        """Returns the solution at the nearest loss, with the same films if there is one."""
-        loss, near = condition.loss, list[_SolutionAt]()
+        """Returns the solution at the nearest loss, None if there is none.
+
+        It is one with the same films if there is any.
+        """
+        loss = condition.loss
         same_films = self._solutions.get(condition.bare)
-        for solutions in [same_films] if same_films else self._solutions.values():
+        candidates = [same_films] if same_films else list(self._solutions.values())
+        neighbours: list[_SolutionAt] = []
+        for solutions in candidates:
             k = bisect.bisect(solutions, loss, key=_LOSS)
-            near += solutions[max(k - 1, 0) : k + 1]
-        return (
-            min(near, key=lambda neighbour: abs(neighbour.loss - loss)).solution if near else None
-        )
+            neighbours += solutions[max(k - 1, 0) : k + 1]
+        if not neighbours:
+            return None
+        return min(neighbours, key=lambda neighbour: abs(neighbour.loss - loss)).solution
 
     def at(self, loss: float, bare: Bare = COVERED) -> State:
         """Returns the state of one bearing at a loss [m], some contacts without film."""
@@ -84,6 +90,7 @@ class Remembered:
 
     @property
     def solves(self) -> int:
+        """Returns the number of conditions solved."""
         return len(self._states)
 
 
@@ -93,13 +100,14 @@ def solver_of(
     accuracy: Accuracy = Accuracy.BRIEF,
     tolerance: float | None = None,
 ) -> Remembered:
-    """Returns the states of a scene by the fidelity `steady` or `race_control`.
+    """Returns the solver of a scene's states by the fidelity `steady` or `race_control`.
 
+    accuracy: settings of the fidelity `steady`, and the balance of a rotor.
     tolerance: unbalanced force on a rotor, over the larger one, if it is not that of the accuracy.
     """
     sides = tuple(
         _with_wrappers(Steady(side, accuracy) if fidelity == "steady" else RaceControl(side))
-        for side in scene.one_of_alike.sides
+        for side in scene.symmetric_half.sides
     )
     if len(sides) == 1:
         return Remembered(Alone(scene, sides))
@@ -141,7 +149,7 @@ def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
     """
     sides = [
         _with_wrappers(innermost(side).elsewhere(side_scene))
-        for side, side_scene in zip(bearings.sides, scene.one_of_alike.sides, strict=True)
+        for side, side_scene in zip(bearings.sides, scene.symmetric_half.sides, strict=True)
     ]
     arranged = _in_arrangement(scene, bearings, sides)
     if isinstance(bearings, OnRotor) and isinstance(arranged, OnRotor):
@@ -153,7 +161,7 @@ def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
 def _in_arrangement(
     scene: Scene, bearings: Alone | OnRotor, sides: Sequence[Solver]
 ) -> Alone | OnRotor:
-    """Returns sides in the arrangement of other bearings."""
+    """Returns solvers of bearings in a scene's arrangement: alone or on a rotor, as `bearings`."""
     if isinstance(bearings, Alone):
         return Alone(scene, tuple(sides))
     assert scene.pair is not None

@@ -68,6 +68,7 @@ class SolvedBearing(NamedTuple):
 
     @property
     def is_usable(self) -> bool:
+        """Returns whether other solves may start from the solution, though unverified."""
         return self.status in USABLE
 
     @property
@@ -81,7 +82,11 @@ class SolvedBearing(NamedTuple):
 
     @property
     def steepness(self) -> float:
-        """Returns about the slope of force over place [N/m]; NaN and falling ones are no use."""
+        """Returns the slope of force over place for the next step of a rotor, about [N/m].
+
+        It is that of a solution nearby if there is one, else the quasi-static stiffness if that is
+        positive, else the dynamic one.
+        """
         if not math.isnan(self.slope):
             return self.slope
         return self.quasistatic if self.quasistatic > 0.0 else self.stiffness
@@ -104,7 +109,7 @@ class Solver(Protocol):
         """Returns the relative error of the heat, where the balance of the solver is rough."""
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Solves the bearing, from a usable solution nearby if there is one."""
+        """Returns the bearing solved, from a usable solution nearby if there is one."""
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         """Returns the bearing without friction, its balls orbiting freely or at `Omega` [rad/s]."""
@@ -114,10 +119,17 @@ class Solver(Protocol):
     ) -> SolvedBearing | None:
         """Returns the solution with another motion that the case took; None if it kept this one."""
 
-    def at(self, scene: Scene) -> "Solver": ...  # at other temperatures, those of the scene
-    def heat(self, solution: SolvedBearing) -> HeatFlow: ...  # of friction and drag
-    def state(self, solution: SolvedBearing) -> State: ...  # for a life
-    def case(self, solution: SolvedBearing) -> CaseValues: ...  # all that a case has
+    def at(self, scene: Scene) -> "Solver":
+        """Returns the solver at other temperatures, those of a scene."""
+
+    def heat(self, solution: SolvedBearing) -> HeatFlow:
+        """Returns the heat of friction and drag in a solution."""
+
+    def state(self, solution: SolvedBearing) -> State:
+        """Returns the state of a life that a solution is."""
+
+    def case(self, solution: SolvedBearing) -> CaseValues:
+        """Returns all values and attributes of the case that a solution is."""
 
 
 class Wrapper:
@@ -129,23 +141,29 @@ class Wrapper:
 
     @property
     def heat_error(self) -> float:
+        """Returns the relative error of the heat, as the solver within has it."""
         return self.solver.heat_error
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        """Returns the bearing without friction at a loss [m], as the solver within has it."""
         return self.solver.mechanics(loss, Omega)
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
+        """Returns the heat of friction and drag, as the solver within has it."""
         return self.solver.heat(solution)
 
     def state(self, solution: SolvedBearing) -> State:
+        """Returns the state of a life, as the solver within has it."""
         return self.solver.state(solution)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
+        """Returns values and attributes of the case, as the solver within has them."""
         return self.solver.case(solution)
 
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
+        """Returns the solution with another motion that the case took; None if it kept this one."""
         return self.solver.with_motion_of_case(solution, values)
 
 

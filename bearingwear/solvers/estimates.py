@@ -34,7 +34,11 @@ QUANTITY_COUNT = 5
 
 
 def estimated_quantities(values: Mapping[str, Any], balls: int) -> np.ndarray:
-    """Returns the quantities (5,) whose errors are estimated, in the order of their list above."""
+    """Returns the quantities (5,) whose errors are estimated, in the order of `QUANTITY_COUNT`.
+
+    values: result variables of a case.
+    balls: number of balls of the bearing.
+    """
     heat = np.asarray(values["friction_heat"]).sum(axis=-1).mean()
     power = balls * heat + values["drag_power"] + values.get("cage_friction_heat", 0.0)
     names = "total_qv", "residual_preload", "ball_diameter_loss_rate", "shaft_torque"
@@ -42,7 +46,7 @@ def estimated_quantities(values: Mapping[str, Any], balls: int) -> np.ndarray:
 
 
 def relative_change(reference: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Returns relative differences, without sign; 0 where both vanish."""
+    """Returns relative differences, without sign; 0 without any, inf over a reference of 0."""
     scale, change = np.abs(reference), np.abs(other - reference)
     if (scale > 0.0).all():
         return change / scale
@@ -54,11 +58,13 @@ def relative_change(reference: np.ndarray, other: np.ndarray) -> np.ndarray:
 def regularisation_error(reference: np.ndarray, with_half: np.ndarray) -> np.ndarray:
     """Returns the error by the regularisation, from the answer (5,) with half of it.
 
-    It is infinite where slip is far below the regularisation: the torque is then in proportion to
-    its inverse, and half of it does not show the limit.
+    reference, with_half: `estimated_quantities` with the whole and with half of it.
+
+    The error is infinite where slip is far below the regularisation: the torque is then in
+    proportion to its inverse, and half of it does not show the limit.
     """
     change = relative_change(reference, with_half)
-    friction = change[3:]
+    friction = change[3:]  # of torque and power; a view
     friction[~(friction < VISCOUS)] = np.inf
     return HALVED * change
 
@@ -66,11 +72,13 @@ def regularisation_error(reference: np.ndarray, with_half: np.ndarray) -> np.nda
 def error_values(parts: Iterable[np.ndarray]) -> dict[str, Any]:
     """Returns result variables of the sum of errors; none where an error is not known.
 
+    parts: relative errors (5,) of the quantities in the order of `QUANTITY_COUNT`, of each setting.
+
     Torque and power may be unknown where the others are not, and are then left out alone.
     """
-    total = sum(parts, start=np.full(QUANTITY_COUNT, ROUNDING)).tolist()
-    qv, preload, wear_rate, torque, power = total
-    if not all(map(math.isfinite, total[:3])):
+    total = sum(parts, start=np.full(QUANTITY_COUNT, ROUNDING))
+    qv, preload, wear_rate, torque, power = total.tolist()
+    if not all(map(math.isfinite, (qv, preload, wear_rate))):
         return {}
     values = {
         "qv_error_estimate": qv,
@@ -94,6 +102,12 @@ def coulomb_regularisation(v_r: float, qv: float, load: float) -> float | None:
 
 
 def torque_loss(torque: float, coulomb_torque: float) -> dict[str, Any]:
-    """Returns the result variable of the share of the torque lost to the regularisation."""
+    """Returns the result variable of the share of the torque lost to the regularisation.
+
+    It is left out without any torque.
+
+    torque: with the regularisation of the scene.
+    coulomb_torque: with one that represents Coulomb's law.
+    """
     lost = 1.0 - torque / coulomb_torque if coulomb_torque else math.nan
     return {"torque_lost_to_regularisation": lost} if math.isfinite(lost) else {}

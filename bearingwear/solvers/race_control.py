@@ -58,14 +58,20 @@ class RaceControl:
     heat_error = 0.0
 
     def __init__(self, scene: Scene):
-        self.scene, self.problem = scene, RaceControlProblem.of(scene)
+        self.scene = scene
+        self.problem = RaceControlProblem.of(scene)
         self.mounted = self.problem.delta_a
         self.start = Condition(scene.wear.ball_diameter_loss_um[0] * parameters.UM)
 
     def at(self, scene: Scene) -> "RaceControl":
+        """Returns the solver at other temperatures, those of a scene."""
         return RaceControl(scene)
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        """Returns the bearing without friction at a loss [m], with the mean ball.
+
+        Omega: orbit rate [rad/s], if not that of outer race control at the free contact angle.
+        """
         g, op = self.problem.g, self.problem.op
         if Omega is None:
             kinematics = race_control(
@@ -75,6 +81,7 @@ class RaceControl:
         return Mechanics(g, float(self.problem.D.mean()) - (loss - self.start.loss), Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        """Returns the bearing solved; its answer are values and attributes. `near` is not used."""
         problem = self.problem_in(condition)
         values, attrs = solve_race_control(self.scene, problem)
         solution = SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
@@ -100,33 +107,44 @@ class RaceControl:
         return replace(problem, D=problem.D - (condition.loss - self.start.loss))
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
-        return heat_of_values(self.scene, solution.answer[0])
+        """Returns the estimated heat of friction; race control has no drag."""
+        values, _ = solution.answer
+        return heat_of_values(self.scene, values)
 
     def state(self, solution: SolvedBearing) -> State:
-        values, loss = solution.answer[0], solution.condition.loss
+        """Returns the state of a life, without the measures that need a balance of slip."""
+        values, _ = solution.answer
+        loss = solution.condition.loss
         without_slip = {name: value for name, value in values.items() if name not in NEEDS_SLIP}
         state = case_state(loss, without_slip)
         if not state.is_solved:
             return state
         problem, op = solution.problem, solution.problem.op
-        wear_inputs = (values[name] for name in ("qv", "semi_major_axis", "contact_track_radius"))
         values_of_life = {
             "friction_power": float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
-            "loss_per_wear": loss_per_wear(problem.g.n_balls, problem.D, *wear_inputs),
+            "loss_per_wear": loss_per_wear(
+                problem.g.n_balls,
+                problem.D,
+                values["qv"],
+                values["semi_major_axis"],
+                values["contact_track_radius"],
+            ),
         }
         if limits_depth(self.scene):
-            slips = values["gyroscopic_slip"], values["rolling_slip"]
-            values_of_life["depth_peak"] = depth_peak(values, *slips)
+            v1, v2 = values["gyroscopic_slip"], values["rolling_slip"]
+            values_of_life["depth_peak"] = depth_peak(values, v1, v2)
         return state.with_values(values_of_life)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
+        """Returns copies of the values and attributes of a solution."""
         values, attrs = solution.answer
         return dict(values), dict(attrs)
 
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
-        return None  # there is one solution
+        """Returns None: there is one solution, which the case keeps."""
+        return None
 
 
 def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
@@ -137,7 +155,10 @@ def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
 
 
 def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None:
-    """Returns (w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None without a solution."""
+    """Returns (w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None without a solution.
+
+    bare: which contacts have no film left.
+    """
     problem = parameters.where_bare(RaceControlProblem.of(scene), scene, bare)
     values, _ = solve_race_control(scene, problem)
     if "orbit_speed" not in values:
@@ -148,7 +169,10 @@ def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None
 def contact_solution(
     problem: RaceControlProblem, balance: Balance, models: np.ndarray, rule: Rule
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`."""
+    """Returns motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`.
+
+    models: controlling race of each ball (n,).
+    """
     g, op, D = problem.g, problem.op, problem.D
     u, rows = np.empty((len(D), 4)), np.empty((len(D), 2, COLUMNS))
     buffers = point_buffers(rule)
@@ -168,8 +192,9 @@ def contact_solution(
 
 def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float:
     """Returns the unbalanced force on balls and race, over the largest contact load [1]."""
-    g, residual = problem.g, 0.0
-    largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
+    g = problem.g
+    residual = 0.0
+    largest = max(max(state.Q_i, state.Q_o) for state in balance.states)
     for state, D, psi in zip(balance.states, problem.D, problem.psi, strict=True):
         A1, A2 = groove_distance(g, psi, *balance.delta, problem.tilt)
         residual = max(residual, polygon_residual(g, D, state, A1, A2, largest))
@@ -179,9 +204,9 @@ def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float
 
 
 def torque_of_heat(problem: RaceControlProblem, rows: np.ndarray) -> float:
-    """Returns the torque that makes the estimated heat [N m].
+    """Returns the torque that makes the estimated heat [N m]: race control has no power balance.
 
-    Race control has no power balance.
+    rows: contacts (n, 2, COLUMNS) of `contact_solution`.
     """
     heat = problem.g.n_balls * rows[..., HEAT].sum() / len(rows)
     slip_speed = abs(problem.op.omega_i - problem.op.omega_o)
@@ -195,9 +220,12 @@ def controlled_error_estimates(
     models: np.ndarray,
     values: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Returns estimated numerical errors by the points and by the regularisation.
+    """Returns result variables of numerical errors, by the points and by the regularisation.
 
-    Neither moves a ball.
+    Neither moves a ball, so the balance is kept.
+
+    models: controlling race of each ball (n,).
+    values: result variables of the case.
     """
     D, n_balls = problem.D, problem.g.n_balls
     halved = replace(problem, op=problem.op._replace(v_r=0.5 * problem.op.v_r))
@@ -217,7 +245,8 @@ def controlled_error_estimates(
             "shaft_torque": torque_of_heat(changed_problem, rows),
         }
         answers.append(estimated_quantities(changed_values, n_balls))
-    as_solved, (with_twice_points, with_half_slip) = estimated_quantities(values, n_balls), answers
+    as_solved = estimated_quantities(values, n_balls)
+    with_twice_points, with_half_slip = answers
     return error_values(
         [
             DOUBLED * relative_change(as_solved, with_twice_points),
@@ -233,7 +262,10 @@ def controlled_torque_loss(
     models: np.ndarray,
     rows: np.ndarray,
 ) -> dict[str, Any]:
-    """Returns the share of the torque that the regularisation takes; empty where it is small."""
+    """Returns the result variable of the torque that the regularisation takes; empty if small.
+
+    models, rows: controlling race of each ball (n,), and contacts of `contact_solution`.
+    """
     v_r = coulomb_regularisation(problem.op.v_r, rows[..., QV].sum(), rows[..., LOAD].sum())
     if v_r is None:
         return {}
@@ -247,7 +279,7 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
 
     The problem may be held otherwise than the scene says.
     """
-    g, op, D = problem.g, problem.op, problem.D
+    g, D = problem.g, problem.D
     values: dict = {
         "status": code.OK,
         "ball_diameter_loss": g.D0 - D,
@@ -268,13 +300,37 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     allowed = max(LARGEST_RESIDUAL, min(rounding, MOST_ROUNDING))
     if values["status"] == code.OK:
         values["status"] = _verified_status(problem, balance, residual <= allowed)
-    n = len(D)
+    values |= _solution_values(scene, problem, balance, models, u, rows)
+    values |= {"equilibrium_residual": residual, "equilibrium_rounding": rounding}
+    values |= controlled_error_estimates(scene, problem, balance, models, values)
+    values |= controlled_torque_loss(scene, problem, balance, models, rows)
+    return values, {
+        "residual": f"error in the normal force balance: {residual:.1e} of the contact load "
+        f"(allowed: {allowed:.0e})"
+    }
+
+
+def _solution_values(
+    scene: Scene,
+    problem: RaceControlProblem,
+    balance: Balance,
+    models: np.ndarray,
+    u: np.ndarray,
+    rows: np.ndarray,
+) -> dict[str, Any]:
+    """Returns the result variables of a solution, without those that judge its accuracy.
+
+    models: controlling race of each ball (n,).
+    u, rows: motions and contacts of the balls, as in `contact_solution`.
+    """
+    g, D = problem.g, problem.D
     axial = np.array([state.F_ix for state in balance.states])
-    values |= contact_values(scene, g, op, D, u, np.full(n, 0.5 * g.dm), rows, axial)
+    orbit_radius = np.full(len(D), 0.5 * g.dm)
+    values = contact_values(scene, g, problem.op, D, u, orbit_radius, rows, axial)
     K = race_control_matrix(
         g, D, map(problem.load, models), balance.states, balance.delta, problem.tilt
     )
-    values |= {
+    return values | {
         "axial_displacement": balance.delta[0],
         "axial_stiffness": balance.stiffness,
         "stiffness_matrix": stiffness_of_loads(g, D, rows[..., LOAD], rows[..., ANGLE]),
@@ -284,19 +340,14 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
         "drag_power": 0.0,
         "centrifugal_force": ball_mass(g.rho, D) * 0.5 * g.dm * u[:, 3] ** 2,
         "race_control": models - OUTER_CONTROL,
-        "equilibrium_residual": residual,
-        "equilibrium_rounding": rounding,
-    }
-    values |= controlled_error_estimates(scene, problem, balance, models, values)
-    values |= controlled_torque_loss(scene, problem, balance, models, rows)
-    return values, {
-        "residual": f"error in the normal force balance: {residual:.1e} of the contact load "
-        f"(allowed: {allowed:.0e})"
     }
 
 
 def _verified_status(problem: RaceControlProblem, balance: Balance, is_balanced: bool) -> int:
-    """Returns the status of a solution: unverified, below rounding or OK."""
+    """Returns the status of a solution: UNVERIFIED, BELOW_ROUNDING or OK.
+
+    is_balanced: whether the residual of the equilibrium is small enough.
+    """
     if not is_balanced:
         return code.UNVERIFIED
     if problem.constant_force:

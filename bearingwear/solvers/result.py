@@ -41,6 +41,7 @@ class Result:
 
     @property
     def status(self) -> str:
+        """Returns the name of the status."""
         return STATUS_NAMES[int(self.values["status"])]
 
     @functools.cached_property
@@ -64,7 +65,10 @@ def status_sentence(status: str, scene: Mapping[str, Any]) -> str:
 
 
 def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]:
-    """Returns names of values of a solved case or life that must be finite and are not.
+    """Returns the names of values of a solved case or life that must be finite and are not.
+
+    values: result variables.
+    scene: as plain data, see `Result.scene`.
 
     One bearing of a pair may lack a value that the other one has; it is then NaN.
     """
@@ -73,7 +77,7 @@ def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]
     is_pair = scene.get("arrangement") is not None
     return [
         name
-        for name, value in _required(values)
+        for name, value in _values_to_check(values)
         if not np.isfinite(value).all()
         and not (is_pair and name not in SHARED and _is_of_one_bearing(value))
     ]
@@ -81,17 +85,18 @@ def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]
 
 def _all_finite(values: Mapping[str, Any]) -> bool:
     """Returns whether every number is finite."""
-    total, arrays = 0.0, [np.empty(0)]
+    total = 0.0
+    arrays = [np.empty(0)]
     for value in values.values():
         if isinstance(value, float):
-            total += 0.0 * value
+            total += 0.0 * value  # NaN if the value is not finite
         else:
             arrays.append(np.asarray(value))
     return not math.isnan(total) and bool(np.isfinite(np.concatenate(arrays, axis=None)).all())
 
 
-def _required(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
-    """Yields the values that must be finite."""
+def _values_to_check(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
+    """Yields names and values that must be finite; numbers that may be infinite are 0 in them."""
     is_life = "end_criterion" in values
     for name, any_value in values.items():
         if name in UNKNOWN_PARTS or (is_life and name not in _OF_A_LIFE):
@@ -107,5 +112,8 @@ def _required(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
 
 
 def _is_of_one_bearing(value: np.ndarray) -> bool:
-    """Returns whether only one of two bearings has finite numbers, which may end in NaN."""
+    """Returns whether a value of a pair is finite for one of its bearings at least.
+
+    value: (2, ...), of both bearings.
+    """
     return value.ndim > 0 and len(value) == 2 and any(np.isfinite(side).all() for side in value)

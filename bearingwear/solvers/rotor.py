@@ -55,6 +55,7 @@ _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, 
 NEAR_START = 1e-4  # of the range: accuracy of the start
 _NEWTON_STEPS = 6
 _WIDEST = 60  # doublings of the range in which the rotor is searched for
+_LEAST_REACH = 1e-6  # of that range, over the distance of the groove centres
 _MOST_BALANCES = 3
 NO_BALANCE_ALONE = (code.WARM_SEIZURE, code.NO_HEAT_BALANCE, code.NOT_CONVERGED)
 """Statuses of a rotor of which one bearing may have had no temperatures at a place by itself."""
@@ -84,7 +85,7 @@ class RotorState(NamedTuple):
 
 
 def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> RotorState:
-    """Returns a bearing as half of a symmetric pair.
+    """Returns the state of a rotor on a symmetric pair, by a solution of one of its bearings.
 
     At a fixed position both bearings hold the rotor, which stays where it is. A spring has no
     stiffness here, and the rotor follows the bearing; the sliding ring moves twice as far.
@@ -105,7 +106,7 @@ def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> Rotor
 
 
 def bearing_case(solver: Solver, solution: SolvedBearing) -> CaseValues:
-    """Returns values and attributes of a bearing, with those of its growth."""
+    """Returns values and attributes of a bearing's case, with those of its growth."""
     values, attrs = solver.case(solution)
     return values | growth_values(solution.scene), attrs
 
@@ -120,6 +121,7 @@ class Alone:
 
     @property
     def start(self) -> Conditions:
+        """Returns the condition of the bearing as the scene has it."""
         return (self.sides[0].start,)
 
     def solve(
@@ -130,7 +132,7 @@ class Alone:
     ) -> RotorState:
         """Returns the bearing in a condition, solved from a solution nearby.
 
-        tolerance: without meaning here, as no rotor is balanced.
+        tolerance: unused, as no rotor is balanced; `OnRotor` has it.
         """
         (side,), (condition,) = self.sides, conditions
         solution = side(condition, near or self.near)
@@ -139,7 +141,7 @@ class Alone:
         return half_of_pair(self.scene, side.mounted, solution)
 
     def with_sides(self, sides: tuple[SolvedBearing, ...], state: RotorState) -> RotorState:
-        """Returns the state with another solution of the bearing."""
+        """Returns the state of the arrangement with another solution of the bearing."""
         return half_of_pair(self.scene, self.sides[0].mounted, sides[0])
 
     def case(self) -> CaseValues:
@@ -147,9 +149,9 @@ class Alone:
         (side,) = self.sides
         (solution,) = self.solve(self.start).sides
         values, attrs = bearing_case(side, solution)
-        if isinstance(side, Warm) and isinstance(innermost(side), Steady) and is_held(side.scene):
-            if solution.status == code.OK:
-                attrs["preload_spread"] = preload_spread(side)
+        is_held_steady = isinstance(innermost(side), Steady) and is_held(side.scene)
+        if isinstance(side, Warm) and is_held_steady and solution.status == code.OK:
+            attrs["preload_spread"] = preload_spread(side)
         if self.scene.pair is None:
             return values, attrs
         if "axial_stiffness" not in values:
@@ -185,6 +187,7 @@ class OnRotor:
 
     @property
     def start(self) -> Conditions:
+        """Returns the conditions of both bearings as the scene has them."""
         return tuple(side.start for side in self.sides)
 
     def solve(
@@ -193,7 +196,11 @@ class OnRotor:
         near: SolvedBearing | None = None,
         tolerance: float | None = None,
     ) -> RotorState:
-        """Returns both bearings in their conditions, solved from their last state."""
+        """Returns both bearings in their conditions, solved from their last state.
+
+        near: unused; `Alone` has it.
+        tolerance: unbalanced force on the rotor, over the larger one, if not that of `self`.
+        """
         tolerance = tolerance or self.tolerance
         if self.scene.operation.preload_N == 0.0:
             return RotorState(code.PRELOAD_GONE)
@@ -201,32 +208,39 @@ class OnRotor:
             return self._balance(self.sides, conditions, tolerance)
         rough = self._balance(self.sides, conditions, max(tolerance, WARM_BALANCED))
         if rough.status in USABLE:
-            # the last steps, at temperatures that are accurate enough
+            # the last steps of the rotor, at the temperatures of the rough balance
             balances = [solution.warmed for solution in rough.sides]
             return self._balance(self._at_balances(balances), conditions, tolerance)
-        joint = self._joint_balances(conditions) if rough.status in NO_BALANCE_ALONE else None
-        if joint is None:
+        if rough.status not in NO_BALANCE_ALONE:
             return rough
-        together = self._balance(self._at_balances(joint), conditions, tolerance)
-        return together if together.status in USABLE else rough
+        joint_balances = self._joint_balances(conditions)
+        if joint_balances is None:
+            return rough
+        exact = self._balance(self._at_balances(joint_balances), conditions, tolerance)
+        return exact if exact.status in USABLE else rough
 
     def _at_balances(self, balances: Sequence[Warmed | None]) -> tuple[Solver, ...]:
-        """Returns the sides at temperatures that are found."""
+        """Returns the solvers at given balances; a bearing without a thermal network has None."""
         return tuple(
             Warm(side.solver, balance) if isinstance(side, Warm) else side
             for side, balance in zip(self.sides, balances, strict=True)
         )
 
     def _joint_balances(self, conditions: Conditions) -> list[Warmed | None] | None:
-        """Returns the temperatures of both bearings, sought together; None if none are found."""
+        """Returns the temperatures of both bearings, sought together; None if none are found.
+
+        A bearing without a thermal network has None in the list.
+        """
         warm = [k for k, side in enumerate(self.sides) if isinstance(side, Warm)]
 
-        def balances(warmed: Sequence[Warmed]) -> list[Warmed | None]:
-            of_sides = dict(zip(warm, warmed, strict=True))
-            return [of_sides.get(k) for k in range(len(self.sides))]
+        def of_all_sides(warmed: Sequence[Warmed]) -> list[Warmed | None]:
+            """Returns the balances of the warm sides, with None for the other one."""
+            of_warm_sides = dict(zip(warm, warmed, strict=True))
+            return [of_warm_sides.get(k) for k in range(len(self.sides))]
 
         def heats(scenes: Sequence[Scene]) -> list[HeatFlow] | None:
-            sides = self._at_balances(balances([Warmed.as_given(scene) for scene in scenes]))
+            """Returns the heats of the warm sides at temperatures; None without a balance."""
+            sides = self._at_balances(of_all_sides([Warmed.as_given(scene) for scene in scenes]))
             state = self._balance(sides, conditions, WARM_BALANCED)
             if state.status not in USABLE:
                 return None
@@ -234,15 +248,19 @@ class OnRotor:
 
         error = max(self.sides[k].heat_error for k in warm)
         joint_balance = find_joint_heat_balance([self.sides[k].scene for k in warm], heats, error)
-        return None if joint_balance is None else balances(joint_balance)
+        return None if joint_balance is None else of_all_sides(joint_balance)
 
     def _balance(
         self, sides: tuple[Solver, ...], conditions: Conditions, tolerance: float
     ) -> RotorState:
-        """Returns the balance of the sides in their conditions."""
+        """Returns the balance of the rotor with solvers of both bearings in their conditions.
+
+        tolerance: unbalanced force over the larger one.
+        """
         losses = conditions[0].loss, conditions[1].loss
 
         def solve_side(k: int, hold: Place | Force) -> SolvedBearing:
+            """Returns bearing k at a place, or under its share of a force on all in tandem."""
             n = self.arrangement.tandem[k]
             if isinstance(hold, Force):
                 hold = Force(hold.F_x / n)
@@ -251,16 +269,22 @@ class OnRotor:
                 self.near[k] = solution
             return solution
 
-        is_rigid = self.arrangement.kind == "rigid_pair"
-        return (self._rigid if is_rigid else self._spring)(solve_side, losses, tolerance)
+        if self.arrangement.kind == "rigid_pair":
+            return self._rigid_balance(solve_side, losses, tolerance)
+        return self._spring_balance(solve_side, losses, tolerance)
 
-    def _rigid(
+    def _rigid_balance(
         self,
         solve_side: Callable[[int, Place], SolvedBearing],
         losses: tuple[float, float],
         tolerance: float,
     ) -> RotorState:
-        """Returns the balance of a rigid pair: F_1(d_1 + x) - F_2(d_2 - x) = F_ext for x."""
+        """Returns the balance of a rigid pair: F_1(d_1 + x) - F_2(d_2 - x) = F_ext for x.
+
+        solve_side: returns a bearing, 0 or 1, at an axial displacement.
+        losses: of ball diameter [m].
+        tolerance: unbalanced force over the larger one.
+        """
         first, second = self.sides
         F_ext, tandem = self.arrangement.external_axial_N, self.arrangement.tandem
 
@@ -285,7 +309,7 @@ class OnRotor:
         """Returns the step of the rotor below which its balance does not change [m]."""
         return _ROUNDED * self.sides[0].mechanics(0.0).g.BD
 
-    def _spring(
+    def _spring_balance(
         self,
         solve_side: Callable[[int, Force], SolvedBearing],
         losses: tuple[float, float],
@@ -294,8 +318,13 @@ class OnRotor:
         """Returns the balance of a spring pair: F_2 = F_s - k_s e for the spring's extension e.
 
         It extends as far as both bearings give way.
+
+        solve_side: returns a bearing, 0 or 1, under an axial force.
+        losses: of ball diameter [m].
+        tolerance: unbalanced force over the larger one.
         """
-        a, F_s = self.arrangement, float(self.scene.operation.preload_N)
+        a = self.arrangement
+        F_s = float(self.scene.operation.preload_N)
         k_s = a.spring_stiffness_N_um * N_UM
 
         def trial_at(e: float) -> RotorTrial | int:
@@ -331,24 +360,33 @@ class OnRotor:
     ) -> RotorState:
         """Returns the balance, from where earlier ones lead or else from the place of the last one.
 
+        trial_at: returns the bearings at a place of the rotor [m], or the status of a failure.
+        losses: of ball diameter [m].
+        rounded: step of the rotor that changes nothing [m].
+        tolerance: unbalanced force over the larger one.
         start: returns the place to begin with if there is no earlier one.
         """
-        nearby, last = self.nearby, self.nearby.last[1]
+        nearby = self.nearby
+        _, last = nearby.last
         has_place = nearby.has_place
         x = nearby.expected_place(losses) if has_place else start()
         place, trial = balanced_place(trial_at, x, rounded, nearby, tolerance)
         if isinstance(trial, int) and has_place:
             # a slope over a short distance can lead far astray
             nearby.forget()
-            again = balanced_place(trial_at, last, rounded, nearby, tolerance)
-            if not isinstance(again[1], int):  # else the first status is the better reason
-                place, trial = again
+            second_place, second_trial = balanced_place(trial_at, last, rounded, nearby, tolerance)
+            if not isinstance(second_trial, int):  # else the first status is the better reason
+                place, trial = second_place, second_trial
         return self._state(losses, place, trial, tolerance <= self.tolerance)
 
     def _state(
         self, losses: tuple[float, float], place: float, trial: RotorTrial | int, exact: bool
     ) -> RotorState:
-        """Returns the state of a trial at a place, or why there is none."""
+        """Returns the state of the rotor in a trial at a place [m], and remembers that place.
+
+        trial: a status if there is no balance.
+        exact: whether the place is balanced to the tolerance of the rotor.
+        """
         if isinstance(trial, int):
             self.nearby.forget()
             return RotorState(self.sides[0].unsteady if trial == code.NO_STEADY_STATE else trial)
@@ -365,7 +403,7 @@ class OnRotor:
         return self.with_sides(states, RotorState(status, states, shifts[0], travel))
 
     def with_sides(self, sides: tuple[SolvedBearing, ...], state: RotorState) -> RotorState:
-        """Returns the state with other solutions of the bearings."""
+        """Returns the state of the rotor with other solutions of the bearings."""
         return state._replace(
             sides=sides,
             stiffness=self.stiffness([side.stiffness for side in sides]),
@@ -373,7 +411,10 @@ class OnRotor:
         )
 
     def stiffness(self, of_bearings: Sequence[float]) -> float:
-        """Returns the axial stiffness of the arrangement, from that of a bearing of each side."""
+        """Returns the axial stiffness of the arrangement [N/m].
+
+        of_bearings: stiffness of one bearing of each side [N/m].
+        """
         k_1, k_2 = (n * k for n, k in zip(self.arrangement.tandem, of_bearings, strict=True))
         if self.arrangement.kind == "rigid_pair":
             return k_1 + k_2
@@ -381,7 +422,11 @@ class OnRotor:
         return k_1 + k_s * k_2 / (k_s + k_2)
 
     def _first_place(self, losses: tuple[float, float], F_ext: float) -> float:
-        """Returns the place of the rotor by the mechanics of rolling balls, without friction."""
+        """Returns the place of the rotor [m] by the mechanics of rolling balls, without friction.
+
+        losses: of ball diameter [m].
+        F_ext: external axial force on the rotor [N].
+        """
         first, second = (
             in_tandem(side.mechanics(loss), n)
             for side, n, loss in zip(self.sides, self.arrangement.tandem, losses, strict=True)
@@ -401,7 +446,7 @@ class OnRotor:
         def unbalanced(x: float) -> float:
             return first.force(mounted[0] + x) - second.force(mounted[1] - x) - F_ext
 
-        reach = max(abs(mounted[0]), abs(mounted[1]), 1e-6 * first.g.BD)
+        reach = max(abs(mounted[0]), abs(mounted[1]), _LEAST_REACH * first.g.BD)
         for _ in range(_WIDEST):
             if unbalanced(-reach) <= 0.0 <= unbalanced(reach):
                 return brent_root(unbalanced, -reach, reach, xtol=NEAR_START * reach)
@@ -418,11 +463,15 @@ class OnRotor:
             state = self.solve(self.start)
             if not state.sides:
                 return {"status": state.status}, {"residual": "not solved"}
-            cases, has_moved = [], False
+            cases = []
+            has_moved = False
             for k, (side, solution) in enumerate(zip(self.sides, state.sides, strict=True)):
                 cases.append(bearing_case(side, solution))
-                if (moved := side.with_motion_of_case(solution, cases[-1][0])) is not None:
-                    self.near[k], has_moved = moved, True
+                values, _ = cases[-1]
+                moved_solution = side.with_motion_of_case(solution, values)
+                if moved_solution is not None:
+                    self.near[k] = moved_solution
+                    has_moved = True
             if not has_moved:
                 break
         return pair_case(self.scene, self.sides, state, cases)
@@ -436,8 +485,14 @@ def in_tandem(bearing: Mechanics, n: int) -> Mechanics:
 def pair_case(
     scene: Scene, sides: Sequence[Solver], state: RotorState, cases: Sequence[CaseValues]
 ) -> CaseValues:
-    """Returns values and attributes of two bearings, stacked along `bearing`."""
-    a, side_values = scene.pair, [values for values, _ in cases]
+    """Returns values and attributes of two bearings, stacked along `bearing`.
+
+    sides: solvers of the bearings.
+    state: of the rotor; of a symmetric pair it has one bearing.
+    cases: values and attributes of each bearing.
+    """
+    a = scene.pair
+    side_values = [values for values, _ in cases]
     assert a is not None
     solutions = state.sides * (2 if len(state.sides) == 1 else 1)
     resting = tuple(
@@ -456,7 +511,7 @@ def pair_case(
         "rotor_balance_residual": rotor_balance(scene, mounted, side_values),
     }
     if "stiffness_matrix" in side_values[0]:
-        matrices = (one_side["stiffness_matrix"] for one_side in side_values)
+        matrices = (values_of_side["stiffness_matrix"] for values_of_side in side_values)
         K = np.array([n * matrix for n, matrix in zip(a.tandem, matrices, strict=True)])
         frequencies = natural_frequencies(a, K, state.stiffness)
         if frequencies is not None:
@@ -468,7 +523,11 @@ def pair_case(
 def _pair_status(
     state: RotorState, side_values: Sequence[Mapping[str, Any]], residual: float
 ) -> int:
-    """Returns the status of a pair: the first failure, or whether its balance is verified."""
+    """Returns the status of a pair: that of the first failure, else OK or UNVERIFIED.
+
+    side_values: result variables of each bearing.
+    residual: of the rotor's balance, see `rotor_balance`.
+    """
     for status in (state.status, *(int(values["status"]) for values in side_values)):
         if status != code.OK:
             return status

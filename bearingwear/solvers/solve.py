@@ -47,12 +47,15 @@ def solve(
 def case_values(
     scene: Scene, fidelity: str, restart: Mapping[str, Any] | None, progress: Progress | None
 ) -> CaseValues:
-    """Returns values and attributes of a scene solved with the model of a fidelity."""
+    """Returns values and attributes of a scene solved with the model of a fidelity.
+
+    restart, progress: of a dynamic solve, see `solve`.
+    """
     if fidelity != "dynamic":
         bearings = solver_of(scene, fidelity, Accuracy.CHECKED).bearings
         values, attrs = bearings.case()
         if values["status"] == code.OK and bearings.sides[0].scene.thermal is not None:
-            # from the case's own state, which the solve begins with
+            # the solve starts from the state of the case, so it finds this one again
             state = bearings.solve(bearings.start)
             values |= margin_values(bearings, bearings.start, state)
         return values, attrs
@@ -69,7 +72,7 @@ def case_values(
 
 
 def check_restart(scene: Scene, chosen: Choice) -> None:
-    """Refuses to continue a model other than the dynamic one."""
+    """Raises NotAvailable if the model chosen is not the dynamic one, which alone continues."""
     if chosen.fidelity != "dynamic":
         raise NotAvailable(
             f"{scene.name}: restart: got a scene solved with fidelity {chosen.fidelity}, expected "
@@ -87,11 +90,14 @@ def result_of(
 ) -> Result:
     """Returns a result with the scene, the model and its warnings.
 
-    It is ok only if its numbers are finite.
+    Its status is UNVERIFIED if a number that must be finite is not.
 
-    warnings: those of the values if none are given.
+    values, attrs: result variables and attributes.
+    elapsed: time of the solve [s].
+    warnings: those of the values if None.
     """
-    if values["status"] == code.OK and (names := not_finite(values, scene.plain)):
+    names = not_finite(values, scene.plain) if values["status"] == code.OK else []
+    if names:
         values = values | {"status": code.UNVERIFIED}
         attrs = {**attrs, "residual": f"not finite: {', '.join(names)}"}
     provenance = {

@@ -34,7 +34,10 @@ def thrust_alone(scene: Scene) -> Scene:
 
 
 def start_of(scene: Scene, bare: Bare = COVERED) -> Start:
-    """Returns the steady state under the thrust alone, or else that of race control."""
+    """Returns the motion of the steady state under the thrust alone, or else of race control.
+
+    bare: which contacts have no film left.
+    """
     problem = parameters.where_bare(ThrustProblem.of(thrust_alone(scene)), scene, bare)
     if problem.undetermined() == code.OK:
         D = float(parameters.ball_diameters(scene).mean())

@@ -52,11 +52,12 @@ class State:
 
     @classmethod
     def unsolved(cls, status: int, loss: float) -> "State":
-        """Returns the reason why there is no state at a loss of ball diameter [m]."""
+        """Returns a state that was not solved at a loss of ball diameter [m], with its status."""
         return cls(status, {"ball_diameter_loss": loss})
 
     @property
     def is_solved(self) -> bool:
+        """Returns whether the state is solved and verified."""
         return self.status == code.OK
 
     @property
@@ -77,6 +78,7 @@ class State:
         return self.values.get(name, math.nan)
 
     def with_values(self, values: Mapping[str, Any]) -> "State":
+        """Returns the state with more values, or others of the same names."""
         return State(self.status, {**self.values, **values}, self.answer)
 
 
@@ -102,9 +104,11 @@ _OF_A_CASE -= {"ball_diameter_loss"}
 
 
 def _over_balls(name: str, values: Any) -> Any:
-    """Returns one value for all balls: the largest, the mean, or the value itself if not of balls.
+    """Returns one value for all balls: the largest or the mean, by the variable's name.
 
-    values: (n,) of each ball, or (n, 2) of each contact, which keeps its races.
+    A variable that is not of balls keeps its value.
+
+    values: (n,) of each ball, or (n, 2) of each contact; the result is then (2,).
     """
     if name in _LARGEST:
         return float(np.max(values))
@@ -114,15 +118,20 @@ def _over_balls(name: str, values: Any) -> Any:
 
 
 def history_values(states: Sequence[State], names: Iterable[str] = HISTORY) -> dict[str, Any]:
-    """Returns result variables along a life; NaN where a state lacks one that others have."""
+    """Returns result variables along a life, and the largest residual of its heat flows.
+
+    Histories have the prefix `history_`; they are NaN where a state lacks a value that others have.
+    """
     histories: dict[str, Any] = {}
     for name in names:
-        known_values = [state.values[name] for state in states if name in state.values]
-        if known_values:
-            missing = np.full(np.shape(known_values[0]), math.nan)
+        present = [state.values[name] for state in states if name in state.values]
+        if present:
+            missing = np.full(np.shape(present[0]), math.nan)
             column = [state.values.get(name, missing) for state in states]
             histories[f"history_{name}"] = np.array(column)
     residuals = [
         state["heat_flow_residual"] for state in states if "heat_flow_residual" in state.values
     ]
-    return histories | ({"heat_flow_residual": max(residuals)} if residuals else {})
+    if residuals:
+        histories["heat_flow_residual"] = max(residuals)
+    return histories

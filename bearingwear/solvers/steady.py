@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -48,7 +49,7 @@ from bearingwear.solvers.estimates import (
 from bearingwear.solvers.state import State
 from bearingwear.solvers.thermal import HeatFlow
 
-SAME_MOTION = 1e-12
+SAME_MOTION = 1e-12  # relative difference of two motions that counts as rounding
 
 
 class Steady:
@@ -58,7 +59,8 @@ class Steady:
     heat_error: float = 0.0
 
     def __init__(self, scene: Scene, accuracy: Accuracy = Accuracy.BRIEF):
-        self.scene, self.problem = scene, ThrustProblem.of(scene)
+        self.scene = scene
+        self.problem = ThrustProblem.of(scene)
         self.mounted = self.problem.preload.delta_a
         self.films = Films.of(scene)
         self.limits_depth, self.follows_depths = limits_depth(scene), follows_depths(scene)
@@ -70,16 +72,24 @@ class Steady:
             self.problem = halved if accuracy is Accuracy.HALF_SLIP else twice
 
     def at(self, scene: Scene) -> "Steady":
+        """Returns the solver at other temperatures, those of a scene."""
         warm = copy.copy(self)
-        warm.scene, warm.problem = scene, replace(self.problem, g=parameters.geometry(scene))
+        warm.scene = scene
+        warm.problem = replace(self.problem, g=parameters.geometry(scene))
         return warm
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        """Returns the bearing without friction at a loss [m].
+
+        Omega: orbit rate [rad/s], if not that of outer race control at the free contact angle.
+        """
         if Omega is None:
-            Omega = float(self.problem.kinematic_start(OUTER_CONTROL)[3])
+            *_, rolling_rate = self.problem.kinematic_start(OUTER_CONTROL)
+            Omega = float(rolling_rate)
         return Mechanics(self.problem.g, self.problem.g.D0 - loss, Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        """Returns the bearing solved, from the motion of a solution nearby if there is one."""
         problem = self.problem_in(condition)
         status = problem.undetermined()
         if status != code.OK:
@@ -111,12 +121,15 @@ class Steady:
         return parameters.where_bare(problem, self.scene, condition.bare)
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
+        """Returns the heat of friction and drag of all balls in a solution."""
         problem, case, loss = solution.problem, solution.answer, solution.condition.loss
         inner, outer = case.contacts[:, summary.HEAT].tolist()
-        n, drag = problem.g.n_balls, float(drag_power(problem, problem.g.D0 - loss, case))
+        n = problem.g.n_balls
+        drag = float(drag_power(problem, problem.g.D0 - loss, case))
         return HeatFlow(n * inner, n * outer, drag=drag)
 
     def state(self, solution: SolvedBearing) -> State:
+        """Returns the state of a life, with the wear rates of new surfaces."""
         loss, problem, case = solution.condition.loss, solution.problem, solution.answer
         if solution.status != code.OK:
             return State.unsolved(solution.status, loss)
@@ -149,12 +162,24 @@ class Steady:
             "friction_coefficient": contacts[:, summary.FRICTION],
         }
         if self.limits_depth:
-            motion = case.u[None], np.array([case.r]), contacts[None]
-            v1, v2 = slips_across(self.scene, g, problem.op, np.array([D]), *motion)
+            v1, v2 = slips_across(
+                self.scene,
+                g,
+                problem.op,
+                np.array([D]),
+                case.u[None],
+                np.array([case.r]),
+                contacts[None],
+            )
             values["depth_peak"] = depth_peak(values, v1, v2)
         if self.follows_depths:
-            wear_inputs = (contacts[None, :, k] for k in (summary.QV, summary.MAJOR, summary.TRACK))
-            values["loss_per_wear"] = loss_per_wear(g.n_balls, np.array([D]), *wear_inputs)
+            values["loss_per_wear"] = loss_per_wear(
+                g.n_balls,
+                np.array([D]),
+                contacts[None, :, summary.QV],
+                contacts[None, :, summary.MAJOR],
+                contacts[None, :, summary.TRACK],
+            )
         return State(solution.status, values, solution)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
@@ -169,41 +194,36 @@ class Steady:
         if case is None:
             return values, {"residual": "not solved"}
         attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
-        if case.status in USABLE:
+        if case.status not in USABLE:
+            return values, attrs
+        decay_rates = problem.decay_rates(D, case)
+        states = _stable_first(scene, problem, D, case, decay_rates)
+        if states[0].case is not case:
+            case = states[0].case
             decay_rates = problem.decay_rates(D, case)
-            is_stable = {id(case): problem.stable(D, case, decay_rates)}
-            others = problem.other_states(D, case, is_stable[id(case)], scene.model.steady_starts)
-            is_stable |= {id(state): problem.stable(D, state) for state in others}
-            # the one reached first, if it is stable
-            states = sorted([case, *others], key=lambda state: not is_stable[id(state)])
-            if states[0] is not case:
-                case = states[0]
-                decay_rates = problem.decay_rates(D, case)
-            attrs["residual"] = residual_sentence(case)
-            values |= error_estimates(scene, problem, D, case)
-            values |= steady_torque_loss(problem, D, case)
-            if case.held:
-                attrs["quadrature"] = (
-                    "gauss (fixed points), because no solution was found with the split rule"
-                )
-            values |= {"status": case.status} | steady_values(scene, problem, D, case)
-            values |= time_scale_values(decay_rates) | {
-                "stiffness_transition_frequency": np.abs(decay_rates.real).min() / TURN,
-                "stable": int(is_stable[id(case)]),
-                "steady_state_count": len(states),
-                "steady_state_orbit_speed": np.array([state.u[3] for state in states]),
-                "steady_state_total_qv": np.array(
-                    [problem.g.n_balls * state.contacts[:, summary.QV].sum() for state in states]
-                ),
-                "steady_state_stable": np.array([int(is_stable[id(state)]) for state in states]),
-            }
-            if not values["stable"] and values["status"] == code.OK:
-                values["status"] = code.NO_STEADY_STATE
+        attrs["residual"] = residual_sentence(case)
+        values |= error_estimates(scene, problem, D, case)
+        values |= steady_torque_loss(problem, D, case)
+        if case.held:
+            attrs["quadrature"] = (
+                "gauss (fixed points), because no solution was found with the split rule"
+            )
+        values |= {"status": case.status} | steady_values(scene, problem, D, case)
+        values |= time_scale_values(decay_rates) | {
+            "stiffness_transition_frequency": np.abs(decay_rates.real).min() / TURN,
+        }
+        values |= _state_values(problem, states)
+        if not states[0].is_stable and case.status == code.OK:
+            values["status"] = code.NO_STEADY_STATE
         return values, attrs
 
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
+        """Returns the solution with another motion that the case took; None if it kept this one.
+
+        values: result variables of the case.
+        """
         if "orbit_speed" not in values:
             return None
         u = np.array([*values["ball_angular_velocity"][0], values["orbit_speed"][0]])
@@ -212,8 +232,46 @@ class Steady:
         return solution._replace(answer=solution.answer._replace(u=u))
 
 
+class _SteadyState(NamedTuple):
+    """A steady state, and whether a small disturbance of it decays."""
+
+    case: ThrustCase
+    is_stable: bool
+
+
+def _stable_first(
+    scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase, decay_rates: np.ndarray
+) -> list[_SteadyState]:
+    """Returns a steady state and the others beside it, stable ones first.
+
+    D: ball diameter [m].
+    decay_rates: of `case`, see `ThrustProblem.decay_rates`.
+    """
+    is_stable = problem.stable(D, case, decay_rates)
+    others = problem.other_states(D, case, is_stable, scene.model.steady_starts)
+    states = [_SteadyState(case, is_stable)]
+    states += [_SteadyState(other, problem.stable(D, other)) for other in others]
+    return sorted(states, key=lambda state: not state.is_stable)
+
+
+def _state_values(problem: ThrustProblem, states: Sequence[_SteadyState]) -> dict[str, Any]:
+    """Returns result variables of all steady states, the first of which is the case's."""
+    n = problem.g.n_balls
+    total_qv = [n * state.case.contacts[:, summary.QV].sum() for state in states]
+    return {
+        "stable": int(states[0].is_stable),
+        "steady_state_count": len(states),
+        "steady_state_orbit_speed": np.array([state.case.u[3] for state in states]),
+        "steady_state_total_qv": np.array(total_qv),
+        "steady_state_stable": np.array([int(state.is_stable) for state in states]),
+    }
+
+
 def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Returns estimated numerical errors of a solved state; empty if none can be found."""
+    """Returns result variables of the numerical errors of a state; empty if none can be found.
+
+    D: ball diameter [m].
+    """
     cases = [case]
     for perturbed in problem.perturbed(scene):
         perturbed_case = perturbed.solve(D, start=case.motion)
@@ -227,9 +285,11 @@ def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: Thrust
 
 
 def steady_torque_loss(problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Returns the share of the torque that the regularisation takes, by a second solve.
+    """Returns the result variable of the torque that the regularisation takes, by a second solve.
 
-    It is empty where the share is small.
+    It is empty where this torque is small.
+
+    D: ball diameter [m].
     """
     contacts = case.contacts
     v_r = coulomb_regularisation(
@@ -249,9 +309,13 @@ def steady_quantities(
 ) -> np.ndarray:
     """Returns quantities of the whole bearing, a row for each case (len(cases), QUANTITY_COUNT).
 
-    They are those whose errors are estimated, in the order given at `QUANTITY_COUNT`.
+    They are those whose errors are estimated, in the order of `QUANTITY_COUNT`.
+
+    D: ball diameter [m].
     """
-    balls, films, rows = problem.g.n_balls, Films.of(scene), []
+    balls = problem.g.n_balls
+    films = Films.of(scene)
+    rows = []
     for case in cases:
         columns = case.contacts.T.tolist()
         qv, heat = (balls * sum(columns[k]) for k in (summary.QV, summary.HEAT))
@@ -275,9 +339,11 @@ def rates_when_new(scene: Scene, films: Films, D: float, c: np.ndarray) -> Unwor
 
     All balls are alike. Numbers are used, since NumPy takes ten times as long.
 
+    D: ball diameter [m].
     c: summary of the contacts (2, COLUMNS).
     """
-    major, track = c[:, summary.MAJOR], c[:, summary.TRACK].tolist()
+    major = c[:, summary.MAJOR]
+    track = c[:, summary.TRACK].tolist()
     factors = unworn_factors(scene, films, major)
     ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
     loss_rate = diameter_loss_rate(scene, D, ball_rate, race_rate, major.tolist(), track)
@@ -310,7 +376,7 @@ def residual_sentence(case: ThrustCase) -> str:
 
 
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Returns the result variables of a steady state."""
+    """Returns the result variables of a steady state with balls of diameter D [m]."""
     g, op, n = problem.g, problem.op, problem.g.n_balls
     matrix = quasistatic_matrix(g, D, case)
     quasistatic = {} if matrix is None else {"quasistatic_stiffness_matrix": matrix}

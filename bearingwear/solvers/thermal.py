@@ -37,6 +37,7 @@ class HeatFlow(NamedTuple):
 
     @property
     def total(self) -> float:
+        """Returns the sum of all heat [W]."""
         return self.inner + self.outer + self.drag
 
 
@@ -58,12 +59,12 @@ class Warmed:
 
     @classmethod
     def as_given(cls, scene: Scene) -> "Warmed":
-        """Returns a scene whose temperatures are given."""
+        """Returns a scene with given temperatures as a balance, which took no solves."""
         return cls(status=code.OK, scene=scene, heat=NO_HEAT, solves=0, slope=np.zeros((3, 3)))
 
     @property
     def sentence(self) -> str:
-        """Describes a search that has not converged."""
+        """Returns the state of a search that has not converged, in words."""
         t = self.scene.temperature or Temperature()
         return (
             f"not converged after {self.solves} iterations: {self.heat.total:.3g} W of heat, inner "
@@ -139,13 +140,15 @@ def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
 def find_heat_balance(
     scene: Scene, heats: Heats, start: Warmed | None = None, heat_error: float = 0.0
 ) -> Warmed:
-    """Finds the temperatures of a scene with a thermal network, from a solve nearby or cold.
+    """Returns a scene with a thermal network at its temperatures, with OK if they are verified.
 
     The heat h is a fixed point: at the temperatures of h the bearing makes h. Broyden's method
-    finds it; its first step takes the heat that the bearing makes. While one more watt of heat
-    makes a watt or more, no balance is near. The heat is then followed upwards, to a balance or to
-    where the bearing has none (`warm_seizure`).
+    finds it, from a solve nearby or cold; its first step takes the heat that the bearing makes.
+    While one more watt of heat makes a watt or more, no balance is near. The heat is then followed
+    upwards, to a balance or to where the bearing has none (`warm_seizure`).
 
+    heats: returns status and heat of the scene at given temperatures.
+    start: balance nearby to start from.
     heat_error: relative error of the heats, which limits the balance.
     """
     if start is not None:
@@ -158,14 +161,28 @@ def find_heat_balance(
 def _search(
     scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray, heat_error: float
 ) -> Warmed:
-    """Searches for the balance from a heat `h` and a slope, see `Warmed.slope`."""
-    last_h, step, last_excess = h, np.zeros(3), None
-    runs_away, halved, unsolved, last_scene = False, 0, 0, scene
-    balanced, least, stalled = max(HEAT_BALANCED, heat_error), math.inf, 0
+    """Returns the balance found from a heat `h` (3,) [W] and its slope, see `Warmed.slope`.
+
+    Steps are by Broyden's rule, halved where the bearing has no state at their end. The slope is
+    changed in place.
+    """
+    last_h = h
+    last_excess = None
+    step = np.zeros(3)
+    last_scene = scene
+    runs_away = False  # more heat makes still more
+    halved, unsolved = 0, 0  # halvings of this step; heats at which the bearing had no state
+    tolerance = max(HEAT_BALANCED, heat_error)
+    least = math.inf  # imbalance [W]
+    stalled = 0  # solves since then
     for solves in range(1, MOST_SOLVES + 1):
         warm = at_temperatures(scene, HeatFlow(*h))
-        status, heat = (code.NO_HEAT_BALANCE, HeatFlow(*h)) if warm is None else heats(warm)
-        last_scene = warm or last_scene
+        if warm is None:
+            status = code.NO_HEAT_BALANCE
+            heat = HeatFlow(*h)
+        else:
+            last_scene = warm
+            status, heat = heats(warm)
         if status != code.OK:
             unsolved += 1
             is_last = halved == MOST_HALVED or unsolved > 2 * MOST_HALVED
@@ -182,24 +199,37 @@ def _search(
         imbalance = float(np.abs(excess).max())
         stalled = 0 if imbalance < least else stalled + 1
         least = min(least, imbalance)
-        error = balanced if stalled < MOST_STALLED else ABOVE_ERROR * balanced
+        error = tolerance if stalled < MOST_STALLED else ABOVE_ERROR * tolerance
         if imbalance <= error * heat.total:
-            assert scene.thermal is not None and last_scene.temperature is not None
-            residual = heat_flow_residual(scene.thermal, last_scene.temperature, heat)
-            allowed = max(LARGEST_HEAT_RESIDUAL, error)
-            status = code.OK if residual <= allowed else code.UNVERIFIED
-            return Warmed(status=status, scene=last_scene, heat=heat, solves=solves, slope=slope)
+            return _verified_balance(scene, last_scene, heat, error, solves, slope)
         if last_excess is not None:
             if not step.any():
                 break  # no heat below zero is left to try
-            if np.abs(step).max() > ABOVE_ERROR * balanced * heat.total:
+            if np.abs(step).max() > ABOVE_ERROR * tolerance * heat.total:
                 slope += np.outer(excess - last_excess - slope @ step, step) / (step @ step)
                 runs_away = 1.0 + (excess - last_excess) @ step / (step @ step) > RUNAWAY
-        last_h, last_excess, halved = h, excess, 0
+        last_h = h
+        last_excess = excess
+        halved = 0
         h = np.maximum(h + (excess if runs_away else -np.linalg.solve(slope, excess)), 0.0)
         step = h - last_h
     failure = code.WARM_SEIZURE if runs_away else code.NO_HEAT_BALANCE
     return Warmed(status=failure, scene=last_scene, heat=HeatFlow(*h), solves=solves, slope=slope)
+
+
+def _verified_balance(
+    scene: Scene, warm: Scene, heat: HeatFlow, error: float, solves: int, slope: np.ndarray
+) -> Warmed:
+    """Returns a balance with the status OK if its heat flows are in balance, else UNVERIFIED.
+
+    scene, warm: with the thermal network, and at the temperatures found.
+    error: relative error of the heat.
+    """
+    assert scene.thermal is not None and warm.temperature is not None
+    residual = heat_flow_residual(scene.thermal, warm.temperature, heat)
+    allowed = max(LARGEST_HEAT_RESIDUAL, error)
+    status = code.OK if residual <= allowed else code.UNVERIFIED
+    return Warmed(status=status, scene=warm, heat=heat, solves=solves, slope=slope)
 
 
 class _Unsolved(Exception):
@@ -211,18 +241,20 @@ def find_joint_heat_balance(
     heats: Callable[[Sequence[Scene]], Sequence[HeatFlow] | None],
     heat_error: float = 0.0,
 ) -> list[Warmed] | None:
-    """Finds the temperatures of bearings on one rotor together; None if no stable ones are found.
+    """Returns bearings on one rotor at their temperatures; None if no stable ones are found.
 
-    A bearing that is held at a place of the rotor may run away there, though with the other one,
-    by which the rotor gives way, it does not.
+    The temperatures of all are sought together. A bearing that is held at a place of the rotor may
+    run away there, though with the other one, by which the rotor gives way, it does not.
 
     scenes: bearings with thermal networks.
     heats: the heat of each in scenes with given temperatures; None without a state.
     heat_error: as in `find_heat_balance`.
     """
-    size, solves = len(HeatFlow._fields), 0
+    size = len(HeatFlow._fields)
+    solves = 0
 
     def warm_scenes(h: np.ndarray) -> list[Scene]:
+        """Returns the scenes at the temperatures of heats (parts of all,)."""
         flows = (HeatFlow(*heat) for heat in h.reshape(-1, size))
         warm = [at_temperatures(scene, heat) for scene, heat in zip(scenes, flows, strict=True)]
         if None in warm:
@@ -230,6 +262,7 @@ def find_joint_heat_balance(
         return warm  # type: ignore[return-value]
 
     def heat_made(h: np.ndarray) -> np.ndarray:
+        """Returns the heats that the bearings make at the temperatures of heats `h`."""
         nonlocal solves
         solves += 1
         heat_flows = heats(warm_scenes(h))
@@ -246,13 +279,14 @@ def find_joint_heat_balance(
         heat_flows = heat_made(h)
         step = JOINT_STEP * heat_flows.sum()
         gains = [(heat_made(h + move) - heat_flows) / step for move in step * np.eye(h.size)]
-        stable = float(np.linalg.eigvals(gains).real.max()) < 1.0
     except _Unsolved:
         return None
+    # one more watt of heat must make less than a watt
+    is_stable = float(np.linalg.eigvals(gains).real.max()) < 1.0
     allowed = max(HEAT_BALANCED, heat_error) * heat_flows.reshape(-1, size).sum(
         axis=1, keepdims=True
     )
-    if not (stable and np.all(np.abs(heat_flows - h).reshape(-1, size) <= allowed)):
+    if not (is_stable and np.all(np.abs(heat_flows - h).reshape(-1, size) <= allowed)):
         return None
     return [
         Warmed(
@@ -281,7 +315,12 @@ def heat_of_parts(heats: Sequence[HeatFlow]) -> np.ndarray:
 
 
 def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None:
-    """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K]."""
+    """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K].
+
+    None where a state beside this one is missing.
+
+    temperatures: (bearing, part) [degC].
+    """
     for step in DIFFERENCES:
         slopes = _central_slopes(heats, temperatures, step)
         if slopes is not None:
@@ -290,7 +329,12 @@ def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None
 
 
 def _central_slopes(heats: PartHeats, temperatures: np.ndarray, step: float) -> np.ndarray | None:
-    """Returns these slopes by central differences; None without a state on either side."""
+    """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K].
+
+    It is that by central differences; None where a state on either side is missing.
+
+    step: of a temperature [K].
+    """
     columns = []
     for k in range(temperatures.size):
         moved = np.zeros_like(temperatures)
@@ -314,6 +358,9 @@ def all_conductances(networks: Sequence[Thermal]) -> np.ndarray:
 
 def thermal_margin(networks: Sequence[Thermal], slopes: np.ndarray | None) -> float:
     """Returns conductance over slope of the heat: above 1 the state is stable, at its fold 1.
+
+    networks: of the bearings.
+    slopes: (parts, parts) [W/K], see `heat_slopes`.
 
     It is the inverse of the largest real eigenvalue of G^-1 dQ/dT. It is infinite where no heat
     grows with warmth, and zero where the slope is not known because a state beside this one is

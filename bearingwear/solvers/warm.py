@@ -40,11 +40,13 @@ class Warm(Wrapper):
             self.solver = solver.at(balance.scene)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        """Returns the bearing solved at the temperatures of its heat, or of the given balance."""
         if self._balance is not None:
             return self.solver(condition, near)._replace(warmed=self._balance)
         last = near
 
         def heats(scene: Scene) -> tuple[int, HeatFlow]:
+            """Returns status and heat at the temperatures of a scene, from the last solution."""
             nonlocal last
             solution = self.solver.at(scene)(condition, last)
             if solution.status != code.OK:
@@ -59,15 +61,18 @@ class Warm(Wrapper):
         return last._replace(warmed=warmed)
 
     def at(self, scene: Scene) -> Solver:
+        """Returns the solver within at other temperatures, those of a scene."""
         return self.solver.at(scene)
 
     def state(self, solution: SolvedBearing) -> State:
+        """Returns the state of a life, with temperatures and the residual of their heat flows."""
         state = self.solver.state(solution)
         if not state.is_solved or solution.warmed is None:
             return state
         return state.with_values(warmth_values(self.scene, solution.warmed))
 
     def case(self, solution: SolvedBearing) -> CaseValues:
+        """Returns values and attributes of the case, with those of the thermal network."""
         warmed = solution.warmed
         assert warmed is not None
         if solution.problem is None:
@@ -80,7 +85,7 @@ class Warm(Wrapper):
 
 
 def warmed_for_motion(scene: Scene, bare: Bare = COVERED) -> Warmed:
-    """Finds the temperatures for a motion in time; the result has the scene at these.
+    """Returns the scene at temperatures for a motion in time, and how they were found.
 
     A scene without a thermal network keeps its own. Otherwise they are those of the steady state
     under the thrust alone or, where that is not solved, of race control: warming up in time takes
@@ -96,16 +101,17 @@ def warmed_for_motion(scene: Scene, bare: Bare = COVERED) -> Warmed:
         solution = race_control(race_control.start._replace(bare=bare))
     warmed = solution.warmed
     assert warmed is not None
-    # its scene may have the thrust alone: only the temperatures are taken over
+    # the solved scene may have the thrust alone: only its temperatures are taken over
     temperature = warmed.scene.temperature
-    if temperature is None:  # none was found, as the status says
+    if temperature is None:  # the status of `warmed` says why
         return replace(warmed, scene=scene)
     return replace(warmed, scene=replace(scene, temperature=temperature, thermal=None))
 
 
 def preload_spread(solver: Warm) -> str:
-    """Returns in words the running preload with less and more heat conducted between rings."""
-    scene, sentences = solver.scene, []
+    """Returns the running preload with less and more heat conducted between rings, in words."""
+    scene = solver.scene
+    sentences = []
     assert scene.thermal is not None
     G = scene.thermal.conductance_W_K
     for factor in CONDUCTED:
@@ -121,7 +127,10 @@ def preload_spread(solver: Warm) -> str:
 
 
 def warmth_values(scene: Scene, warmed: Warmed) -> dict[str, Any]:
-    """Returns temperatures and heat flows of a network, for a state of a life."""
+    """Returns temperatures of parts and residual of a network's heat flows, for a state of a life.
+
+    Empty without a network, or where no temperatures were found.
+    """
     t = warmed.scene.temperature
     if scene.thermal is None or t is None:
         return {}
@@ -132,9 +141,13 @@ def warmth_values(scene: Scene, warmed: Warmed) -> dict[str, Any]:
 
 
 def network_values(scene: Scene, warmed: Warmed, status: int, heat: HeatFlow) -> dict[str, Any]:
-    """Returns result variables of the network with the heat of a result.
+    """Returns result variables of a thermal network; empty without one or without temperatures.
 
-    They may include another status of the result.
+    They include the status UNVERIFIED if the result's heat does not fit its temperatures.
+
+    scene: with the network.
+    warmed: temperatures found.
+    status, heat: those of the result.
     """
     t = warmed.scene.temperature
     if scene.thermal is None or t is None:

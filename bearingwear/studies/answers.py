@@ -35,14 +35,15 @@ FAILURES = ValueError, ArithmeticError
 """Errors that belong to a point: a scene that is not valid, or that no model solves, and numbers
 without a result. Others are faults of the program and end a sweep."""
 
-_IGNORED = signal.SIGINT, signal.SIG_IGN
+_CHUNKS_PER_WORKER = 8
+"""Shares of the points for each process, which takes the next when it has answered one."""
 
-_CHUNKS_PER_WORKER, _MOST_AT_ONCE = 8, 32
-"""How finely points are shared out; a process takes more when it has answered its share."""
+_MOST_AT_ONCE = 32
+"""Most points in such a share."""
 
 
 def answers_at(
-    what: Callable[[_P], Answer],
+    function: Callable[[_P], Answer],
     points: Sequence[_P],
     workers: int | None = None,
     label: str = "sweep",
@@ -50,7 +51,7 @@ def answers_at(
 ) -> Iterator[Answer]:
     """Yields the answers of a function at points, in their order; see `Workers`."""
     with Workers(workers, label, progress) as pool:
-        yield from pool.answers_at(what, points)
+        yield from pool.answers_at(function, points)
 
 
 class Workers:
@@ -73,38 +74,48 @@ class Workers:
             raise ValueError(f"{label}: workers: got {workers}, expected 1 or more")
         self._label, self._progress = label, progress
         self._pool: ProcessPoolExecutor | None = None
-        self._before = set(multiprocessing.active_children())
+        self._other_processes = set(multiprocessing.active_children())
 
     def answers_at(
-        self, what: Callable[[_P], Answer], points: Sequence[_P], at_once: int = _MOST_AT_ONCE
+        self, function: Callable[[_P], Answer], points: Sequence[_P], at_once: int = _MOST_AT_ONCE
     ) -> Iterator[Answer]:
         """Yields the answers of a function at points, in their order.
 
         The answer of a point that raises one of `FAILURES` has status `REFUSED` and a `PROBLEM`.
 
-        what: a function of a module, or a `functools.partial` of one; other processes call it.
+        function: of a module, or a `functools.partial` of one; other processes call it.
         at_once: how many points a process takes at most; few where not all answers may be needed.
         """
-        answers = self._answers(what, points, at_once)
+        answers = self._answers(function, points, at_once)
         return with_progress(answers, len(points), self._label, self._progress)
 
     def start(self) -> None:
         """Starts the processes now; they then evaluate all points."""
         if self._pool is None and self.workers > 1:
-            # a terminal interrupts them, too; this process ends them
-            self._pool = ProcessPoolExecutor(self.workers, None, signal.signal, _IGNORED)
+            # a terminal interrupts them, too; they ignore it, and this process ends them
+            self._pool = ProcessPoolExecutor(
+                self.workers,
+                initializer=signal.signal,
+                initargs=(signal.SIGINT, signal.SIG_IGN),
+            )
 
     def _answers(
-        self, what: Callable[[_P], Answer], points: Sequence[_P], at_once: int
+        self, function: Callable[[_P], Answer], points: Sequence[_P], at_once: int
     ) -> Iterator[Answer]:
-        """Yields the answers, the first in this process and the others in the pool."""
-        count_here = len(points) if self.workers == 1 else 1 if self._pool is None else 0
-        yield from map(functools.partial(answer_of, what), points[:count_here])
+        """Yields the answers: the first from this process before it forks, the others from these.
+
+        With one worker, all are from this process.
+        """
+        if self.workers == 1:
+            count_here = len(points)
+        else:
+            count_here = 1 if self._pool is None else 0
+        yield from map(functools.partial(answer_of, function), points[:count_here])
         if len(points) > count_here:
             self.start()
             assert self._pool is not None
             chunk_size = min(points_at_once(len(points), self.workers), at_once)
-            answer = functools.partial(_answer_of_sent, pickle.dumps(what))
+            answer = functools.partial(_answer_of_pickled, pickle.dumps(function))
             points_left = itertools.islice(points, count_here, None)
             yield from self._pool.map(answer, points_left, chunksize=chunk_size)
 
@@ -115,7 +126,7 @@ class Workers:
         if self._pool is None:
             return
         if kind is not None:  # do not wait for what is still being solved
-            for process in set(multiprocessing.active_children()) - self._before:
+            for process in set(multiprocessing.active_children()) - self._other_processes:
                 process.terminate()
         self._pool.shutdown(cancel_futures=True)
         if kind is not None and issubclass(kind, BrokenProcessPool):
@@ -129,28 +140,31 @@ class Workers:
 
 
 def points_at_once(count: int, workers: int) -> int:
-    """Returns how many points a process takes at once."""
+    """Returns how many of some points a process takes at once, from 1 to `_MOST_AT_ONCE`."""
     share = math.ceil(count / (_CHUNKS_PER_WORKER * max(workers, 1)))
     return min(max(share, 1), _MOST_AT_ONCE)
 
 
-def answer_of(what: Callable[[_P], Answer], point: _P) -> Answer:
-    """Returns the answer of a function at a point; see `Workers.answers_at`."""
+def answer_of(function: Callable[[_P], Answer], point: _P) -> Answer:
+    """Returns the answer of a function at a point.
+
+    If it raises one of `FAILURES`, the answer has the status `REFUSED` and the error as `PROBLEM`.
+    """
     try:
-        return what(point)
+        return function(point)
     except FAILURES as error:
         return {"status": REFUSED, PROBLEM: " ".join(str(error).split())}
 
 
-def _answer_of_sent(pickled: bytes, point: Any) -> Answer:
-    """Returns the answer of a pickled function at a point, in another process."""
-    return answer_of(_unpickled(pickled), point)
+def _answer_of_pickled(pickled_function: bytes, point: Any) -> Answer:
+    """Returns the answer of a pickled function at a point; another process calls it."""
+    return answer_of(_unpickled(pickled_function), point)
 
 
 @functools.lru_cache(maxsize=4)
-def _unpickled(pickled: bytes) -> Any:
-    """Unpickles a function once, so that all its points share the caches of its scenes."""
-    return pickle.loads(pickled)
+def _unpickled(pickled_function: bytes) -> Any:
+    """Returns a function, unpickled once, so that all its points share the caches of its scenes."""
+    return pickle.loads(pickled_function)
 
 
 def answer_values(answer: Answer) -> dict[str, Any]:
@@ -161,7 +175,12 @@ def answer_values(answer: Answer) -> dict[str, Any]:
 def with_progress(
     answers: Iterable[Answer], count: int, label: str, progress: bool | Tell
 ) -> Iterator[Answer]:
-    """Yields the answers, and reports their number and the time left by a bar or by lines."""
+    """Yields the answers, and reports their number and the time left by a bar or by lines.
+
+    count: number of answers to come.
+    label: name of the computation.
+    progress: whether to report on standard error, or a function that takes the lines.
+    """
     if not progress:
         yield from answers
         return
@@ -176,18 +195,21 @@ def with_progress(
 
 
 def _with_lines(
-    answers: Iterable[Answer], count: int, label: str, tell: bool | Tell
+    answers: Iterable[Answer], count: int, label: str, progress: bool | Tell
 ) -> Iterator[Answer]:
-    """Yields the answers, and reports progress by lines to `tell`, or on standard error."""
-    start = last_line = time.monotonic()
-    for done, answer in enumerate(answers, 1):
+    """Yields the answers, and reports progress by a line every `LINE_EVERY` seconds.
+
+    The arguments are those of `with_progress`.
+    """
+    start = last_line_time = time.monotonic()
+    for number, answer in enumerate(answers, 1):
         yield answer
         now = time.monotonic()
-        if now - last_line > LINE_EVERY and done < count:
-            seconds_left = (now - start) * (count - done) / done
-            line = f"{label}: {done} of {count} points, about {seconds_left:.0f} s left"
-            if callable(tell):
-                tell(line)
+        if now - last_line_time > LINE_EVERY and number < count:
+            seconds_left = (now - start) * (count - number) / number
+            line = f"{label}: {number} of {count} points, about {seconds_left:.0f} s left"
+            if callable(progress):
+                progress(line)
             else:
                 print(line, file=sys.stderr)
-            last_line = now
+            last_line_time = now

@@ -24,7 +24,10 @@ MOST_DECIMALS = 9
 
 
 def in_name(value: float, decimals: int) -> str:
-    """Writes a number for the name of a file, with at least so many decimals."""
+    """Returns a number as it stands in the name of a file.
+
+    decimals: the fewest; more are written where the number has more, up to `MOST_DECIMALS`.
+    """
     integer_part, _, fraction = f"{value:.{MOST_DECIMALS}f}".rstrip("0").partition(".")
     return f"{integer_part}.{fraction:0<{decimals}}"
 
@@ -38,8 +41,10 @@ class Steps:
     step: float = setting("Distance between successive values", within="(0, inf)")
 
     def __post_init__(self) -> None:
-        miss = abs(self.first + (self.count - 1) * self.step - self.last)
-        if not 1 <= self.count <= MOST_POINTS or miss > 1e-6 * self.step:
+        distance = abs(self.first + (self.count - 1) * self.step - self.last)
+        # beyond the rounding of decimals such as 0.1
+        misses_last = distance > 1e-6 * self.step
+        if not 1 <= self.count <= MOST_POINTS or misses_last:
             raise ValueError(
                 f"got {self.first:g} to {self.last:g} in steps of {self.step:g}, expected at most "
                 f"{MOST_POINTS} equal steps that end at the last value"
@@ -52,8 +57,8 @@ class Steps:
 
     @property
     def values(self) -> list[float]:
-        """Returns the values, rounded to nine decimals."""
-        return [round(self.first + k * self.step, 9) for k in range(self.count)]
+        """Returns the values, rounded as they stand in the names of files."""
+        return [round(self.first + k * self.step, MOST_DECIMALS) for k in range(self.count)]
 
 
 @keyed
@@ -84,7 +89,7 @@ class RisingAxis(tuple[float, ...]):
 
 
 def check_rising(name: str, values: Sequence[float]) -> None:
-    """Refuses values of a key that do not rise."""
+    """Raises a SceneError if the values of a key do not rise."""
     if list(values) != sorted(set(values)):
         numbers = ", ".join(f"{value:g}" for value in values)
         raise SceneError(name, f"got {numbers}, expected increasing numbers > 0")
@@ -92,7 +97,7 @@ def check_rising(name: str, values: Sequence[float]) -> None:
 
 @contextlib.contextmanager
 def place_of_errors(place: str) -> Iterator[None]:
-    """Puts a place in a plan before errors of the scenes that the plan changes."""
+    """Puts a place, such as "config: studies[0]", before the message of a ValueError inside."""
     try:
         yield
     except ValueError as error:

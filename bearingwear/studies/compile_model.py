@@ -12,7 +12,10 @@ _WORN_GROOVES = ("model.contact=auto", "model.normal_balance=frictionless")
 
 
 def compile_model(model: str) -> None:
-    """Solves cases that call every kernel of a model: `steady`, `worn` (lives) or `dynamic`."""
+    """Solves cases that call every kernel of a model, which numba then stores on disk.
+
+    model {"steady", "worn", "dynamic"}: "worn" stands for lives.
+    """
     from bearingwear.lives.life import life
     from bearingwear.solvers.solve import solve
 

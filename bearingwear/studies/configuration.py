@@ -17,13 +17,13 @@ from bearingwear.console import UsageError
 from bearingwear.document.document import load_document
 from bearingwear.provenance import PACKAGE, other_copy, text_hash
 from bearingwear.results.pair_variables import BEARINGS
-from bearingwear.scene.arrangement import Arrangement, one_bearing
+from bearingwear.scene.arrangement import Arrangement, single_bearing_scene
 from bearingwear.scene.assumed import assumed_keys
 from bearingwear.scene.checking.check import record
 from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.decisive import decisive_data
-from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, variant
+from bearingwear.scene.read import as_data, changed_scene, load_scene, scene_for_life, variant
 from bearingwear.studies.axis import RisingAxis, in_name, place_of_errors
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
 from bearingwear.studies.grid.grid import GRID_AXES, Grid
@@ -35,16 +35,18 @@ FORK_SERVER = PACKAGE / "studies" / "fork_server.py"
 
 
 def read_config(path: str) -> dict[str, Any]:
-    """Reads a configuration as plain data; empty where there is no such file."""
+    """Returns a configuration as plain data; an empty dict where there is no such file."""
     return dict(data_of(text_of(path), path, anchors=True)) if Path(path).is_file() else {}
 
 
 def validated_config(
     path: Path, schema: str, check: Callable[[Mapping[str, Any], Path], None]
 ) -> dict[str, Any]:
-    """Reads a configuration with the defaults of its schema, for a command outside of Snakemake.
+    """Returns a configuration with the defaults of its schema, for a command outside of Snakemake.
 
-    check: raises a ValueError for faults that the schema cannot detect.
+    schema: name of the schema, such as "cage" for cage.schema.yaml.
+    check: takes the configuration and its path, and raises a ValueError for faults that the schema
+        cannot detect.
     UsageError: one line that says what is wrong.
     """
     from snakemake.exceptions import WorkflowError
@@ -71,34 +73,34 @@ def refuse_other_copy() -> None:
 
 
 def fault_line(path: str | Path, error: Exception) -> str:
-    """Says what is wrong with a configuration, on one line.
+    """Returns one line that says what is wrong with a configuration.
 
     error: raised by a check, or by Snakemake's `validate`.
     """
     if isinstance(error, ValueError):
         return str(error)
-    violation: Any = error.__context__
+    violation: Any = error.__context__  # of jsonschema
     keys = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in violation.absolute_path)
     return f"{path}: {''.join(keys).lstrip('.') or 'the file'}: {violation.message}"
 
 
 def scene_file(scene: str) -> str:
-    """Returns the path of the file of a scene."""
+    """Returns the path of the file of a scene, from the name of the scene."""
     return f"config/scenes/{scene}.yaml"
 
 
 def mu_name(friction: float) -> str:
-    """Writes a friction coefficient for the names of files."""
+    """Returns a friction coefficient as it stands in the names of files, such as 0.050."""
     return in_name(friction, 3)
 
 
 def loss_name(loss_um: float) -> str:
-    """Writes a loss of ball diameter for the names of files."""
+    """Returns a loss of ball diameter [um] as it stands in the names of files, such as 1.50."""
     return in_name(loss_um, 2)
 
 
 def settings(changes: Mapping[str, Any]) -> str:
-    """Writes changes of a scene as `--set` options."""
+    """Returns changes of a scene as `--set` options of a shell command; empty without changes."""
     words = (shlex.quote(f"{key}={json.dumps(value)}") for key, value in changes.items())
     return " ".join(["--set", *words]) if changes else ""
 
@@ -122,29 +124,40 @@ def scene_values(
     cage: whether the job reads more of the cage than its material.
     uncertainty: whether the job samples the uncertain values, or its file quotes them.
     """
-    keys = tuple(replaced)
+    replaced_keys = tuple(replaced)
 
-    def values(wildcards: Any) -> str:
+    def hash_of_values(wildcards: Any) -> str:
+        """Returns the hash of the scene that the wildcards of a job name."""
         path = file(wildcards) if callable(file) else file.format(**dict(wildcards.items()))
-        return scene_hash(path, keys, cage, uncertainty)
+        return scene_hash(path, replaced_keys, cage, uncertainty)
 
-    return values
+    return hash_of_values
 
 
 @functools.cache
 def scene_hash(path: str, replaced: tuple[str, ...], cage: bool, uncertainty: bool) -> str:
-    """Hashes the values of a scene that decide a result; arguments as of `scene_values`."""
+    """Returns a hash of the values of a scene that decide a result.
+
+    replaced, cage, uncertainty: as of `scene_values`.
+    """
     data = dict(as_data(path)[0])
     # a warning depends on the description, which says whether the speed is assumed
-    assumed = "Speed assumed:" in str(data.pop("description", ""))
-    more_keys = ["friction", "cage", "cage_uncertainty"] * cage + ["uncertainty"] * uncertainty
+    is_speed_assumed = "Speed assumed:" in str(data.pop("description", ""))
+    more_keys = []
+    if cage:
+        more_keys += ["friction", "cage", "cage_uncertainty"]
+    if uncertainty:
+        more_keys.append("uncertainty")
     read_values = decisive_data(data) | {key: data.get(key) for key in more_keys}
     values = {key: value for key, value in leaves(read_values).items() if key not in replaced}
-    return text_hash(json.dumps([values, assumed], sort_keys=True))
+    return text_hash(json.dumps([values, is_speed_assumed], sort_keys=True))
 
 
-def page_notes(scenes: Iterable[str]) -> str:
-    """Hashes the descriptions and assumed keys that the report page reads in scene files."""
+def page_notes_hash(scenes: Iterable[str]) -> str:
+    """Returns a hash of the descriptions and assumed keys of scenes, which the report page reads.
+
+    scenes: names of scenes.
+    """
     notes = [
         [as_data(path)[0].get("description"), sorted(assumed_keys(path))]
         for path in map(scene_file, scenes)
@@ -153,35 +166,43 @@ def page_notes(scenes: Iterable[str]) -> str:
 
 
 def headlines(answers: Iterable[str]) -> list[str]:
-    """Returns the titles of the leading answers on the report page, recommendations first."""
+    """Returns the titles of the answers of the lowest rank, which lead the report page.
+
+    answers: paths; those that are no answer.json are left out.
+    """
     documents = [load_document(Path(path)) for path in answers if path.endswith("answer.json")]
     best_rank = min((answer.rank for answer in documents), default=0)
     return [answer.title for answer in documents if answer.rank == best_rank]
 
 
 def has_heat_capacities(scene: str) -> bool:
-    """Whether a scene gives what a warm-up requires."""
+    """Whether a scene states the heat capacities that a warm-up requires."""
     return "heat_capacity_J_K" in (as_data(scene_file(scene))[0].get("thermal") or {})
 
 
 def has_duty(scene: str) -> bool:
-    """Whether the life of a scene is over a duty."""
+    """Whether the life of a scene is over a duty of several phases."""
     return as_data(scene_file(scene))[0].get("duty") is not None
 
 
-def bearings_drawn(scene: str) -> Sequence[str]:
-    """Returns suffixes for the names of a scene's figures, one for each bearing if two differ."""
+def figure_suffixes(scene: str) -> Sequence[str]:
+    """Returns suffixes for the names of a scene's figures: "", or one a bearing if two differ."""
     block = as_data(scene_file(scene))[0].get("arrangement")
     arrangement = Arrangement() if block is None else record(Arrangement, block)
-    single = not arrangement.is_pair or arrangement.is_symmetric
-    return ("",) if single else tuple(f"-{which}" for which in BEARINGS)
+    if not arrangement.is_pair or arrangement.is_symmetric:
+        return ("",)
+    return tuple(f"-{bearing}" for bearing in BEARINGS)
 
 
 # checks that a schema cannot make
 
 
 def grids(config: Mapping[str, Any], key: str = "studies") -> dict[str, Grid]:
-    """Returns the grid of each scene in the blocks of config.yaml. Raises ValueError."""
+    """Returns the grid of each scene in the blocks of config.yaml, by the name of the scene.
+
+    key {"studies", "dynamic"}: of the list of blocks.
+    ValueError: an axis that is not valid, or a scene in two blocks.
+    """
     grid_of_scene: dict[str, Grid] = {}
     for number, block in enumerate(config[key]):
         place = f"config: {key}[{number}]"
@@ -195,15 +216,17 @@ def grids(config: Mapping[str, Any], key: str = "studies") -> dict[str, Grid]:
 
 
 def check_config(config: Mapping[str, Any]) -> None:
-    """Refuses figures and spreads of unsolved cases, and scenes that a grid makes invalid.
+    """Refuses figures and spreads of cases that no grid contains, and scenes with invalid cases.
 
+    config: data of config.yaml that agrees with its schema.
     ValueError: one line that names the key, or the scene file.
     """
     studied, dynamic = grids(config), grids(config, "dynamic")
     figures = config["figures"]
     studied_frictions = {mu for grid in studied.values() for mu in grid.friction}
     if studied:
-        _check_each("figures.friction", map(float, figures["friction"]), studied_frictions)
+        drawn_frictions = [float(mu) for mu in figures["friction"]]
+        _check_each("figures.friction", drawn_frictions, studied_frictions)
     for k, column in enumerate(figures["wear_columns"]):
         _check_studied(f"figures.wear_columns[{k}]", column["scene"], column["friction"], studied)
     for kind in ("spreads", "lives"):
@@ -218,10 +241,10 @@ def check_config(config: Mapping[str, Any]) -> None:
             problem = f"got {scene}, whose file has no uncertainty block, expected scenes with one"
             raise ValueError(f"config: uncertain_lives.scenes: {problem}")
     for scene, grid in studied.items():
-        for_life(load_scene(scene_file(scene)), scene_file(scene))
+        scene_for_life(load_scene(scene_file(scene)), scene_file(scene))
         _check_cases(scene, grid, {})
     for scene, grid in dynamic.items():
-        one_bearing(load_scene(scene_file(scene)), scene_file(scene))
+        single_bearing_scene(load_scene(scene_file(scene)), scene_file(scene))
         _check_cases(scene, grid, dynamic_model(config, scene))
         # a dynamic case without its steady twin could not be set beside it
         for case in grid.cases() if scene in studied else ():
@@ -231,13 +254,16 @@ def check_config(config: Mapping[str, Any]) -> None:
 
 
 def dynamic_model(config: Mapping[str, Any], scene: str) -> dict[str, Any]:
-    """Returns the changes of the block `model` in the dynamic cases of a scene."""
-    (block,) = [block for block in config["dynamic"] if scene in block["scenes"]]
-    return {f"model.{key}": value for key, value in block["model"].items()}
+    """Returns the changes of the block `model` in the dynamic cases of a scene, by dotted key.
+
+    config: data of config.yaml.
+    """
+    scene_block = next(block for block in config["dynamic"] if scene in block["scenes"])
+    return {f"model.{key}": value for key, value in scene_block["model"].items()}
 
 
 def _check_each(key: str, values: Iterable[Any], allowed_values: Collection[Any]) -> None:
-    """Refuses values of a key that are not allowed."""
+    """Raises a ValueError for the first value of a key that is not allowed."""
     for value in values:
         if value not in allowed_values:
             expected = ", ".join(map(_text, sorted(allowed_values)))
@@ -246,18 +272,24 @@ def _check_each(key: str, values: Iterable[Any], allowed_values: Collection[Any]
 
 
 def _text(value: Any) -> str:
-    """Writes a value of the configuration in a message."""
+    """Returns a value of the configuration as a message shows it."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _check_studied(key: str, scene: str, mu: float, studied: Mapping[str, Grid]) -> None:
-    """Refuses a scene or a friction coefficient that is in no grid."""
+    """Refuses a scene that no grid contains, or a friction coefficient outside of its grid.
+
+    studied: grids by the name of the scene.
+    """
     _check_each(key, [scene], studied)
     _check_each(f"{key}: {scene}", [float(mu)], studied[scene].friction)
 
 
 def _check_cases(scene: str, grid: Grid, model_changes: Mapping[str, Any]) -> None:
-    """Checks a scene with the changes of cases that cover each value of each axis."""
+    """Checks a scene with the changes of cases that cover each value of each axis.
+
+    model_changes: by dotted key, of all cases.
+    """
     data, source = as_data(scene_file(scene))
     for case in grid.cases_of_each_value():
         with place_of_errors(f"config: {scene}, {case.id}"):
@@ -269,7 +301,7 @@ def check_lives(lives: Mapping[str, Any]) -> None:
     for name, life in lives["lives"].items():
         path = scene_file(life["scene"])
         with place_of_errors(f"config/lives.yaml: lives.{name}"):
-            for_life(variant(path, life["set"]), path)
+            scene_for_life(variant(path, life["set"]), path)
 
 
 def check_design(design: Mapping[str, Any]) -> None:
@@ -287,9 +319,10 @@ def check_sampled(uncertainty: Mapping[str, Any]) -> None:
 
 
 def map_axes(axes: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the axes of a map of design.yaml as lists."""
-    numbers = {key: values for key, values in axes.items() if key != "preload_method"}
-    return {"preload_method": list(axes["preload_method"])} | {
-        key: values if values == [NO_FRICTION] else list(RisingAxis.from_plain(values))
-        for key, values in numbers.items()
-    }
+    """Returns the axes of a map of design.yaml as lists of methods and numbers, by their keys."""
+    lists: dict[str, Any] = {"preload_method": list(axes["preload_method"])}
+    for key, values in axes.items():
+        if key != "preload_method":
+            is_for_films = values == [NO_FRICTION]  # the films have coefficients of their own
+            lists[key] = values if is_for_films else list(RisingAxis.from_plain(values))
+    return lists

@@ -13,7 +13,7 @@ from bearingwear.atomic import whole_file
 from bearingwear.results.entries import check_in_table, common_attributes, stored_data
 from bearingwear.results.netcdf import NETCDF_LOCK, CaseFileError, load
 from bearingwear.results.variable import Variable
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.scene import Scene
 from kerneljit.interrupt import Interrupt
 
@@ -60,7 +60,11 @@ def dataset_of_rows(
 
 
 def _column(variable: Variable, row_values: Sequence[Any], sizes: Mapping[str, int]) -> np.ndarray:
-    """Returns the values of a variable in all rows, NaN where a row has none."""
+    """Returns the values of a variable in all rows, NaN where a row has none.
+
+    row_values: of each row; None where it has no value.
+    sizes: lengths of all dimensions.
+    """
     shapes = {np.shape(value) for value in row_values if value is not None}
     if len(shapes) > 1 or any(len(shape) != len(variable.dims) for shape in shapes):
         raise ValueError(f"{variable.name}: got shapes {shapes}, expected {variable.dims}")
@@ -93,34 +97,28 @@ def stacked_dataset(
     coords: dict[str, xr.Variable] = {}
     sizes: dict[str, int] = {}
     uneven: set[str] = set()
-    shapes: list[Any] = []
+    previous_shapes: list[Any] = []
     for dataset in datasets:
-        dataset_shapes = [(name, v.dims, v.shape) for name, v in dataset.variables.items()]
-        if dataset_shapes == shapes:
+        shapes = [(name, v.dims, v.shape) for name, v in dataset.variables.items()]
+        if shapes == previous_shapes:
             continue
-        shapes = dataset_shapes
-        for name, variable in dataset.variables.items():
-            if {name, *variable.dims} & set(leave_out):
-                continue
-            if name in dataset.coords and along in variable.dims:
-                continue
-            part = variable.isel({along: 0}) if along in variable.dims else variable
+        previous_shapes = shapes
+        for name, variable in _item_variables(dataset, leave_out, along).items():
             target = coords if name in dataset.coords else templates
-            if name in coords and name not in part.dims and part.size != coords[str(name)].size:
-                uneven.add(str(name))
-            if name not in target or part.size > target[str(name)].size:
-                target[str(name)] = part
-            for dim, size in zip(part.dims, part.shape, strict=True):
+            is_position = name in coords and name not in variable.dims
+            if is_position and variable.size != coords[name].size:
+                uneven.add(name)
+            if name not in target or variable.size > target[name].size:
+                target[name] = variable
+            for dim, size in variable.sizes.items():
                 sizes[str(dim)] = max(size, sizes.get(str(dim), 0))
     variables = {}
     for name, template in templates.items():
-        inner = tuple(sizes[str(dim)] for dim in template.dims)
-        values = _one_after_the_other(datasets, name, inner, along)
-        if template.dtype.kind in "OUT":
-            pass
-        elif np.issubdtype(template.dtype, np.integer) and np.isfinite(values).all():
+        inner_shape = tuple(sizes[str(dim)] for dim in template.dims)
+        values = _concatenated_values(datasets, name, inner_shape, along)
+        if template.dtype.kind in "iu" and np.isfinite(values).all():
             values = values.astype(template.dtype)
-        values = values.reshape((*lengths.values(), *inner))
+        values = values.reshape((*lengths.values(), *inner_shape))
         variables[name] = ((*lengths, *template.dims), values, template.attrs)
     used_dims = {dim for template in templates.values() for dim in template.dims}
     even_coords = {
@@ -131,30 +129,57 @@ def stacked_dataset(
     return xr.Dataset(variables, even_coords)
 
 
-def _one_after_the_other(
-    datasets: Sequence[xr.Dataset], name: str, inner: tuple[int, ...], along: str
+def _item_variables(
+    dataset: xr.Dataset, leave_out: Sequence[str], along: str
+) -> dict[str, xr.Variable]:
+    """Returns the variables of the first item along a dimension, without its coordinates.
+
+    Variables without that dimension are returned whole. The arguments are those of
+    `stacked_dataset`.
+    """
+    variables = {}
+    for name, variable in dataset.variables.items():
+        is_left_out = bool({name, *variable.dims} & set(leave_out))
+        if is_left_out or (name in dataset.coords and along in variable.dims):
+            continue
+        variables[str(name)] = variable.isel({along: 0}) if along in variable.dims else variable
+    return variables
+
+
+_OF_TEXTS = set("OUT")
+"""Kinds of NumPy's types of texts."""
+
+
+def _concatenated_values(
+    datasets: Sequence[xr.Dataset], name: str, inner_shape: tuple[int, ...], along: str
 ) -> np.ndarray:
-    """Returns a variable of all datasets, concatenated, NaN where one lacks values."""
+    """Returns the values (items, *inner_shape) of a variable in all datasets, in their order.
+
+    Values that a dataset lacks are NaN. A dataset without the dimension `along` is one item.
+    """
     parts = [dataset.variables.get(name) for dataset in datasets]
     kinds = {part.dtype.kind for part in parts if part is not None}
-    dtype = object if kinds & set("OUT") else float
+    dtype = object if kinds & _OF_TEXTS else float
     present = [part for part in parts if part is not None]
     if len(present) == len(parts) and len({(part.dims, part.shape) for part in present}) == 1:
         arrays = [part.values if along in part.dims else part.values[None] for part in present]
         return np.concatenate(arrays, dtype=dtype)
     ends = np.cumsum([dataset.sizes.get(along, 1) for dataset in datasets])
-    values = np.full((ends[-1], *inner), np.nan, dtype)
+    values = np.full((ends[-1], *inner_shape), np.nan, dtype)
     for dataset, part, end in zip(datasets, parts, ends, strict=True):
         if part is not None:
-            shape = tuple(part.sizes[dim] for dim in part.dims if dim != along)
-            filled = tuple(slice(size) for size in shape)
+            inner_slices = [slice(size) for dim, size in part.sizes.items() if dim != along]
             begin = end - dataset.sizes.get(along, 1)
-            values[(slice(begin, end), *filled)] = part.values
+            values[(slice(begin, end), *inner_slices)] = part.values
     return values
 
 
 def reshaped_dataset(dataset: xr.Dataset, along: str, lengths: Mapping[str, int]) -> xr.Dataset:
-    """Splits the leading dimension of a dataset into several, in C order."""
+    """Returns a dataset whose leading dimension is split into several, in C order.
+
+    along: the leading dimension of every variable. Coordinates along it are left out.
+    lengths: names and lengths of the new dimensions.
+    """
     variables = {
         name: (
             (*lengths, *variable.dims[1:]),
@@ -170,7 +195,10 @@ def reshaped_dataset(dataset: xr.Dataset, along: str, lengths: Mapping[str, int]
 
 
 def coordinate(variable: Variable, values: Any = None) -> dict[str, xr.Variable]:
-    """Returns a coordinate by its name; without values it has all of its flags."""
+    """Returns a coordinate by its name, as `xr.Dataset` takes it.
+
+    values: by default the codes of all flags of the variable.
+    """
     if values is None:
         values = np.arange(len(variable.flags or ()))
     data = stored_data(variable, values)
@@ -178,7 +206,11 @@ def coordinate(variable: Variable, values: Any = None) -> dict[str, xr.Variable]
 
 
 def load_with_axes(path: str | Path, **axes: Sequence[float]) -> xr.Dataset:
-    """Reads a file that must have the given dimensions and, along them, the given values."""
+    """Returns the dataset of a file, which must have certain values along its dimensions.
+
+    axes: values by the name of a dimension; an empty sequence asks for the dimension alone.
+    CaseFileError: the file lacks a dimension or a value.
+    """
     dataset = load(path)
     for axis, values in axes.items():
         if axis not in dataset.dims:
@@ -191,7 +223,10 @@ def load_with_axes(path: str | Path, **axes: Sequence[float]) -> xr.Dataset:
 
 
 def load_with_dynamic(steady_path: Path, dynamic_path: Path) -> tuple[xr.Dataset, xr.Dataset]:
-    """Reads a study and dynamic cases, all of which must also be in the study."""
+    """Returns the datasets of the steady cases of a study, and of its dynamic cases.
+
+    CaseFileError: cases of another scene or model, or a dynamic case without its steady twin.
+    """
     dynamic_cases = load_with_axes(
         dynamic_path, preload_method=(), friction=(), ball_diameter_loss=()
     )
@@ -202,7 +237,7 @@ def load_with_dynamic(steady_path: Path, dynamic_path: Path) -> tuple[xr.Dataset
     axes = ("preload_method", "friction", "ball_diameter_loss")
     grid = {axis: dynamic_cases[axis].values.tolist() for axis in axes}
     steady = load_with_axes(steady_path, **grid)
-    names = (scene_of(cases)["name"] for cases in (steady, dynamic_cases))
+    names = (plain_scene(cases)["name"] for cases in (steady, dynamic_cases))
     if len({*names}) > 1:
         raise CaseFileError(
             f"{dynamic_path}: got cases from another scene, expected the scene of {steady_path}"
@@ -219,8 +254,9 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
             continue
         if "flag_values" in variable.attrs and variable.dtype.kind == "f":
             # flags of a case that was not solved: missing, yet still whole numbers in the file
-            kind = np.asarray(variable.attrs["flag_values"]).dtype
-            encoding[str(name)] = {"dtype": kind, "_FillValue": kind.type(np.iinfo(kind).min + 1)}
+            dtype = np.asarray(variable.attrs["flag_values"]).dtype
+            netcdf_fill_value = dtype.type(np.iinfo(dtype).min + 1)  # the default of netCDF
+            encoding[str(name)] = {"dtype": dtype, "_FillValue": netcdf_fill_value}
         elif variable.dtype.kind == "f":
             encoding[str(name)] = {"_FillValue": np.nan}
     # an interrupted xarray may wait forever for its own lock
@@ -229,9 +265,10 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
 
 
 def pareto(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Returns a mask (n,) of the points that no other beats in both coordinates; smaller is better.
+    """Returns a mask (n,), true at the points that no other beats in both coordinates.
 
-    Points with a NaN do not count.
+    first, second: coordinates (n,) of the points; smaller is better. A point with a NaN or an
+        infinite coordinate is never in the mask.
     """
     front = np.zeros(len(first), dtype=bool)
     lowest_second = np.inf

@@ -16,7 +16,10 @@ KEEP_EXTREMES = "extremes"
 
 
 def _worst_words(measure: Measure, name: str) -> str:
-    """Describes the worst value of a measure."""
+    """Returns the words for the worst value of a measure, such as "largest contact pressure".
+
+    name: of the worst value, one of `measure.extremes`.
+    """
     if measure.over_preload:
         return "minimum ratio of residual to initial preload"
     return f"{measure.worst_word} {measure.words_of(name)}"
@@ -40,25 +43,33 @@ WORST_VALUES = table(
 
 
 def worst_values(scene: Scene, life: Mapping[str, Any]) -> dict[str, float]:
-    """Returns the values of `WORST_VALUES` of the measures that a life has along its steps.
+    """Returns the worst value along a life of each measure that it has a history of.
 
-    life: values of its result [SI]. In a pair, the worse bearing counts.
+    life: values of its result [SI]; `history_...` has the shape (steps,), or (2, steps) for a
+        pair, whose worse bearing counts.
+
+    Returns values by the names of `WORST_VALUES`.
     """
-    worst = {}
+    worst_by_name = {}
     for measure in MEASURES:
         for name, variable in zip(measure.extremes, measure.variables, strict=True):
             history = life.get(f"history_{variable}")
             if history is not None:
-                worst[name] = _worst(measure, np.asarray(history), scene)
-    return worst
+                worst_by_name[name] = _worst_value(measure, np.asarray(history), scene)
+    return worst_by_name
 
 
-def _worst(measure: Measure, values: np.ndarray, scene: Scene) -> float:
-    """Returns the worst of the known values over steps and bearings; NaN if none is known."""
-    initial = 1.0
+def _worst_value(measure: Measure, values: np.ndarray, scene: Scene) -> float:
+    """Returns the worst value over steps and bearings; NaN if all are NaN.
+
+    A residual preload is returned as a share of the initial one.
+
+    values: (steps, ...) [SI], in a pair (2, steps, ...).
+    """
+    reference = 1.0
     if measure.over_preload:
+        reference = scene.operation.preload_N
         if scene.pair is not None:  # one spring or one displacement preloads all in tandem
             values = values * np.reshape(scene.pair.tandem, (2,) + (1,) * (values.ndim - 1))
-        initial = scene.operation.preload_N
     finite = values[~np.isnan(values)]
-    return measure.extreme(finite) / initial if finite.size else math.nan
+    return measure.extreme(finite) / reference if finite.size else math.nan

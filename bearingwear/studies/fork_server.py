@@ -25,7 +25,11 @@ _MOST_BYTES = 1 << 16
 
 
 def run_job(snakemake: str, arguments: list[str]) -> int:
-    """Runs a command by the server of a run, else as a process, and returns its status."""
+    """Runs a command by the server of a run, else as a process, and returns its exit status.
+
+    snakemake: id of Snakemake's process.
+    arguments: of the command `bearingwear`.
+    """
     folder = _FOLDER.format(snakemake)
     try:
         with socket.socket(socket.AF_UNIX) as server:
@@ -38,7 +42,11 @@ def run_job(snakemake: str, arguments: list[str]) -> int:
     except OSError:
         _start_server(folder, snakemake)
     command = [sys.executable, "-P", _SCRIPT, "bearingwear", *arguments]
-    status = os.spawnv(os.P_WAIT, sys.executable, command)
+    return _shell_status(os.spawnv(os.P_WAIT, sys.executable, command))
+
+
+def _shell_status(status: int) -> int:
+    """Returns the exit status of a process as a shell does: 128 + N for the end by signal N."""
     return status if status >= 0 else 128 - status
 
 
@@ -46,11 +54,11 @@ def _start_server(folder: str, snakemake: str) -> None:
     """Starts a server at the second job of a run, if the system allows it."""
     try:
         os.mkdir(folder)
-        return  # at the first job: there may be no other
+        return  # the first job of a run may be the only one
     except OSError:
         pass
     try:
-        os.mkdir(f"{folder}/server")  # one process alone can
+        os.mkdir(f"{folder}/server")  # fails in all processes but the first that tries
         os.pidfd_open(int(snakemake))
     except (AttributeError, OSError):
         return
@@ -66,8 +74,8 @@ def _start_server(folder: str, snakemake: str) -> None:
     )
 
 
-def tell_of_silence(status: int) -> None:
-    """Writes in the log how a job ended that failed without a message."""
+def log_silent_failure(status: int) -> None:
+    """Writes the exit status of a job in its log, if it failed without a message."""
     try:
         if status and os.path.isfile("/dev/stderr") and not os.fstat(2).st_size:
             cause = f" (by signal {status - 128})" if status > 128 else ""
@@ -82,14 +90,19 @@ _RUNNING: set[int] = set()
 
 
 def serve(folder: str, snakemake: int) -> None:
-    """Forks for each command until Snakemake ends; imports in between."""
+    """Forks for each command until Snakemake ends, and imports modules in between.
+
+    folder: of the server's socket; it is deleted in the end.
+    snakemake: id of Snakemake's process.
+    """
     import gc
     import selectors
     import shutil
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # which is for the jobs
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it reaches the jobs, which end
     to_import = {"bearingwear.commands", "bearingwear.arguments", "bearingwear.cli"}
-    selector, listener = selectors.DefaultSelector(), socket.socket(socket.AF_UNIX)
+    selector = selectors.DefaultSelector()
+    listener = socket.socket(socket.AF_UNIX)
     selector.register(os.pidfd_open(snakemake), selectors.EVENT_READ, _end)
     listener.bind(f"{folder}/socket")
     listener.listen(128)
@@ -105,7 +118,7 @@ def serve(folder: str, snakemake: int) -> None:
                 imported.add(name)
                 try:
                     __import__(name)
-                except BaseException:  # it is for the log of the job that needs the module
+                except BaseException:  # the job that needs the module reports the error
                     pass
                 if to_import == {name}:
                     gc.freeze()  # pages that no fork has to copy
@@ -126,7 +139,7 @@ def _end() -> None:
 
 
 def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
-    """Forks a job for a client, and watches both of them."""
+    """Forks a job for a client that connects, and watches both of them."""
     client = listener.accept()[0]
     request, files, _, _ = socket.recv_fds(client, _MOST_BYTES, 2)
     while not request.endswith(b"\n"):
@@ -142,7 +155,7 @@ def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
     job = os.fork()
     if job == 0:
         listener.close()
-        _run(folder, arguments, files, pipe_end)
+        _run_and_exit(folder, arguments, files, pipe_end)
     _RUNNING.add(job)
     for file in (*files, pipe_end):
         os.close(file)
@@ -160,32 +173,37 @@ def _end_abandoned_job(selector: DefaultSelector, client: socket.socket, job: in
 
 
 def _imported_modules(selector: DefaultSelector, report_end: int) -> set[str]:
-    """Returns the modules that a job has imported."""
+    """Returns the names of the modules that a job has imported, from its end of the pipe."""
     selector.unregister(report_end)
     with os.fdopen(report_end, "rb") as file:
         return set(file.read().decode().split())
 
 
 def _send_status(selector: DefaultSelector, client: socket.socket, job: int, job_file: int) -> None:
-    """Sends the status of a finished job to its client."""
+    """Sends the exit status of a finished job to its client, and forgets both."""
     status = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
     _RUNNING.discard(job)
     selector.unregister(job_file)
     os.close(job_file)
     try:
         selector.unregister(client)
-        client.sendall(b"%d" % (status if status >= 0 else 128 - status))
-    except (OSError, KeyError):  # it is gone
+        client.sendall(b"%d" % _shell_status(status))
+    except (OSError, KeyError):  # the client is gone
         pass
     client.close()
 
 
-def _run(folder: str, arguments: list[str], files: list[int], pipe_end: int) -> None:
-    """Runs a command in this process, which ends with it."""
+def _run_and_exit(folder: str, arguments: list[str], files: list[int], pipe_end: int) -> None:
+    """Runs a command in this process, and ends the process with the status of the command.
+
+    files: descriptors of standard output and standard error.
+    pipe_end: descriptor that takes the names of the modules that the command imported.
+    """
     import runpy
     import traceback
 
-    status, modules_before = 1, set(sys.modules)
+    modules_before = set(sys.modules)
+    status = 1  # unless the command says otherwise
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         for descriptor, file in enumerate((os.open(os.devnull, os.O_RDONLY), *files)):
@@ -217,6 +235,6 @@ if __name__ == "__main__":
         serve(sys.argv[1], int(sys.argv[2]))
     else:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # ignored so far, lest it leave a traceback
-        ended = run_job(sys.argv[1], sys.argv[2:])
-        tell_of_silence(ended)
-        sys.exit(ended)
+        job_status = run_job(sys.argv[1], sys.argv[2:])
+        log_silent_failure(job_status)
+        sys.exit(job_status)

@@ -18,15 +18,16 @@ GRACE = 10.0
 
 def run_guarded() -> int:
     """Runs the command of the arguments and returns its exit status."""
-    signal.signal(signal.SIGINT, lambda *_: None)  # which is for the children
+    # an interrupt reaches the children too: they end, and this process waits for them
+    signal.signal(signal.SIGINT, lambda *_: None)
     process = subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL, close_fds=False)
-    threading.Thread(target=_interrupt_later, daemon=True).start()
+    threading.Thread(target=_interrupt_at_closed_input, daemon=True).start()
     status = process.wait()
-    return status if status >= 0 else 128 - status
+    return status if status >= 0 else 128 - status  # as a shell reports the end by a signal
 
 
-def _interrupt_later() -> None:
-    """Interrupts the children when standard input closes, and kill them after `GRACE`."""
+def _interrupt_at_closed_input() -> None:
+    """Waits until standard input closes, interrupts the children, and kills them after `GRACE`."""
     while os.read(0, 1):  # until the command that started this ends
         pass
     os.killpg(0, signal.SIGINT)

@@ -32,7 +32,10 @@ class NoStudy(UsageError):
 
 
 def snakefile() -> Path:
-    """Returns the Snakefile of this package: beside it in a checkout, else the installed one."""
+    """Returns the path of the Snakefile: beside this package in a checkout, else the installed one.
+
+    NoStudy: there is none.
+    """
     places = [PACKAGE.parent, Path(sys.prefix) / "share" / "bearingwear"]
     for folder in places:
         if (folder / "Snakefile").is_file():
@@ -65,9 +68,10 @@ def run_study(
             f"study: got {target} in a folder without {CONFIG}, expected SCENE.yaml, or a folder "
             "that contains a study"
         )
-    script = str(PACKAGE / "run_module.py")
     command = [
-        script,
+        sys.executable,
+        "-P",
+        str(PACKAGE / "run_module.py"),
         "snakemake",
         "--snakefile",
         str(snakefile()),
@@ -75,8 +79,10 @@ def run_study(
         target,
         *extra_arguments,
     ]
-    environment = {**os.environ, **({OWN_STUDY: scene_folder} if scene_folder else {})}
-    return _run_guarded([sys.executable, "-P", *command], folder, files, environment)
+    environment = dict(os.environ)
+    if scene_folder:
+        environment[OWN_STUDY] = scene_folder
+    return _run_guarded(command, folder, files, environment)
 
 
 def run_own_study(
@@ -84,26 +90,38 @@ def run_own_study(
 ) -> tuple[int, Path | None]:
     """Runs the study of one scene in its folder, or continues a run that was killed.
 
+    jobs, extra_arguments: as of `run_study`.
+
     Returns `status`: the exit status of Snakemake.
     Returns `page`: the report page beside the folders of the study, or None without one.
     """
     with _only_run(folder) as lock_file:
         # this lock ends with the processes that hold it, Snakemake's would stay after a kill
         extra_arguments = [*extra_arguments, "--nolock", "--rerun-incomplete"]
-        status = run_study("all", jobs, extra_arguments, folder, [lock_file], str(folder))
-    return status, None if DRY_RUN & set(extra_arguments) else own_page(folder)
+        status = run_study(
+            "all",
+            jobs,
+            extra_arguments,
+            folder=folder,
+            files=[lock_file],
+            scene_folder=str(folder),
+        )
+    if DRY_RUN & set(extra_arguments):
+        return status, None
+    return status, copy_own_page(folder)
 
 
-_INSTEAD = dict.fromkeys(
+_ADVICE = dict.fromkeys(
     ("--json", "--csv"),
     "`bearingwear recommend` prints its sheet so, and `bearingwear show` any result of the study",
 ) | {"--fidelity": "the study solves with model.fidelity", "--set": "edit the scene"}
-"""What other commands accept and a study does not, and what to do."""
+"""What to do instead, by options that other commands accept and a study does not."""
 
 
 def check_arguments(arguments: Sequence[str], is_own_study: bool) -> None:
     """Refuses arguments that Snakemake does not know, and targets in the study of one scene.
 
+    is_own_study: whether the study is of one scene.
     UsageError: the first of them, in one line.
     """
     if not set(arguments) - DRY_RUN:
@@ -116,19 +134,23 @@ def check_arguments(arguments: Sequence[str], is_own_study: bool) -> None:
         raise UsageError(f"bearingwear study: {problem}; see bearingwear study --help")
 
     parser.error = refuse
-    known, unknown = parser.parse_known_args([*arguments])
+    options, unknown = parser.parse_known_args([*arguments])
     if unknown:
         option = unknown[0].partition("=")[0]
-        advice = f"; {_INSTEAD[option]}" if option in _INSTEAD else ""
+        advice = f"; {_ADVICE[option]}" if option in _ADVICE else ""
         refuse(f"got {option!r}, which this command does not accept{advice}")
-    if is_own_study and known.targets:
-        refuse(f"got {[*known.targets][0]!r} after the scene, expected one scene and options")
+    if is_own_study and options.targets:
+        target = next(iter(options.targets))
+        refuse(f"got {target!r} after the scene, expected one scene and options")
 
 
 def _run_guarded(
     command: Sequence[str], folder: Path, files: Sequence[int], environment: Mapping[str, str]
 ) -> int:
-    """Runs a command in a folder and returns its status; it never outlives this process."""
+    """Runs a command in a folder and returns its exit status; it never outlives this process.
+
+    files: descriptors of open files that the command inherits.
+    """
     # the program's own handler would end without waiting for the command
     signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(
@@ -151,7 +173,7 @@ def _run_guarded(
 
 @contextlib.contextmanager
 def _only_run(folder: Path) -> Iterator[int]:
-    """Locks a study's folder against another run, and yields the open file.
+    """Locks a study's folder against another run, and yields the descriptor of the lock file.
 
     NoStudy: another run has the lock.
     """
@@ -170,18 +192,22 @@ def _only_run(folder: Path) -> Iterator[int]:
         yield file.fileno()
 
 
-def own_page(folder: Path) -> Path | None:
+def copy_own_page(folder: Path) -> Path | None:
     """Copies the page of a study beside its folders and returns its path; None without a page."""
-    report, page = folder / PAGE, folder / PAGE.name
+    report = folder / PAGE
+    page = folder / PAGE.name
     if not report.is_file():
         return None
-    root_prefix = "../" * (len(PAGE.parts) - 1)  # what its links to files begin with
+    root_prefix = "../" * (len(PAGE.parts) - 1)  # with which its links to files begin
     write_text(page, report.read_text(encoding="utf-8").replace(f'href="{root_prefix}', 'href="'))
     return page
 
 
-def own_findings(folder: Path, name: str) -> list[str]:
-    """Returns the titles of what the study of a scene found, recommendations first."""
+def own_headlines(folder: Path, name: str) -> list[str]:
+    """Returns the titles of the leading answers of a scene's study; see `headlines`.
+
+    name: of the scene.
+    """
     results = folder / "results"
     answers = (results / "answer.json", results / name / "preload" / "answer.json")
     return headlines(str(path) for path in answers if path.is_file())

@@ -22,7 +22,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.scene.duty import phase_cases
-from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.friction import friction_changes_with_wear
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits, axes_around
 from bearingwear.studies.sampling import SAMPLES
@@ -40,6 +40,9 @@ STATES_OF_WEAR = 8
 LANDS = (0.5, 1.0)
 """Clearances of the cage at its land, relative to the scene's."""
 
+CAGE_FRICTIONS = (0.5, 1.0, 1.5)
+"""Friction coefficients of the cage, relative to the scene's."""
+
 LEAST_SAMPLES = 16
 """Bearings sampled: the fewest that workflow/schemas/config.schema.yaml allows."""
 
@@ -47,35 +50,40 @@ CAGE_RUNS = 20
 """Runs of each cage: the fewest that workflow/schemas/cage.schema.yaml allows."""
 
 
-def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
+def study_files(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
     """Returns the configuration files of a study of a scene, as plain data by their paths.
 
     A scene with films or running-in has no grid of cases. A single bearing with a film of its cage
     or a `cage_uncertainty` has a map of cages, too.
 
+    name: of the scene's file in the study, without suffix.
+    source: file of the scene, for errors.
     SceneError: a friction or a preload of 0, around which no grid is possible.
     """
     limits.check(scene, source)
-    changes_with_depth = scene.friction.film is not None or changes_as_it_wears(scene)
-    frictions = [NO_FRICTION] if scene.friction.film else _frictions(scene, source)
+    changes_with_depth = scene.friction.film is not None or friction_changes_with_wear(scene)
+    frictions = [NO_FRICTION] if scene.friction.film else _grid_frictions(scene, source)
     axes = axes_around(scene, frictions, source)  # refuses a preload of 0, which has no shares
     config: dict[str, Any] = {"studies": [], "unsolved": "warning"}
     if not changes_with_depth:
-        config = _grid(scene, name, frictions)
-    if scene.uncertainty and not changes_with_depth:
-        config["uncertain_lives"] = {"scenes": [name], "samples": _samples(scene)}
+        config = _grid_configuration(scene, name, frictions)
+        if scene.uncertainty:
+            config["uncertain_lives"] = {"scenes": [name], "samples": _sample_size(scene)}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
     design = {"scenes": {name: {"small_map": small_map, "limits": limits.stored}}}
-    plans = {"config/config.yaml": config, "config/design.yaml": design}
-    maps_cages = scene.cage is not None and (scene.cage.film or scene.cage_uncertainty) is not None
-    if maps_cages and scene.pair is None:
-        plans["config/cage.yaml"] = _cages(scene, name)
-    return plans
+    files = {"config/config.yaml": config, "config/design.yaml": design}
+    if scene.pair is None and scene.cage is not None:
+        if scene.cage.film is not None or scene.cage_uncertainty is not None:
+            files["config/cage.yaml"] = _cage_configuration(scene, name)
+    return files
 
 
-def _grid(scene: Scene, name: str, frictions: Sequence[float]) -> dict[str, Any]:
-    """Returns the configuration of cases over friction and wear, as plain data."""
-    losses = _losses(scene)
+def _grid_configuration(scene: Scene, name: str, frictions: Sequence[float]) -> dict[str, Any]:
+    """Returns the data of config.yaml for cases over friction and wear.
+
+    frictions: coefficients of the grid.
+    """
+    losses = _grid_losses(scene)
     return {
         "studies": [
             {
@@ -95,88 +103,103 @@ def _grid(scene: Scene, name: str, frictions: Sequence[float]) -> dict[str, Any]
     }
 
 
-def _samples(scene: Scene) -> int:
-    """Returns the number of bearings sampled: fewer over a duty, each of whose lives takes longer.
+def _sample_size(scene: Scene) -> int:
+    """Returns the number of bearings sampled, a power of two: fewer over a duty of several cases.
 
-    A life costs about as much as that of each case alone. The quantiles have wider intervals, which
-    the study states.
+    A life over a duty costs about as much as a life in each of its cases. The quantiles then have
+    wider intervals, which the study states.
     """
     cases = len(phase_cases(scene)) if scene.duty else 1
-    return max(SAMPLES >> (cases - 1).bit_length(), LEAST_SAMPLES)
+    halvings = math.ceil(math.log2(cases))
+    return max(SAMPLES // 2**halvings, LEAST_SAMPLES)
 
 
-def _cages(scene: Scene, name: str) -> dict[str, Any]:
-    """Returns the configuration of a map of cages around that of the scene."""
+def _cage_configuration(scene: Scene, name: str) -> dict[str, Any]:
+    """Returns the data of cage.yaml for a map of cages around that of the scene.
+
+    A cage on the balls has no land, so its clearance there does not vary.
+    """
     cage = scene.cage
     assert cage is not None
-    clearances = sorted({cage.guide_clearance_mm * factor for factor in LANDS})
-    frictions = {float(f"{min(factor * scene.friction.cage, 1.0):.3g}") for factor in FRICTIONS[:3]}
+    has_land = cage.guiding_race != "ball"
+    factors = LANDS if has_land else LANDS[-1:]
+    clearances = {cage.guide_clearance_mm * factor for factor in factors}
+    frictions = {
+        float(f"{min(factor * scene.friction.cage, 1.0):.3g}") for factor in CAGE_FRICTIONS
+    }
     return {
         "scene": name,
         "gravity_m_s2": [math.hypot(*scene.operation.gravity_m_s2[1:])],
         "guiding_race": [cage.guiding_race],
         "imbalance_um": [cage.imbalance_um],
         "pocket_clearance_mm": [cage.pocket_clearance_mm],
-        "guide_clearance_mm": clearances if cage.guiding_race != "ball" else clearances[-1:],
+        "guide_clearance_mm": sorted(clearances),
         "cage_friction": sorted(frictions),
         "ensemble": {"runs": CAGE_RUNS},
         "in_main_study": True,
     }
 
 
-def _frictions(scene: Scene, source: str) -> list[float]:
-    """Returns the friction coefficients of the grid.
+def _grid_frictions(scene: Scene, source: str) -> list[float]:
+    """Returns the friction coefficients of the grid, rising. Raises SceneError at no friction.
 
     Over a duty, it is that of the scene alone: phases may have friction of their own, and each life
     costs as much as one in each phase.
     """
-    coefficient, key = scene.friction.coefficient, "friction.ball_race"
+    coefficient = scene.friction.coefficient
+    key = "friction.ball_race"
     if coefficient <= 0.0:
         raise SceneError(
             key, f"got {coefficient:g}, expected a number > 0 for a study", source=source
         )
     if scene.duty is not None:
         return [coefficient]
-    part = key_of_scene(key)
-    assert part is not None
+    field = key_of_scene(key)
+    assert field is not None
+    _, largest = field.key.ends
     coefficients = {round(factor * coefficient, 3) for factor in FRICTIONS}
-    largest = part.key.ends[1]
     return sorted({coefficient, *(mu for mu in coefficients if 0.0 < mu <= largest)})
 
 
-def _losses(scene: Scene) -> list[float]:
-    """Returns losses of ball diameter [um], from new to the end of the scene's own life.
+def _grid_losses(scene: Scene) -> list[float]:
+    """Returns losses of ball diameter [um], rising from new to the end of the scene's own life.
 
     If a preload method has no solution there, they go to the sooner end of the two lives.
     """
-    from bearingwear.scene.arrangement import held_by
+    from bearingwear.scene.arrangement import with_method
     from bearingwear.solvers.compose import solver_of
     from bearingwear.studies.design.map import life_point
 
-    operation = scene.operation
-    loss_at_end, solvers = {}, []
+    end_losses = {}  # um; 0 where a life was not solved
+    solvers = []
     for method in PRELOAD_METHODS:
-        method_scene = held_by(scene, method)
-        loss_at_end[method] = 1e6 * life_point(method_scene, None).get("loss_at_end", 0.0)
+        method_scene = with_method(scene, method)
+        end_losses[method] = 1e6 * life_point(method_scene, None).get("loss_at_end", 0.0)
         solvers.append(solver_of(method_scene))
-    end_of_life = loss_at_end[operation.preload_method] or max(loss_at_end.values())
-    last_loss = math.ceil(100.0 * end_of_life) / 100.0
-    if any(_status_at(solver, 1e-6 * last_loss) != OK for solver in solvers):
-        sooner_end = min((end for end in loss_at_end.values() if end), default=0.0)
+    end_loss = end_losses[scene.operation.preload_method] or max(end_losses.values())
+    last_loss = math.ceil(100.0 * end_loss) / 100.0  # names of files have two decimals
+    if any(_status_at_loss(solver, 1e-6 * last_loss) != OK for solver in solvers):
+        sooner_end = min((loss for loss in end_losses.values() if loss), default=0.0)
         last_loss = math.floor(100.0 * sooner_end) / 100.0
     return sorted({round(last_loss * k / STATES_OF_WEAR, 2) for k in range(STATES_OF_WEAR + 1)})
 
 
-def _status_at(solver: Remembered, loss: float) -> int:
-    """Returns the first status of the bearings that is not ok, at a loss of ball diameter [m]."""
-    worn_bearings = (bearing._replace(loss=loss) for bearing in solver.bearings.start)
-    return next((state.status for state in solver((*worn_bearings,)) if state.status != OK), OK)
+def _status_at_loss(solver: Remembered, loss: float) -> int:
+    """Returns OK, or the first other status of the bearings, at a loss of ball diameter [m].
+
+    solver: of a bearing or a pair.
+    """
+    worn_bearings = tuple(bearing._replace(loss=loss) for bearing in solver.bearings.start)
+    statuses = [state.status for state in solver(worn_bearings)]
+    return next((status for status in statuses if status != OK), OK)
 
 
 def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
     """Writes the configuration of a study of a scene, and the scene, into a folder.
 
+    file: of the scene.
     folder: new, empty, or of an earlier call for this scene.
+    UsageError: another folder, an edited file in it, or a scene's name that is not allowed.
     """
     from bearingwear.scene.checking.strict_yaml import text_of
     from bearingwear.scene.read import scene_files
@@ -186,10 +209,10 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
         raise UsageError(f"{file}: got the name {name}, expected {NAME_RULE}")
     heading = f"# Written by `bearingwear study {file.name}`"
     _check_folder(folder, heading)
-    plans = plan_of(life_scene(file, films=True), name, limits, os.fspath(file))
+    configurations = study_files(life_scene(file, films=True), name, limits, os.fspath(file))
     bodies = {
-        path: yaml.safe_dump(plan, sort_keys=False, default_flow_style=None)
-        for path, plan in plans.items()
+        path: yaml.safe_dump(data, sort_keys=False, default_flow_style=None)
+        for path, data in configurations.items()
     }
     for path in map(Path, scene_files(file)):
         bodies[f"config/scenes/{path.name}"] = text_of(path)
@@ -213,23 +236,29 @@ def _hash(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
-def _check_folder(folder: Path, head: str) -> None:
-    """Refuses a folder with other files than those of a study of this scene."""
+def _check_folder(folder: Path, heading: str) -> None:
+    """Raises a UsageError for a folder with other files than those of a study of this scene.
+
+    heading: begins the first line of the files of that study.
+    """
     try:
-        if folder.exists() and any(path.name != ".snakemake" for path in folder.iterdir()):
-            config = folder / "config" / "config.yaml"
-            if not (_text(config) or "").startswith(head):
-                command = head.removeprefix("# Written by ")
-                raise UsageError(
-                    f"{folder}: got a folder with other files, expected a new folder, or one "
-                    f"written by {command}"
-                )
+        has_files = folder.exists() and any(path.name != ".snakemake" for path in folder.iterdir())
+        config_text = _text(folder / "config" / "config.yaml") or ""
     except OSError as error:
         raise UsageError(f"{folder}: cannot be used ({reason(error)})") from None
+    if has_files and not config_text.startswith(heading):
+        command = heading.removeprefix("# Written by ")
+        raise UsageError(
+            f"{folder}: got a folder with other files, expected a new folder, or one "
+            f"written by {command}"
+        )
 
 
 def _check_unedited(path: Path, heading: str, folder: Path) -> None:
-    """Refuses to replace an edited file."""
+    """Raises a UsageError for a file that this program did not write, or that was edited since.
+
+    heading: begins the first line of a file that was written, which also holds a hash of the rest.
+    """
     text = _text(path)
     if text is not None:
         first_line, _, body = text.partition("\n")

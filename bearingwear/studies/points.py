@@ -49,10 +49,12 @@ class SweepPoints:
 
     @classmethod
     def of(cls, scenes: Sequence[Scene], points: Axes | Rows) -> SweepPoints:
-        """Checks keys, names of scenes and values on axes, and returns the points.
+        """Returns the points of scenes at values of their keys, along axes or in rows.
 
-        Values in rows and combinations of values on axes are not checked: some of them may make no
-        valid bearing. Raises SceneError.
+        Keys, names of scenes and values on axes are checked. Values in rows and combinations of
+        values on axes are not: some of them may make no valid bearing.
+
+        SceneError: a name, a key or a value that is not allowed.
         """
         names = tuple(scene.name for scene in scenes)
         if repeated := _repeated(names):
@@ -92,11 +94,17 @@ class SweepPoints:
         return math.prod(self.lengths([]).values())
 
     def key_names(self, used_names: Iterable[str]) -> dict[str, str]:
-        """Returns the name of each key in a dataset that already has some names."""
+        """Returns the name of the dimension or coordinate of each key in a dataset.
+
+        used_names: names that the dataset already has.
+        """
         return names_of_keys(self.columns, {*used_names, SCENE, ROW})
 
     def lengths(self, used_names: Iterable[str]) -> dict[str, int]:
-        """Returns names and lengths of the dimensions of a dataset that already has some names."""
+        """Returns the lengths of the dimensions of the sweep, by name, in their order.
+
+        used_names: names that the dataset already has.
+        """
         scene_length = {SCENE: len(self.names)} if len(self.names) > 1 else {}
         if self.in_rows:
             return scene_length | {ROW: len(next(iter(self.columns.values())))}
@@ -104,7 +112,10 @@ class SweepPoints:
         return scene_length | {keys[key]: len(values) for key, values in self.columns.items()}
 
     def coordinates(self, used_names: Iterable[str]) -> dict[str, xr.Variable]:
-        """Returns the coordinates of the dimensions; rows have a coordinate for each key."""
+        """Returns the coordinates of the sweep by name; rows have a coordinate for each key.
+
+        used_names: names that the dataset already has.
+        """
         import numpy as np
         import xarray as xr
 
@@ -120,7 +131,11 @@ class SweepPoints:
 
 
 def names_of_keys(keys: Iterable[str], used_names: Iterable[str]) -> dict[str, str]:
-    """Returns the name of each key in a dataset: that of a study, else its last part, if unused."""
+    """Returns the name of each dotted key in a dataset.
+
+    It is the name in studies (`friction` for `friction.ball_race`), else the last part of the key,
+    else, where that name is used, all parts with `_` between them.
+    """
     study_names = {key: name for name, key in GRID_KEYS.items() if name not in used_names}
     short_names = {key: study_names.get(key, key.rpartition(".")[2]) for key in keys}
     counts = Counter(short_names.values())
@@ -131,7 +146,10 @@ def names_of_keys(keys: Iterable[str], used_names: Iterable[str]) -> dict[str, s
 
 
 def _plain_values(key: str, values: Any) -> list[Any]:
-    """Returns the values of a key as plain data; refuses an empty list and other data."""
+    """Returns a list or an array of values of a key as plain data.
+
+    SceneError: no list, or an empty one.
+    """
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
         raise SceneError("", f"got {shown(values)}, expected a list of values", source=key)
     plain = values.tolist() if hasattr(values, "tolist") else list(values)
@@ -141,7 +159,7 @@ def _plain_values(key: str, values: Any) -> list[Any]:
 
 
 def _columns_of_rows(rows: Any) -> dict[str, list[Any]]:
-    """Returns the values of each key in all rows; refuses rows of different keys."""
+    """Returns the values of each key in all rows. Raises SceneError if their keys differ."""
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
         problem = f"got {shown(rows)}, expected axes KEY: VALUES, or a list of rows KEY: VALUE"
         raise SceneError("", problem, source="axes")
@@ -154,25 +172,28 @@ def _columns_of_rows(rows: Any) -> dict[str, list[Any]]:
     return {key: _plain_values(key, [row[key] for row in rows]) for key in rows[0]}
 
 
-def _part_of(key: str) -> Part | None:
-    """Returns the field of a key of a scene or of its second bearing; None for no key."""
+def _field_of_key(key: str) -> Part | None:
+    """Returns the field of a dotted key of a scene or of its second bearing; None for no key."""
     return key_of_scene(key.removeprefix("arrangement.second."))
 
 
 def _check_key(scenes: Sequence[Scene], key: str, value: Any) -> None:
-    """Refuses an unknown key; the error names similar ones."""
-    if _part_of(key) is None:
-        scenes[0].with_({key: value})  # raises an error with similar keys
+    """Raises a SceneError for a key that no scene has.
+
+    value: of the key, with which the scene's own check raises an error that names similar keys.
+    """
+    if _field_of_key(key) is None:
+        scenes[0].with_({key: value})
         raise SceneError("", "got no key of a scene, expected one", source=key)
 
 
 def _check_axis(key: str, values: Sequence[Any]) -> None:
-    """Refuses values on an axis that the key does not take, or that are repeated."""
-    part = _part_of(key)
-    assert part is not None
+    """Raises SceneError for a value on an axis that is repeated, or that its key does not take."""
+    field = _field_of_key(key)
+    assert field is not None
     for value in values:
-        if not fits(value, part):
-            problem = misfit_words(value, part, key.rpartition(".")[2])
+        if not fits(value, field):
+            problem = misfit_words(value, field, key.rpartition(".")[2])
             raise SceneError("", problem, source=key)
     if repeated := _repeated([value for value in values if not isinstance(value, dict | list)]):
         problem = f"got {shown(repeated[0])} twice, expected each value once"
@@ -180,11 +201,15 @@ def _check_axis(key: str, values: Sequence[Any]) -> None:
 
 
 def _check_kinds(scenes: Sequence[Scene], kinds: Sequence[Any] | None) -> None:
-    """Refuses pairs together with single bearings, whose results have other dimensions."""
-    scene_kinds = [scene.arrangement.kind if scene.arrangement else "single" for scene in scenes]
-    kinds = [*dict.fromkeys(scene_kinds if kinds is None else kinds)]
+    """Raises a SceneError for pairs beside single bearings, whose results have other dimensions.
+
+    kinds: values of the key `arrangement.kind`; None if the scenes' own kinds stay.
+    """
+    if kinds is None:
+        kinds = [scene.arrangement.kind if scene.arrangement else "single" for scene in scenes]
     if len({kind in METHODS for kind in kinds}) > 1:
-        problem = f"got {' and '.join(kinds)}, expected either pairs or single bearings"
+        names = " and ".join(dict.fromkeys(kinds))
+        problem = f"got {names}, expected either pairs or single bearings"
         raise SceneError(KIND_KEY, problem, source=scenes[0].name)
 
 
@@ -194,16 +219,19 @@ def _repeated(values: Iterable[Any]) -> list[Any]:
 
 
 def _coordinate(key: str, dim: str, values: Sequence[Any]) -> xr.Variable:
-    """Returns the coordinate of a key; values that are neither numbers nor texts become JSON."""
+    """Returns the values of a key as a coordinate along a dimension.
+
+    Where not all values are numbers, the coordinate holds texts, with JSON for what is no text.
+    """
     import numpy as np
     import xarray as xr
 
-    part = _part_of(key)
-    assert part is not None
-    attrs = {"long_name": part.key.meaning}
+    field = _field_of_key(key)
+    assert field is not None
+    attrs = {"long_name": field.key.meaning}
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
-        return xr.Variable(dim, np.array(values), attrs | {"units": part.unit})
-    if part.kind == "choice":
-        attrs["flag_meanings"] = " ".join(part.key.choices)
+        return xr.Variable(dim, np.array(values), attrs | {"units": field.unit})
+    if field.kind == "choice":
+        attrs["flag_meanings"] = " ".join(field.key.choices)
     texts = [value if isinstance(value, str) else json.dumps(value) for value in values]
     return xr.Variable(dim, np.array(texts), attrs)

@@ -50,7 +50,10 @@ def run_step(name: str, words: Sequence[str], outputs: Sequence[Path]) -> None:
 
 
 def _function(name: str) -> Any:
-    """Imports a function of this program by its dotted name."""
+    """Returns a function of this program by its dotted name.
+
+    StepError: a name outside of the program, or of no function.
+    """
     module, _, function = name.rpartition(".")
     if not module.startswith(_OURS):
         raise StepError(f"step: got {name}, expected bearingwear.MODULE.FUNCTION")
@@ -63,7 +66,12 @@ def _function(name: str) -> Any:
 
 
 def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, Any]:
-    """Reads the arguments of a function from `NAME=VALUE` and further values."""
+    """Returns the arguments of a function by name, from words `NAME=VALUE` and further values.
+
+    A parameter that is a sequence takes all values as a list, others exactly one.
+
+    ValueError: a value before the first name, or several for a parameter that takes one.
+    """
     texts: dict[str, list[str]] = {}
     name = ""
     for word in words:
@@ -77,11 +85,11 @@ def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, A
     for name, values in texts.items():
         kind = str(getattr(signature.parameters.get(name), "annotation", ""))
         parsed: list[Any] = [
-            Path(text) if "Path" in kind else _value(text, kind) for text in values
+            Path(text) if "Path" in kind else _typed_value(text, kind) for text in values
         ]
         if kind.partition("[")[0].endswith(("Sequence", "Iterable")):
-            is_one_list = len(parsed) == 1 and isinstance(parsed[0], list)
-            values_by_name[name] = parsed[0] if is_one_list else parsed
+            is_written_as_list = len(parsed) == 1 and isinstance(parsed[0], list)
+            values_by_name[name] = parsed[0] if is_written_as_list else parsed
         elif len(parsed) > 1:
             raise ValueError(f"got {len(parsed)} values of {name}, expected one")
         elif parsed:
@@ -89,9 +97,12 @@ def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, A
     return values_by_name
 
 
-def _value(text: str, kind: str) -> Any:
-    """Reads a text, or a number, list or block as a rule's params are written in its command."""
-    if kind.startswith("str"):
+def _typed_value(text: str, annotation: str) -> Any:
+    """Returns the value that a word of a command stands for: a text, or data written in Python.
+
+    annotation: of the parameter; that of a text keeps the word as it is.
+    """
+    if annotation.startswith("str"):
         return text
     try:
         return ast.literal_eval(text)
@@ -100,7 +111,10 @@ def _value(text: str, kind: str) -> Any:
 
 
 def write_outputs(results: Iterator[Any] | Sequence[Any], outputs: Sequence[Path]) -> None:
-    """Writes each result to its file; a figure to the files of one name in several formats."""
+    """Writes each result to its file, and a figure to all files that differ only in their format.
+
+    StepError: more results than files, or more files than results.
+    """
     paths_left = list(outputs)
     for result in results:
         if not paths_left:
@@ -118,19 +132,19 @@ def write_outputs(results: Iterator[Any] | Sequence[Any], outputs: Sequence[Path
 
 
 def _save(figure: Any, paths: Sequence[Path]) -> None:
-    """Saves a figure in the formats of some paths."""
+    """Saves a figure under each path, in the format of its suffix."""
     from bearingwear.plotting.drawing import save
 
     save(figure, paths)
 
 
 def _is_a(result: Any, name: str) -> bool:
-    """Whether a result has a class or base class of a name, which need not be imported."""
+    """Whether an object is an instance of a class by its name, which need not be imported."""
     return any(kind.__name__ == name for kind in type(result).__mro__)
 
 
 def write_output(result: Any, path: Path) -> None:
-    """Writes a text, a Result or a Dataset."""
+    """Writes a text, or a Result or a Dataset as netCDF, whole or not at all."""
     if isinstance(result, str):
         from bearingwear.atomic import write_text
 

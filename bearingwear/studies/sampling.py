@@ -1,4 +1,4 @@
-"""How studies sample uncertain values, and a scene with such values in place."""
+"""Sampling of uncertain values in studies, and scenes with sampled values in place."""
 
 from __future__ import annotations
 
@@ -45,7 +45,10 @@ class Sampling:
 
 
 def sampling_of(samples: int, seed: int) -> Sampling:
-    """Checks sample size and seed given as options. Raises SceneError."""
+    """Returns the checked sample size and seed of the options `--samples` and `--seed`.
+
+    SceneError: one line that names the option.
+    """
     try:
         return record(Sampling, {"samples": samples, "seed": seed})
     except SceneError as error:
@@ -53,6 +56,7 @@ def sampling_of(samples: int, seed: int) -> Sampling:
 
 
 DIAMETER = "ball_diameter_mm"
+"""Key of `UNCERTAIN` that changes more than itself; see `with_balls`."""
 
 
 def scene_with_values(scene: Scene, values: Mapping[str, float]) -> Scene | None:
@@ -67,23 +71,15 @@ def scene_with_values(scene: Scene, values: Mapping[str, float]) -> Scene | None
 
     Returns None where the balls become too large for the play between the grooves.
     """
-    blocks: dict[str, dict[str, Any]] = {}
-    for name, value in values.items():
-        if name not in WORN and name != DIAMETER:
-            block, _, inner_block = UNCERTAIN[name].partition(".")
-            if inner_block:
-                new_block = replace(getattr(getattr(scene, block), inner_block), **{name: value})
-                blocks.setdefault(block, {})[inner_block] = new_block
-            else:
-                blocks.setdefault(block, {})[name] = value
-    changed = {block: replace(getattr(scene, block), **new) for block, new in blocks.items()}
+    changed = _changed_blocks(scene, values)
     ratios = {name: values[name] / scene.nominal(name) for name in WORN if name in values}
     if ratios:
-        K_s = ratios.get("wear_coefficient", 1.0) * ratios.get("wear_scatter", 1.0)
-        worn_scene = with_wear(
-            replace(scene, **changed),
-            {"wear_coefficient": K_s, "brinell_hardness_GPa": ratios.get(WORN[0], 1.0)},
-        )
+        factors = {
+            "wear_coefficient": ratios.get("wear_coefficient", 1.0)
+            * ratios.get("wear_scatter", 1.0),
+            "brinell_hardness_GPa": ratios.get("brinell_hardness_GPa", 1.0),
+        }
+        worn_scene = with_wear(replace(scene, **changed), factors)
         changed |= {"materials": worn_scene.materials, "friction": worn_scene.friction}
     if DIAMETER in values:
         bearing = with_balls(changed.get("bearing", scene.bearing), values[DIAMETER])
@@ -91,20 +87,36 @@ def scene_with_values(scene: Scene, values: Mapping[str, float]) -> Scene | None
             return None
         changed["bearing"] = bearing
     if scene.cases:
-        changed["cases"] = _cases_with(scene, values)
+        changed["cases"] = _scaled_cases(scene, values)
     return replace(scene, **changed)
 
 
-def _cases_with(scene: Scene, values: Mapping[str, float]) -> dict[str, dict[str, Any]]:
-    """Returns the cases of a scene with other values; those that a case gives change in proportion.
+def _changed_blocks(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
+    """Returns the blocks of a scene in which values other than of wear and balls are replaced."""
+    new_values: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        if name in WORN or name == DIAMETER:
+            continue
+        block, _, inner_block = UNCERTAIN[name].partition(".")
+        if inner_block:
+            inner = replace(getattr(getattr(scene, block), inner_block), **{name: value})
+            new_values.setdefault(block, {})[inner_block] = inner
+        else:
+            new_values.setdefault(block, {})[name] = value
+    return {block: replace(getattr(scene, block), **new) for block, new in new_values.items()}
 
-    Wear coefficients and hardness stay; `with_wear` and `wear_factor` apply them.
+
+def _scaled_cases(scene: Scene, values: Mapping[str, float]) -> dict[str, dict[str, Any]]:
+    """Returns the cases of a scene, with the values that they set scaled like those of the scene.
+
+    values: new values of the scene by key of `UNCERTAIN`. Wear coefficients and hardness stay;
+        `with_wear` and `wear_factor` apply them.
     """
     assert scene.cases is not None
     ratios = {
-        f"{UNCERTAIN[name]}.{name}": value / nominal
+        f"{UNCERTAIN[name]}.{name}": value / scene.nominal(name)
         for name, value in values.items()
-        if name not in WORN and name != DIAMETER and (nominal := scene.nominal(name))
+        if name not in WORN and name != DIAMETER and scene.nominal(name)
     }
     return {
         case: {
@@ -116,7 +128,13 @@ def _cases_with(scene: Scene, values: Mapping[str, float]) -> dict[str, dict[str
 
 
 def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.ndarray:
-    """Returns the factor (n,) on lives by values (n, names) of K_s and H instead of the scene's."""
+    """Returns the factors (n,) by which other wear coefficients and hardness change a life.
+
+    Life is proportional to hardness over wear coefficient (Archard).
+
+    names: keys of `WORN`.
+    values: (n, names) that replace those of the scene.
+    """
     factor = np.ones(len(values))
     for k, name in enumerate(names):
         ratio = values[:, k] / scene.nominal(name)
@@ -125,23 +143,35 @@ def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.nd
 
 
 def with_wear(scene: Scene, factors: Mapping[str, float]) -> Scene:
-    """Multiplies wear coefficients or hardness of balls, races and films by factors."""
+    """Returns the scene with scaled wear coefficients or hardness of balls, races and films.
 
-    def scaled(part: Any) -> Any:
-        """Returns a material or a film with scaled values, also in its film and running-in."""
-        values = {name: getattr(part, name, None) for name in (*factors, "film", "running_in")}
-        scaled_values = {
-            name: scaled(old_value) if name not in factors else old_value * factors[name]
-            for name, old_value in values.items()
-            if old_value is not None
-        }
-        return replace(part, **scaled_values)
-
-    pair = {scene.bearing.ball_material, scene.bearing.race_material}
-    materials = {n: scaled(m) if n in pair else m for n, m in scene.materials.items()}
-    film = scene.friction.film
-    friction = scene.friction if film is None else replace(scene.friction, film=scaled(film))
+    factors: by the names of the fields, `wear_coefficient` and `brinell_hardness_GPa`.
+    """
+    materials = dict(scene.materials)
+    for name in {scene.bearing.ball_material, scene.bearing.race_material}:
+        materials[name] = _with_scaled_fields(materials[name], factors)
+    friction = scene.friction
+    if friction.film is not None:
+        friction = replace(friction, film=_with_scaled_fields(friction.film, factors))
     return replace(scene, materials=materials, friction=friction)
+
+
+def _with_scaled_fields(part: Any, factors: Mapping[str, float]) -> Any:
+    """Returns a material or a film with scaled values, also in its film and running-in.
+
+    part: material, film or running-in.
+    factors: by the names of fields, of which the part may lack some.
+    """
+    changed = {
+        name: getattr(part, name) * factor
+        for name, factor in factors.items()
+        if getattr(part, name, None) is not None
+    }
+    for name in ("film", "running_in"):
+        inner_part = getattr(part, name, None)
+        if inner_part is not None:
+            changed[name] = _with_scaled_fields(inner_part, factors)
+    return replace(part, **changed)
 
 
 def with_balls(bearing: Bearing, ball_diameter_mm: float) -> Bearing | None:

@@ -8,27 +8,31 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from bearingwear.scene.cases import in_case
+from bearingwear.scene.cases import scene_in_case
 from bearingwear.scene.changes import changes_of
-from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.friction import friction_changes_with_wear
 from bearingwear.scene.read import (
     Source,
     as_data,
     changed_scene,
-    for_life,
+    scene_for_life,
     source_name,
     variant,
 )
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.solvers.result import Result
 
-NONE: Mapping[str, Any] = MappingProxyType({})
+NO_CHANGES: Mapping[str, Any] = MappingProxyType({})
 
 
 def solved_case(
-    scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
+    scene: str | Path, changes: Mapping[str, Any] = NO_CHANGES, fidelity: str | None = None
 ) -> Result:
-    """Solves a case. A failure is in its status and on standard error."""
+    """Returns the solved case of a scene. A failure is in its status and on standard error.
+
+    changes: new values by dotted key.
+    fidelity: overrides `model.fidelity`.
+    """
     from bearingwear.solvers.solve import solve
 
     solved = solve(variant(scene, changes), fidelity, progress=_report)
@@ -41,30 +45,39 @@ def solved_variants(
     fidelity: str | None = None,
     case: str | None = None,
 ) -> Iterator[Result]:
-    """Solves a case for each set of changes of a scene, whose file is read once.
+    """Yields the solved case for each set of changes of a scene, whose file is read once.
 
-    case: name of a case of the scene. A failure is in the status and on standard error.
+    A failure is in the status and on standard error.
+
+    variants: sets of new values by dotted key.
+    fidelity: overrides `model.fidelity`.
+    case: name of an operating condition under `cases` of the scene.
     """
     from bearingwear.solvers.solve import solve
 
     data, source = as_data(scene)
     for changes in variants:
         changed = changed_scene(data, changes, source)
-        variant_scene = changed if case is None else in_case(changed, case, "--case")
+        variant_scene = changed if case is None else scene_in_case(changed, case, "--case")
         yield reported(solve(variant_scene, fidelity), scene)
 
 
 def solved_life(
-    scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
+    scene: str | Path, changes: Mapping[str, Any] = NO_CHANGES, fidelity: str | None = None
 ) -> Result:
-    """Computes the wear life of a scene. A failure is in its status and on standard error."""
+    """Returns the wear life of a scene. A failure is in its status and on standard error.
+
+    changes, fidelity: as of `solved_case`.
+    """
     from bearingwear.lives.life import life
 
-    return reported(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
+    return reported(
+        life(scene_for_life(variant(scene, changes), str(scene)), fidelity, _report), scene
+    )
 
 
 def reported(result: Result, scene: str | Path) -> Result:
-    """Returns the result; a failure is reported on standard error."""
+    """Returns the result unchanged, after a failure has been reported on standard error."""
     if result.status != "ok":
         _report(f"{scene}: {result.status}: {result.reason}")
     return result
@@ -77,12 +90,17 @@ def _report(text: str) -> None:
 
 
 def life_scene(scene: Source, settings: Sequence[str] = (), films: bool = False) -> Scene:
-    """Returns a scene with an end of life and a steady state; `films` allows solid films."""
+    """Returns a scene whose life the steady model can solve, as studies require.
+
+    settings: changes `KEY=VALUE`.
+    films: whether solid films and running-in are allowed.
+    SceneError: a film that is not allowed, or a life that requires another model.
+    """
     from bearingwear.solvers.effects.choice import choice_for_life
 
     source = source_name(scene)
-    scene = for_life(variant(scene, changes_of(settings)), source)
-    if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):
+    scene = scene_for_life(variant(scene, changes_of(settings)), source)
+    if not films and (scene.friction.film is not None or friction_changes_with_wear(scene)):
         raise SceneError(
             "friction.film",
             "got a film, or a material with film or running_in, expected a single "

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.checking.errors import NotAvailable, SceneError
-from bearingwear.scene.read import Source, as_scene, for_life
+from bearingwear.scene.read import Source, as_scene, scene_for_life
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.answers import FAILURES, PROBLEM, Answer, Tell, Workers, points_at_once
 from bearingwear.studies.points import Axes, Rows, ScenePoint, SweepPoints
@@ -26,6 +26,8 @@ from bearingwear.studies.sweep_dataset import (
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from bearingwear.solvers.result import Result
 
 Question = str | Callable[[Scene], Mapping[str, Any]]
 """What a sweep computes of a scene: "solve", "life", or a function of it."""
@@ -120,15 +122,15 @@ class SceneQuestion:
     """Computation at each point of a sweep: called with a point, it returns the answer."""
 
     scenes: tuple[Scene, ...]
-    keys: tuple[str, ...]
+    keys: tuple[str, ...]  # dotted keys of the values of a point
     what: Question
-    fidelity: str | None
+    fidelity: str | None  # overrides `model.fidelity`
     kept: KeptVariables
 
     def scene(self, point: ScenePoint) -> Scene:
-        """Returns the scene of a point. Raises SceneError."""
+        """Returns the scene with the values of a point. Raises SceneError if they are invalid."""
         scene = self.scenes[point.scene].with_(dict(zip(self.keys, point.values, strict=True)))
-        return for_life(scene) if self.what == "life" else scene
+        return scene_for_life(scene) if self.what == "life" else scene
 
     def __call__(self, point: ScenePoint) -> Answer:
         scene = self.scene(point)
@@ -137,8 +139,12 @@ class SceneQuestion:
         return self.kept.of_result(scene, _result(scene, self.what, self.fidelity))
 
 
-def _result(scene: Scene, what: str, fidelity: str | None) -> Any:
-    """Solves a scene or its life."""
+def _result(scene: Scene, what: str, fidelity: str | None) -> Result:
+    """Returns the solved case of a scene, or its life.
+
+    what {"solve", "life"}
+    fidelity: overrides `model.fidelity`.
+    """
     from bearingwear.lives.life import life
     from bearingwear.solvers.solve import solve
 
@@ -161,7 +167,10 @@ class Sweep:
         fidelity: str | None = None,
         keep: str | Sequence[str] | None = None,
     ) -> Sweep:
-        """Checks the arguments of `sweep`. Raises SceneError."""
+        """Returns the sweep of checked arguments; they are those of the function `sweep`.
+
+        ValueError: `what` is not allowed; a SceneError for scenes, points or names to keep.
+        """
         if not callable(what) and what not in ("solve", "life"):
             raise ValueError(f"what: got {what!r}, expected solve, life or a function")
         sources: Sequence[Any] = scene if isinstance(scene, list | tuple) else [scene]
@@ -185,24 +194,16 @@ class Sweep:
         progress: bool | Tell = True,
         part: tuple[int, int] | None = None,
     ) -> xr.Dataset:
-        """Computes the answers at all points, or at those of a part along `point`."""
+        """Returns the results at all points over the axes, or at those of a part along `point`.
+
+        The arguments are those of the function `sweep`.
+        """
         all_points = list(self.points)
         count = len(all_points)
         numbers = range(count) if part is None else _numbers_of_part(part, count)
-        what = self.question.what
-        cores = min(len(numbers), usable_cores() if workers is None else workers)
-        order = _even_order(len(numbers), points_at_once(len(numbers), cores))
-        points = [all_points[numbers[k]] for k in order]
-        with Workers(cores, "sweep", progress) as pool:
-            if cores > 1:
-                if not callable(what):
-                    self.compile(points)
-                    pool.start()
-                else:
-                    check_can_be_sent(what)
-            answer_by_number = dict(zip(order, pool.answers_at(self.question, points), strict=True))
-        answers = [answer_by_number[k] for k in range(len(numbers))]
-        self._check_some_valid(all_points[numbers[0]], answers)
+        points = [all_points[number] for number in numbers]
+        answers = self._answers(points, workers, progress)
+        self._check_some_valid(points[0], answers)
         results = points_dataset(self.question.kept, answers)
         results.attrs |= sweep_attributes(
             self.question.scenes, self.points, self.question.kept.what
@@ -211,21 +212,43 @@ class Sweep:
             return part_of_sweep(results, self.points, numbers, part)
         return whole_sweep(results, self.points)
 
+    def _answers(
+        self, points: Sequence[ScenePoint], workers: int | None, progress: bool | Tell
+    ) -> list[Answer]:
+        """Returns the answers at points, in their order; they are computed in an even order.
+
+        workers, progress: as of the function `sweep`.
+        """
+        what = self.question.what
+        cores = min(len(points), usable_cores() if workers is None else workers)
+        order = _even_order(len(points), points_at_once(len(points), cores))
+        ordered_points = [points[k] for k in order]
+        with Workers(cores, "sweep", progress) as pool:
+            if cores > 1 and callable(what):
+                check_can_be_sent(what)
+            elif cores > 1:
+                self.compile(ordered_points)
+                pool.start()
+            answers = pool.answers_at(self.question, ordered_points)
+            answer_by_number = dict(zip(order, answers, strict=True))
+        return [answer_by_number[k] for k in range(len(points))]
+
     def in_even_order(self) -> list[ScenePoint]:
         """Returns all points in an order whose first few lie far apart."""
         points = list(self.points)
         return [points[k] for k in _even_order(len(points))]
 
     def compile(self, points: Sequence[ScenePoint]) -> None:
-        """Compiles and load the kernels that points need; processes that are forked have them."""
+        """Compiles and loads the kernels that points need; processes forked later have them."""
         what = self.question.what
         if callable(what):
             return
-        for fidelity, scene in self.models(points).items():
+        for fidelity, scene in self._scene_by_fidelity(points).items():
+            # a dynamic life repeats dynamic solves, and takes long
             _result(scene.with_(COARSEST), "solve" if fidelity == "dynamic" else what, fidelity)
 
-    def models(self, points: Sequence[ScenePoint]) -> dict[str, Scene]:
-        """Returns the models that the first points need, each with a scene that needs it."""
+    def _scene_by_fidelity(self, points: Sequence[ScenePoint]) -> dict[str, Scene]:
+        """Returns a scene that requires it for each fidelity that the first points require."""
         from bearingwear.solvers.effects.choice import choice, choice_for_life
 
         model_choice = choice_for_life if self.question.what == "life" else choice
@@ -239,14 +262,16 @@ class Sweep:
         return scenes
 
     def _check_some_valid(self, first: ScenePoint, answers: Sequence[Answer]) -> None:
-        """Raises the error of the first point if all points have one."""
+        """Raises the error of the first point if all points were refused."""
         if all(PROBLEM in answer for answer in answers):
             self.question(first)
             raise NotAvailable(answers[0][PROBLEM])
 
 
 def _even_order(count: int, block_size: int = 1) -> list[int]:
-    """Returns the numbers below a count, mixed so that the time left is estimated well.
+    """Returns the numbers below a count in an order whose first few are spread over all of them.
+
+    The time left is then estimated well from the points that are solved.
 
     block_size: how many neighbours stay together, because they share computations.
     """
@@ -256,7 +281,10 @@ def _even_order(count: int, block_size: int = 1) -> list[int]:
 
 
 def _numbers_of_part(part: tuple[int, int], count: int) -> range:
-    """Returns the numbers of the points of a part, spread so that parts take equal time."""
+    """Returns the numbers of the points of part (K, N): every N-th, so that parts take equal time.
+
+    SceneError: a part that does not exist, or more parts than points.
+    """
     part_number, parts = part
     if not 1 <= part_number <= parts <= count:
         problem = f"got {part_number}/{parts}, expected K/N with 1 <= K <= N <= {count} points"
@@ -265,7 +293,10 @@ def _numbers_of_part(part: tuple[int, int], count: int) -> range:
 
 
 def check_can_be_sent(what: Callable[..., Any]) -> None:
-    """Refuses a function that other processes cannot import."""
+    """Raises a SceneError for a function that cannot be pickled for other processes.
+
+    what: the function.
+    """
     try:
         pickle.dumps(what)
     except (pickle.PicklingError, AttributeError, TypeError):

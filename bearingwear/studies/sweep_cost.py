@@ -3,34 +3,33 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
-from bearingwear.studies.answers import answer_of
+from bearingwear.studies.answers import PROBLEM, Answer, answer_of
+from bearingwear.studies.points import ScenePoint
 from bearingwear.studies.sampling import usable_cores
 from bearingwear.studies.sweep import Sweep
 from bearingwear.studies.sweep_dataset import points_dataset
 
-_MOST_TIMED, _LONGEST = 5, 20.0
-"""Number of timed points, and the time [s] after which no further point is timed.
+_MOST_TIMED = 5
+"""Number of timed points. A point before them, which is not counted, loads the kernels."""
 
-A point before them, which is not counted, loads the kernels.
-"""
+_LONGEST = 20.0
+"""Time [s] after which no further point is timed."""
 
 
 def cost_lines(sweep: Sweep, workers: int | None = None, parts: int = 1) -> list[str]:
-    """Returns lines on the number of points of a sweep, its CPU time, wall time and memory."""
+    """Returns lines on the number of points of a sweep, its CPU time, wall time and memory.
+
+    workers: processes that are to solve it, by default one per core.
+    parts: number of jobs that are to share the points.
+    """
     cores = usable_cores() if workers is None else workers
     points = sweep.in_even_order()
     sweep.compile(points)
-    seconds, answers = [], []
-    start = time.monotonic()
-    for point in points[: _MOST_TIMED + 1]:
-        point_start = time.process_time()
-        answers.append(answer_of(sweep.question, point))
-        seconds.append(time.process_time() - point_start)
-        if time.monotonic() - start > _LONGEST:
-            break
-    seconds = seconds[1:] or seconds
-    mean, count = sum(seconds) / len(seconds), len(points)
+    answers, seconds = _timed_answers(sweep, points)
+    count = len(points)
+    mean = sum(seconds) / len(seconds)
     lengths = ", ".join(f"{name} {n}" for name, n in sweep.points.lengths(()).items())
     lines = [
         f"{count} points ({lengths}); {len(seconds)} timed: {_duration(min(seconds))} to "
@@ -40,14 +39,30 @@ def cost_lines(sweep: Sweep, workers: int | None = None, parts: int = 1) -> list
     ]
     if parts > 1:
         lines.append(f"each of {parts} parts: {_duration(mean * count / parts)} of CPU time")
-    if any("problem" not in answer for answer in answers):
+    if any(PROBLEM not in answer for answer in answers):
         size = points_dataset(sweep.question.kept, answers).nbytes / len(answers) * count
         lines.append(f"about {max(size / 1e6, 0.1):.3g} MB of memory for the dataset")
     return lines
 
 
+def _timed_answers(sweep: Sweep, points: Sequence[ScenePoint]) -> tuple[list[Answer], list[float]]:
+    """Returns the answers of a sweep at its first points, and the CPU time [s] of the timed ones.
+
+    The first point is timed only if it took so long that it stayed the only one.
+    """
+    answers, seconds = [], []
+    start = time.monotonic()
+    for point in points[: _MOST_TIMED + 1]:
+        point_start = time.process_time()
+        answers.append(answer_of(sweep.question, point))
+        seconds.append(time.process_time() - point_start)
+        if time.monotonic() - start > _LONGEST:
+            break
+    return answers, seconds if len(seconds) == 1 else seconds[1:]
+
+
 def _duration(seconds: float) -> str:
-    """Writes a time in milliseconds, seconds, minutes or hours."""
+    """Returns a time with its unit: milliseconds, seconds, minutes or hours."""
     if seconds < 1.0:
         return f"{1e3 * seconds:.2g} ms"
     if seconds < 120.0:

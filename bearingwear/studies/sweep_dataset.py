@@ -48,13 +48,17 @@ class KeptVariables:
 
     @classmethod
     def of(cls, keep: str | Sequence[str] | None, what: str) -> KeptVariables:
-        """Reads the argument `keep` of a sweep. SceneError: a name that no result has."""
+        """Returns the choice that the argument `keep` of `bearingwear.sweep` makes.
+
+        what {"solve", "life", "function"}: that the sweep computes.
+        SceneError: a name that no result has, or the extremes of something other than a life.
+        """
         if keep == KEEP_EXTREMES:
             if what != "life":
                 raise SceneError(
                     "", f"got {KEEP_EXTREMES} of {what}, expected it of life", source="keep"
                 )
-            return cls(what, _OF_EXTREMES, True)
+            return cls(what, _OF_EXTREMES, with_worst=True)
         if keep is None:
             return cls(what, None)
         if keep == KEEP_STUDY and what == "solve":
@@ -65,7 +69,10 @@ class KeptVariables:
         return cls(what, names)
 
     def of_function(self, values: Mapping[str, Any]) -> Answer:
-        """Returns the answer at a point from the values of a function."""
+        """Returns the kept values that a function returned at a point, with a status.
+
+        TypeError: the function did not return a mapping.
+        """
         if not isinstance(values, Mapping):
             kind = type(values).__name__
             raise TypeError(
@@ -74,7 +81,11 @@ class KeptVariables:
         return {"status": OK} | {name: value for name, value in values.items() if self._has(name)}
 
     def of_result(self, scene: Scene, result: Result) -> Answer:
-        """Returns the answer at a point from a solve or a life of its scene."""
+        """Returns what a dataset of the sweep needs of a solve or a life.
+
+        The keys are `values` (the kept ones, by name), `attrs` (those that differ between points),
+        `scene` (the blocks that decide the layout of a file) and `worst` (`WORST_VALUES`, if kept).
+        """
         values = {name: value for name, value in result.values.items() if self._has(name)}
         names = ("fidelity", "warnings", "phases")
         attrs = {name: result.attrs[name] for name in names if name in result.attrs}
@@ -87,7 +98,7 @@ class KeptVariables:
         return {"values": values, "attrs": attrs, "scene": layout, "worst": worst}
 
     def _has(self, name: str) -> bool:
-        """Whether a variable is kept."""
+        """Whether the choice keeps a variable of a name."""
         return self.names is None or name in (*self.names, "status", "end_criterion")
 
 
@@ -95,12 +106,15 @@ def _names_of_study() -> tuple[str, ...]:
     """Returns the variables of a case that a study keeps."""
     from bearingwear.results.variables import CASE
 
-    left_out = {*ONLY_IN_CASES}
-    return tuple(name for name, variable in CASE.items() if not {name, *variable.dims} & left_out)
+    return tuple(
+        name
+        for name, variable in CASE.items()
+        if not {name, *variable.dims}.intersection(ONLY_IN_CASES)
+    )
 
 
 def _check_names(names: Iterable[str], what: str) -> None:
-    """Refuses a name that is no variable of a solve or a life."""
+    """Raises a SceneError for a name that is no variable of a solve or a life."""
     from bearingwear.results.variables import CASE, LIFE
 
     variables = LIFE if what == "life" else CASE
@@ -114,32 +128,40 @@ def _check_names(names: Iterable[str], what: str) -> None:
 
 
 def points_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset:
-    """Makes a dataset of answers along `point`, with codes; NaN where a point has no value."""
+    """Returns a dataset of answers along `point`, with codes; NaN where a point has no value.
+
+    answers: of `kept.of_function` or `kept.of_result`, or of refused points.
+    """
     from bearingwear.studies.dataset import dataset_of_rows
 
     if kept.what == "function":
         answers = _answers_of_equal_shapes(answers)
         rows = [answer_values(answer) for answer in answers]
-        dataset = dataset_of_rows(_table_of(rows), {NUMBERED: len(rows)}, rows)
+        dataset = dataset_of_rows(_variables_of_rows(rows), {NUMBERED: len(rows)}, rows)
     else:
         dataset = _results_dataset(kept, answers)
     if kept.with_worst:
         rows = [answer.get("worst", {}) for answer in answers]
-        solved_names = {name for row in rows for name in row}
-        worst = {name: variable for name, variable in WORST_VALUES.items() if name in solved_names}
-        dataset = dataset.assign(dataset_of_rows(worst, {NUMBERED: len(rows)}, rows).variables)
-    attrs = [answer.get("attrs", {}) for answer in answers]
-    fidelities = {attributes["fidelity"] for attributes in attrs if "fidelity" in attributes}
+        present_names = {name for row in rows for name in row}
+        variables = {name: WORST_VALUES[name] for name in WORST_VALUES if name in present_names}
+        worst = dataset_of_rows(variables, {NUMBERED: len(rows)}, rows)
+        dataset = dataset.assign(worst.variables)
+    answer_attrs = [answer.get("attrs", {}) for answer in answers]
+    fidelities = {attrs["fidelity"] for attrs in answer_attrs if "fidelity" in attrs}
     dataset.attrs = {
         "fidelity": ", ".join(sorted(fidelities)),
-        "warnings": merged_warnings(attrs),
+        "warnings": merged_warnings(answer_attrs),
         "problem": next((answer[PROBLEM] for answer in answers if PROBLEM in answer), ""),
     }
     return dataset
 
 
 def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset:
-    """Makes a dataset of solves or lives along `point`; refused points take a layout of others."""
+    """Returns a dataset of solves or lives along `point`.
+
+    Refused points have NaN in the layout of the first solved one. The names of the phases of a
+    duty are kept where all points have the same.
+    """
     from bearingwear.results.netcdf import stacked_datasets
     from bearingwear.solvers.result import Result
     from bearingwear.studies.dataset import stacked_dataset
@@ -149,11 +171,14 @@ def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Datas
         refused["end_criterion"] = NO_CRITERION
     first_layout = next(answer["scene"] for answer in answers if "scene" in answer)
     phases = {answer["attrs"].get("phases") for answer in answers if "attrs" in answer}
-    same = {"phases": name} if len(phases) == 1 and (name := phases.pop()) else {}
+    shared_phases = phases.pop() if len(phases) == 1 else None
     results = []
     for answer in answers:
-        attrs = {name: v for name, v in answer.get("attrs", {}).items() if name != "phases"}
-        result = Result(answer.get("values", refused), attrs | same)
+        attrs = dict(answer.get("attrs", {}))
+        attrs.pop("phases", None)
+        if shared_phases:
+            attrs["phases"] = shared_phases
+        result = Result(answer.get("values", refused), attrs)
         result.scene = answer.get("scene", first_layout)
         results.append(result)
     lengths = {NUMBERED: len(results)}
@@ -164,35 +189,42 @@ def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Datas
 
 
 def _answers_of_equal_shapes(answers: Sequence[Answer]) -> list[Answer]:
-    """Refuses answers of a function with other shapes of values than the answers before."""
-    shapes: dict[str, tuple[int, ...]] = {}
+    """Returns the answers of a function, where one with values of another shape is refused.
+
+    The first answer that has a value decides its shape.
+    """
+    first_shapes: dict[str, tuple[int, ...]] = {}
     checked: list[Answer] = []
     for answer in answers:
-        answer_shapes = {name: np.shape(value) for name, value in answer_values(answer).items()}
-        shapes = answer_shapes | shapes
-        for name, shape in answer_shapes.items():
-            if shape != shapes[name]:
-                problem = f"{name}: got shape {shape}, expected {shapes[name]}"
+        shapes = {name: np.shape(value) for name, value in answer_values(answer).items()}
+        first_shapes = shapes | first_shapes
+        for name, shape in shapes.items():
+            if shape != first_shapes[name]:
+                problem = f"{name}: got shape {shape}, expected {first_shapes[name]}"
                 answer = {"status": REFUSED, PROBLEM: problem}
                 break
         checked.append(answer)
     return checked
 
 
-def _table_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
-    """Describes the values that a function returns; dimensions of arrays are named after them."""
+def _variables_of_rows(rows: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
+    """Returns variables for the values that a function returned, by their names.
+
+    The dimensions of an array `a` are `a_0`, `a_1` and so on.
+    """
     variables = table(STATUS)
-    for name, value in (item for row in rows for item in row.items()):
-        if name not in variables:
-            array = np.asarray(value)
-            dims = tuple(f"{name}_{k}" for k in range(array.ndim))
-            kind = "O" if array.dtype.kind in "OUS" else "f8"
-            variables[name] = Variable(name, dims, "", "value of a function", kind)
+    for row in rows:
+        for name, value in row.items():
+            if name not in variables:
+                array = np.asarray(value)
+                dims = tuple(f"{name}_{k}" for k in range(array.ndim))
+                dtype = "O" if array.dtype.kind in "OUS" else "f8"
+                variables[name] = Variable(name, dims, "", "value of a function", dtype)
     return variables
 
 
 def whole_sweep(results: xr.Dataset, points: SweepPoints) -> xr.Dataset:
-    """Lays results along `point` over the dimensions of a sweep, with names instead of codes."""
+    """Returns results along `point` over the dimensions of the sweep, with names for codes."""
     from bearingwear.results.labels import labelled
     from bearingwear.studies.dataset import reshaped_dataset
 
@@ -213,7 +245,12 @@ def whole_sweep(results: xr.Dataset, points: SweepPoints) -> xr.Dataset:
 def part_of_sweep(
     results: xr.Dataset, points: SweepPoints, numbers: Sequence[int], part: tuple[int, int]
 ) -> xr.Dataset:
-    """Completes the results of a part along `point`, with names instead of codes."""
+    """Returns the results of a part of a sweep along `point`, with names for codes.
+
+    points: of the whole sweep, which become an attribute.
+    numbers: of the points of the part, among all points.
+    part: number of the part, and number of parts.
+    """
     from bearingwear.results.labels import labelled
 
     labelled_part = labelled(results).assign_coords({NUMBERED: np.array(numbers, dtype="i4")})
@@ -223,24 +260,50 @@ def part_of_sweep(
 
 
 def sweep_attributes(scenes: Sequence[Scene], points: SweepPoints, what: str) -> dict[str, Any]:
-    """Returns the attributes of a sweep that do not depend on its answers."""
+    """Returns the attributes of a sweep that do not depend on its answers.
+
+    what {"solve", "life", "function"}: that the sweep computes.
+    """
     from bearingwear.results.entries import common_attributes
 
-    scenes_attribute = {"scenes": json.dumps([scene.to_dict() for scene in scenes])}
-    return common_attributes() | {
+    attributes = common_attributes() | {
         "title": f"{what}: {', '.join(points.names)} at {len(points)} points",
         "kind": SWEEP_KIND,
-        **(scenes_attribute if len(scenes) > 1 else {"scene": scenes[0].json}),
     }
+    if len(scenes) == 1:
+        return attributes | {"scene": scenes[0].json}
+    return attributes | {"scenes": json.dumps([scene.to_dict() for scene in scenes])}
 
 
 def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Joins the files of all parts of a sweep to the dataset of the whole sweep.
+    """Returns the dataset of a whole sweep from the files of its parts, in any order.
 
     CaseFileError: a file that is no part, a part of another sweep, a repeated or a missing part.
     """
-    from bearingwear.results.netcdf import CaseFileError, load_kind
     from bearingwear.studies.dataset import stacked_dataset
+
+    datasets = _part_datasets(paths)
+    points = SweepPoints.from_json(datasets[0].attrs["points"])
+    numbers = np.concatenate([dataset[NUMBERED].values for dataset in datasets])
+    answers = stacked_dataset(datasets, {NUMBERED: len(numbers)}, along=NUMBERED).isel(
+        {NUMBERED: np.argsort(numbers)}
+    )
+    fidelities = {name for dataset in datasets for name in dataset.attrs["fidelity"].split(", ")}
+    problems = [dataset.attrs["problem"] for dataset in datasets if dataset.attrs["problem"]]
+    answers.attrs = datasets[0].attrs | {
+        "fidelity": ", ".join(sorted(fidelities)),
+        "warnings": merged_warnings(dataset.attrs for dataset in datasets),
+        "problem": problems[0] if problems else "",
+    }
+    return whole_sweep(answers, points)
+
+
+def _part_datasets(paths: Iterable[str | Path]) -> list[xr.Dataset]:
+    """Returns the datasets of all parts of a sweep, in the order of the paths.
+
+    CaseFileError: as of `gathered_parts`.
+    """
+    from bearingwear.results.netcdf import CaseFileError, load_kind
 
     parts: dict[str, xr.Dataset] = {}
     for path in map(Path, paths):
@@ -262,34 +325,29 @@ def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
             f"{path}: got {len(parts)} of {count} parts, expected also "
             f"{', '.join(f'{k}/{count}' for k in missing)}"
         )
-    datasets = list(parts.values())
-    points = SweepPoints.from_json(datasets[0].attrs["points"])
-    numbers = np.concatenate([dataset[NUMBERED].values for dataset in datasets])
-    answers = stacked_dataset(datasets, {NUMBERED: len(numbers)}, along=NUMBERED).isel(
-        {NUMBERED: np.argsort(numbers)}
-    )
-    fidelities = {name for dataset in datasets for name in dataset.attrs["fidelity"].split(", ")}
-    problems = [dataset.attrs["problem"] for dataset in datasets if dataset.attrs["problem"]]
-    answers.attrs = datasets[0].attrs | {
-        "fidelity": ", ".join(sorted(fidelities)),
-        "warnings": merged_warnings(dataset.attrs for dataset in datasets),
-        "problem": problems[0] if problems else "",
-    }
-    return whole_sweep(answers, points)
+    return list(parts.values())
 
 
 def sweep_warnings(results: xr.Dataset) -> list[str]:
-    """Returns the warnings of a sweep: unsolved points, and the warnings of the solved ones."""
-    failed = [results.attrs["message"]] if (results["status"] != STATUS_NAMES[OK]).any() else []
-    return [*failed, *(line.removeprefix(WARNING) for line in warning_lines(results.attrs))]
+    """Returns lines on unsolved points of a sweep, and on the warnings of the solved ones.
+
+    results: of a whole sweep, or of a part, with names for codes.
+    """
+    lines = [line.removeprefix(WARNING) for line in warning_lines(results.attrs)]
+    if (results["status"] != STATUS_NAMES[OK]).any():
+        return [results.attrs["message"], *lines]
+    return lines
 
 
 def _message(results: xr.Dataset, problem: str) -> str:
-    """Says how many points were not solved, and why."""
+    """Returns a line on how many points were not solved, by status.
+
+    problem: of the first refused point, empty without one.
+    """
     statuses = results["status"].values.ravel().tolist()
-    failed = Counter(status for status in statuses if status != STATUS_NAMES[OK])
-    if not failed:
+    failures = Counter(status for status in statuses if status != STATUS_NAMES[OK])
+    if not failures:
         return "all points solved and verified"
-    reasons = ", ".join(f"{name} {count}" for name, count in failed.items())
-    text = f"{failed.total()} of {len(statuses)} points were not solved: {reasons}"
+    reasons = ", ".join(f"{name} {count}" for name, count in failures.items())
+    text = f"{failures.total()} of {len(statuses)} points were not solved: {reasons}"
     return f"{text} ({problem})" if problem else text

@@ -18,12 +18,18 @@ MOST_ON_AN_AXIS = 100_000
 
 
 def typed_points(axes: Sequence[str], rows: Path | None) -> Any:
-    """Reads axes from texts `KEY=VALUES`, or rows from a table. Raises UsageError, SceneError."""
+    """Returns the points of a sweep from options: axes by key, or a list of rows by key.
+
+    axes: texts `KEY=VALUES`.
+    rows: path of a table, if there are no axes.
+    UsageError: both or neither of them.
+    SceneError: a text or a table that cannot be read.
+    """
     if (rows is None) == (not axes):
         got = "both --axis and --rows" if axes else "neither --axis nor --rows"
         raise UsageError(f"sweep: got {got}, expected one of them")
     if rows is not None:
-        return _rows_of(rows)
+        return _table_rows(rows)
     texts = []
     for text in axes:
         key, equals, values = text.partition("=")
@@ -38,22 +44,26 @@ def typed_points(axes: Sequence[str], rows: Path | None) -> Any:
 
 
 def _yaml_list(key: str, text: str) -> str:
-    """Writes typed values, or LOW:HIGH:COUNT, as a list in YAML."""
+    """Returns the values of an axis as a list in YAML.
+
+    text: values with commas between them, or LOW:HIGH:COUNT for evenly spaced numbers.
+    """
     if not re.fullmatch(r"[-+.eE\d]+(?:[:-][-+.eE\d]+)+", text):
         return f"[{text}]"
     try:
-        low, high, count = text.split(":")
-        start, end, number = float(low), float(high), int(count)
-        if not 2 <= number <= MOST_ON_AN_AXIS:
+        low_text, high_text, count_text = text.split(":")
+        low, high, count = float(low_text), float(high_text), int(count_text)
+        if not 2 <= count <= MOST_ON_AN_AXIS:
             raise ValueError
     except ValueError:
         problem = f"got {text}, expected LOW:HIGH:COUNT with a count from 2 to {MOST_ON_AN_AXIS}"
         raise SceneError("", problem, source=f"--axis {key}") from None
-    return f"[{', '.join(repr(start + (end - start) * k / (number - 1)) for k in range(number))}]"
+    values = (low + (high - low) * k / (count - 1) for k in range(count))
+    return f"[{', '.join(map(repr, values))}]"
 
 
-def _rows_of(path: Path) -> list[dict[str, Any]]:
-    """Reads a table; each line below its header is a row of values by their keys."""
+def _table_rows(path: Path) -> list[dict[str, Any]]:
+    """Returns the lines of a CSV file below its header as values by key. Raises SceneError."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeError) as error:
@@ -69,15 +79,15 @@ def _rows_of(path: Path) -> list[dict[str, Any]]:
         if len(cells) != len(header):
             problem = f"got {len(cells)} values, expected {len(header)}"
             raise SceneError("", problem, source=source)
-        values = [_value(cell, source) for cell in cells]
+        values = [_cell_value(cell, source) for cell in cells]
         rows.append(dict(zip(header, values, strict=True)))
     if not rows:
         raise SceneError("", "got no row, expected one or more", source=str(path))
     return rows
 
 
-def _value(cell: str, source: str) -> Any:
-    """Reads a cell of a table."""
+def _cell_value(cell: str, source: str) -> Any:
+    """Returns the number in a cell of a table, or what its text means in YAML."""
     try:
         return float(cell)  # a hundred times as fast as YAML
     except ValueError:

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from bearingwear.kernels.status import (
     CRITERION_NOT_REACHED,
@@ -19,14 +20,15 @@ from bearingwear.studies.run_step import NotSolved
 
 
 def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
-    """Returns a line that all was solved, or fail; a step of the workflow.
+    """Step: returns a line that says that all was solved, or lines on what was not.
 
     paths: study files and files of wear life; maps, which keep the status of each life, need none.
-    unsolved_is {"error", "warning"}: whether an unsolved case is an error or a warning.
+    unsolved_is {"error", "warning"}: what an unsolved case or life is.
+    NotSolved: an unsolved case or life, if that is an error.
     """
     if not paths:
         return "nothing to check; cases and lives in maps keep their status\n"
-    checked, unsolved = verdict(paths)
+    checked, unsolved = unsolved_lines(paths)
     if unsolved:
         message = "\n  ".join([f"{len(unsolved)} of {checked} not solved:", *unsolved])
         if unsolved_is == "error":
@@ -36,15 +38,16 @@ def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
     return f"all {checked} solved and verified\n"
 
 
-def verdict(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
-    """Checks the status of all cases and lives in study files and files of wear life.
+def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
+    """Returns the number of cases and lives in files, and a line for each unsolved one.
 
-    A life that no criterion ends is an answer, not a failure.
+    The line names the file and the reason. A life that no criterion ends counts as solved.
 
-    Returns `checked`: number of cases and lives.
-    Returns `unsolved`: a line for each unsolved case or life, with its file and the reason.
+    paths: study files and files of wear life.
+    CaseFileError: a file of another kind.
     """
-    checked, unsolved = 0, []
+    checked = 0
+    unsolved = []
     for path in map(Path, paths):
         dataset = load(path)
         if not {"preload_method", "friction"} <= set(dataset["status"].dims):
@@ -55,16 +58,21 @@ def verdict(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
         status = dataset["status"]
         checked += status.size
         for index in np.ndindex(status.shape):
-            case_status = status[index]
-            if int(case_status) in good_statuses:
+            code = int(status[index])
+            if code in good_statuses:
                 continue
-            name = STATUS_NAMES[int(case_status)]
-            case = Case(
-                PRELOAD_METHODS[int(case_status["preload_method"])],
-                float(case_status["friction"]),
-                float(case_status["ball_diameter_loss"]) if is_study else 0.0,
-            )
+            case = _case_at(status[index])
             case_file = path.parent / folder / f"{case.id}.nc"
-            subject = str(case_file) if is_study else f"{path}: {case.id.rpartition('-')[0]}"
+            subject = str(case_file) if is_study else f"{path}: {case.line_id}"
+            name = STATUS_NAMES[code]
             unsolved.append(f"{subject}: {name}: {STATUS_SENTENCES[name]}")
     return checked, unsolved
+
+
+def _case_at(status: xr.DataArray) -> Case:
+    """Returns the case at the coordinates of a single status; a life has no loss, thus zero."""
+    return Case(
+        preload_method=PRELOAD_METHODS[int(status["preload_method"])],
+        friction=float(status["friction"]),
+        ball_diameter_loss_um=float(status.coords.get("ball_diameter_loss", 0.0)),
+    )

@@ -13,15 +13,18 @@ from bearingwear.cli import main
 
 scene, output = sys.argv[1:]
 assert main(["frequencies", scene, "-o", output, "--json"]) == 0
-solved = bearingwear.frequencies(scene)
+dataset = bearingwear.frequencies(scene)
 print("---")
-print(json.dumps({name: values.values.ravel().tolist() for name, values in solved.items()}))
-assert solved.equals(bearingwear.load(output)) and "frequencies" in dir(bearingwear)
+print(json.dumps({name: values.values.ravel().tolist() for name, values in dataset.items()}))
+assert dataset.equals(bearingwear.load(output)) and "frequencies" in dir(bearingwear)
 """
+HZ = {"Hz": 1.0, "kHz": 1e3}
 
 
-def test_the_example_of_the_docs(applications_of_a_copy, printed_by):
-    """Its command and its function agree, and with the kinematics of rolling."""
+def test_the_application_written_in_the_docs_works_as_command_and_function(
+    applications_of_a_copy, printed_by
+):
+    """The numbers of its command and its function agree, and with the kinematics of rolling."""
     page = (ROOT / "docs" / "develop.md").read_text(encoding="utf-8")
     files = dict(re.findall(r"^```py\n# (\w+\.py)\n(.*?)^```$", page, re.M | re.S))
     assert set(files) == {"__init__.py", "command.py"}
@@ -30,12 +33,12 @@ def test_the_example_of_the_docs(applications_of_a_copy, printed_by):
     for name, text in files.items():
         (folder / name).write_text(text)
     printed = printed_by(PROGRAM, scene_file("gyro_s1"), "frequencies.nc")
-    sheet, result = map(json.loads, printed.split("---"))
+    sheet, results = map(json.loads, printed.split("---"))
     for row in sheet["quantities"]:
-        values = row.get("values", [row.get("value")])
-        assert values == pytest.approx([item * {"Hz": 1.0, "kHz": 1e-3}[row["unit"]]
-            for item in result[row["name"]]], rel=1e-12)  # fmt: skip
+        shown = row.get("values", [row.get("value")])
+        frequencies = [HZ[row["unit"]] * value for value in shown]
+        assert frequencies == pytest.approx(results[row["name"]], rel=1e-12), row["name"]
     # 9 balls pass each race; the outer ring stands still, and the inner one turns at 500 Hz
-    (cage,), (inner, outer) = result["cage_frequency"], result["ball_pass_frequency"]
+    (cage,), (inner, outer) = results["cage_frequency"], results["ball_pass_frequency"]
     assert outer == pytest.approx(9 * cage, rel=1e-6)
     assert inner + outer == pytest.approx(9 * 500.0, rel=1e-6)

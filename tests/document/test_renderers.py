@@ -20,6 +20,7 @@ from bearingwear.document.table import flag_names
 from bearingwear.document.text import as_text
 from bearingwear.results.units import Estimated, Interval, Rough
 
+MOST_CHARACTERS = 110  # in a line
 LIFE = Row("life", "h", (Rough(3.1415), Interval(1.0, 2.5)), "life", 2.0, "passed")
 POWER = Row("power", "mW", (Estimated.of(12.3456, 0.02), math.nan), "power")
 PRELOAD = Row("preload", "N", (1.0, 2.0), "preload", given=True)
@@ -42,8 +43,11 @@ def test_text_has_a_line_for_each_quantity_and_for_each_point():
     assert re.search(r"^  power +mW +12\.35 +–$", text, re.M)
     assert re.search(r"^ +preload \(N\) +life \(h\) +power \(mW\)\n +1 +3\.1 +12\.35\n", text, re.M)
     assert "  why\n    It lasts | longest & best.\n" in text
-    long = Document(("word " * 40,), {}, (Block("x", lines=("word " * 40,)),))
-    assert max(map(len, as_text(long).splitlines())) <= 110
+
+
+def test_long_sentences_are_wrapped_in_text():
+    document = Document(("word " * 40,), {}, (Block("x", lines=("word " * 40,)),))
+    assert max(map(len, as_text(document).splitlines())) <= MOST_CHARACTERS
 
 
 def test_a_row_that_details_the_one_above_it_is_indented():
@@ -57,29 +61,34 @@ def test_a_row_that_details_the_one_above_it_is_indented():
     ]
 
 
-def test_columns_that_do_not_fit_stand_below():
+def test_columns_that_do_not_fit_beside_each_other_stand_in_parts_below():
+    """A part has no line for a row without values there."""
     temperature = Row("temperature", "degC", tuple(range(9)), limit=9.0)
     block = Block(
         "parts", tuple(f"column {k}" for k in range(9)), (temperature, Row("mass", "kg", (1,)))
     )
     lines = as_text(Document(blocks=(block,))).splitlines()
-    assert max(map(len, lines)) <= 110
-    heads = [line.split("column")[1:] for line in lines if line.startswith("  parts")]
-    values = [line.split()[2:] for line in lines if line.startswith("  temperature")]
-    assert [len(part) for part in heads] == [5, 4]
-    assert values == [[*"01234"], [*"5678", "criterion", "9"]]
+    assert max(map(len, lines)) <= MOST_CHARACTERS
+    part_heads = [line.split("column")[1:] for line in lines if line.startswith("  parts")]
+    part_values = [line.split()[2:] for line in lines if line.startswith("  temperature")]
+    assert [len(heads) for heads in part_heads] == [5, 4]
+    assert part_values == [[*"01234"], [*"5678", "criterion", "9"]]
     assert sum("mass" in line for line in lines) == 1
-    # a few are there to be compared
-    both = Block("x", ("spring", "fixed"), (Row("limited by", "", ("a" * 40, "b" * 40)),))
-    assert len(as_text(Document(blocks=(both,))).splitlines()) == 2
 
 
-def test_percentages_too_small_to_matter_are_not_spelled_out():
+def test_a_few_columns_stay_beside_each_other_however_wide():
+    """They are there to be compared."""
+    row = Row("limited by", "", ("a" * 40, "b" * 40))
+    document = Document(blocks=(Block("x", ("spring", "fixed"), (row,)),))
+    assert len(as_text(document).splitlines()) == 2
+
+
+def test_percentages_below_a_thousandth_are_shown_as_such():
     rows = (Row("error", "%", (Rough(-1.9e-9), Rough(0.0123), 2e-9)),)
     assert Block("x", rows=rows).cells == [["< 0.001", "0.012", "< 0.001"]]
 
 
-def test_markdown_has_no_markup_of_others():
+def test_markdown_escapes_markup_in_texts():
     text = as_markdown(DOCUMENT)
     assert text.startswith("# a_b: take &lt;5&gt; N\n\nsecond line\n\n## what to take\n\n")
     assert "|  | spring | fixed \\* |  |\n" in text
@@ -88,7 +97,7 @@ def test_markdown_has_no_markup_of_others():
     assert "| preload (N) | life (h) | power (mW) |\n| --- | --- | --- |\n| 1 | 3.1 |" in text
 
 
-def test_html_is_valid_and_trusts_nobody():
+def test_html_is_valid_and_escapes_texts():
     page = f"<!DOCTYPE html><html><head><title>x</title></head><body>{as_html(DOCUMENT)}</body>"
     tree = html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(f"{page}</html>")
     cells = [text for node in tree.iter("td") if (text := "".join(node.itertext()))]
@@ -97,19 +106,19 @@ def test_html_is_valid_and_trusts_nobody():
     assert "take <5> N" in text and "2\N{NO-BREAK SPACE}N/\N{WORD JOINER}µm" in text
 
 
-def test_programs_get_every_number_under_a_key_of_its_own():
+def test_json_has_facts_sentences_and_unrounded_numbers():
+    """Numbers are by column, or by point; an interval has two, and NaN is null."""
     data = json.loads(as_json(DOCUMENT))
     assert data["scene"] == "a_b"
     assert data["sentences"] == {"why": ["It lasts | longest & best."]}
-    life, power, *_ = data["quantities"]
+    quantities = {(row["block"], row["name"]): row for row in data["quantities"]}
+    life, power = (quantities["what to take", name] for name in ("life", "power"))
     assert life["values"] == {"spring": 3.1415, "fixed *": [1.0, 2.5]} and life["limit"] == 2.0
     assert power["values"]["fixed *"] is None
-    (at,) = (
-        quantity
-        for quantity in data["quantities"]
-        if quantity["block"] == "map" and quantity["name"] == "power"
-    )
-    assert at["values"] == {"1": 12.3456, "2": None}
+    assert quantities["map", "power"]["values"] == {"1": 12.3456, "2": None}
+
+
+def test_no_two_lines_of_csv_have_the_same_keys():
     rows = list(csv.DictReader(io.StringIO(as_csv(DOCUMENT))))
     keys = [(row["block"], row["name"], row["column"]) for row in rows]
     assert len(keys) == len(set(keys))
@@ -117,7 +126,8 @@ def test_programs_get_every_number_under_a_key_of_its_own():
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
-def test_every_locale_prints_the_same_json_and_csv(encoding, tmp_path, monkeypatch):
+def test_every_locale_prints_the_same_json_and_csv(encoding, monkeypatch):
+    """A sheet as text is in ASCII, with `u` for the prefix of micro."""
     text = "2.78\N{NO-BREAK SPACE}µm – 20\N{NO-BREAK SPACE}°C"
     document = Document((text,), {"bearing": text}, (Block("said", lines=(text,)),))
     monkeypatch.setattr("bearingwear.document.show.scene_sheet", lambda scene: document)
@@ -144,8 +154,8 @@ def test_a_stored_document_is_read_without_loss(tmp_path):
     assert read.figures == ("design",) and read.blocks_in("charted")[0].title == "map"
 
 
-def test_an_axis_without_entries_has_no_names():
-    """As the assumptions of a recommendation of one method, read from a file."""
+def test_an_axis_without_entries_has_no_flag_names():
+    """A recommendation without assumptions has such an axis after it is read from a file."""
     assert flag_names(xr.DataArray(np.zeros(0, dtype=int), dims="assumption")) == []
 
 

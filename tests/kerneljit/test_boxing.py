@@ -36,8 +36,8 @@ print(count)
 """
 
 
-def test_an_interrupt_between_kernel_and_python(tmp_path, monkeypatch):
-    """Three hundred interrupts, of which a third met numba's own code and ended the process."""
+def test_ctrl_c_while_a_result_is_converted_raises_keyboardinterrupt(tmp_path, monkeypatch):
+    """Of three hundred; without the patch, a third of them end the process in numba's code."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     computed = subprocess.run(
         [sys.executable, "-X", "faulthandler", "-c", INTERRUPTED],

@@ -39,8 +39,8 @@ print(state_layout(2, False).cage)
 """
 
 
-def started(folder, *arguments):
-    """A process with a folder for compiled code."""
+def start_python(folder, *arguments):
+    """Starts Python with a folder for compiled code, and returns the process."""
     return subprocess.Popen(
         [sys.executable, *arguments],
         env={**os.environ, "NUMBA_CACHE_DIR": str(folder)},
@@ -50,17 +50,18 @@ def started(folder, *arguments):
     )
 
 
-def test_interrupted_while_code_is_loaded(monkeypatch):
-    """LLVM calls Python back, where an exception is lost."""
+def test_ctrl_c_while_code_is_loaded_raises_keyboardinterrupt(monkeypatch):
+    """LLVM calls Python there, and would lose the exception."""
     interrupted = ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))
     monkeypatch.setattr(copy.disk, "load_overload", lambda args, target: interrupted())
     with pytest.raises(KeyboardInterrupt):
         copy._known(("no", "types"))
 
 
-def test_interrupted_while_llvm_works(tmp_path):
+def test_ctrl_c_ends_a_command_that_compiles_within_two_seconds(tmp_path):
+    """It leaves only complete files of compiled code."""
     output = tmp_path / "out.nc"
-    process = started(tmp_path, "-m", "bearingwear", "solve", GYRO, "-o", str(output))
+    process = start_python(tmp_path, "-m", "bearingwear", "solve", GYRO, "-o", str(output))
     while not without_waits(line := process.stderr.readline()) and line:
         pass
     assert line == LINE
@@ -76,30 +77,30 @@ def test_interrupted_while_llvm_works(tmp_path):
 
 
 def test_one_process_compiles_and_the_others_wait(tmp_path):
-    """Only the one that holds the lock compiles; where all is on disk, nothing is printed."""
-    first = started(tmp_path, "-c", SMALL)
-    numbers, output = first.communicate(timeout=60)
+    """Only the one with the lock compiles. If all code is on disk, nothing is printed."""
+    compiling = start_python(tmp_path, "-c", SMALL)
+    numbers, output = compiling.communicate(timeout=60)
     assert output == LINE
-    assert started(tmp_path, "-c", SMALL).communicate(timeout=60) == (numbers, "")
+    assert start_python(tmp_path, "-c", SMALL).communicate(timeout=60) == (numbers, "")
     (lock,) = tmp_path.rglob("*.lock")
     for file in tmp_path.rglob("*.nb?"):
         file.unlink()
-    with open(lock, "w") as held:
-        fcntl.flock(held, fcntl.LOCK_EX)
-        waiting = started(tmp_path, "-c", SMALL)
+    with open(lock, "w") as lock_file:
+        fcntl.flock(lock_file, fcntl.LOCK_EX)
+        waiting = start_python(tmp_path, "-c", SMALL)
         assert waiting.stderr.readline() == LINE
     assert waiting.communicate(timeout=60) == (numbers, "")
 
 
-def test_kernel_from_disk_that_another_one_called_before(tmp_path):
-    """The kernel as others call it lacks what Python needs to get its arrays."""
+def test_a_kernel_stored_as_a_callee_can_be_called_from_python(tmp_path):
+    """Compiled for kernels alone, it lacks the conversion of arrays for Python."""
     for arguments in ((), ("called",)):
-        process = started(tmp_path, "-c", BOTH_WAYS, *arguments)
+        process = start_python(tmp_path, "-c", BOTH_WAYS, *arguments)
         assert process.communicate(timeout=60)[0] == "10\n"
         assert process.returncode == 0
 
 
-def test_check_names_compiling_only_before_it(capsys):
+def test_check_does_not_mention_compilation_if_all_is_compiled(capsys):
     solve(load_scene(GYRO))
     assert main(["check", GYRO]) == 0
     (line,) = (text for text in capsys.readouterr().out.splitlines() if "computing time" in text)
@@ -108,10 +109,10 @@ def test_check_names_compiling_only_before_it(capsys):
 
 @pytest.mark.parametrize("fidelity", ["race_control", "steady", "dynamic"])
 def test_every_array_that_kernels_make_is_freed(fidelity):
-    """Most kernels count no references; a wrong one would leak or free what is in use."""
+    """Most kernels count no references; a wrong one would leak arrays, or free those in use."""
     scene = load_scene(GYRO, ["model.simulated_turns=0.1"])
 
-    def left():
+    def array_count():
         gc.collect()
         stats = rtsys.get_allocation_stats()
         return stats.mi_alloc - stats.mi_free
@@ -119,16 +120,16 @@ def test_every_array_that_kernels_make_is_freed(fidelity):
     solve(scene, fidelity)
     _nrt_python.memsys_enable_stats()
     try:
-        before = left()
+        initial_count = array_count()
         for _ in range(3):
             solve(scene, fidelity)
-        assert left() == before
+        assert array_count() == initial_count
     finally:
         _nrt_python.memsys_disable_stats()
 
 
-def test_kernel_called_from_code_of_others():
-    """numba's own way of linking finds all that a kernel calls."""
+def test_other_numba_code_can_call_a_kernel():
+    """numba's linking finds all that the kernel calls."""
 
     @numba.njit
     def doubled(values):
@@ -141,23 +142,23 @@ def test_kernel_called_from_code_of_others():
 
 @jit
 def diameter_ratio(new, old):
-    """Of two records that are passed by address."""
+    """Returns the ratio of ball diameters of two records, which are passed by address."""
     return new.D0 / old.D0
 
 
 @jit
 def ratios(g, count, out):
-    """Records that a loop replaces while the replaced ones are still in use."""
-    before = g
+    """Replaces a record in a loop while the replaced one is still used; writes ratios to `out`."""
+    previous = g
     for k in range(count):
-        old, before = before, g
+        old, previous = previous, g
         g = Geometry(*g[:1], 2.0 * g.D0, *g[2:])
-        out[k] = diameter_ratio(g, old) + diameter_ratio(before, g)
+        out[k] = diameter_ratio(g, old) + diameter_ratio(previous, g)
     return g
 
 
-def test_record_is_passed_as_it_is_at_the_call():
-    """Large records are passed by their address, which another one may get afterwards."""
+def test_a_kernel_gets_the_record_as_it_is_at_the_call():
+    """Large records are passed by an address that another record may have afterwards."""
     g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
     result, expected = np.empty(4), np.empty(4)
     assert ratios(g, 4, result) == ratios.py_func(g, 4, expected) == g._replace(D0=16.0 * g.D0)

@@ -25,10 +25,10 @@ print(source_hash(), repr(forces[1]))
 """
 
 
-def run(folder, **options):
-    """What the program prints with the package and the compiled code in a folder."""
+def program_output(folder, **options):
+    """Returns the words that PROGRAM prints with the package and the compiled code in a folder."""
     jit = {"NUMBA_CACHE_DIR": str(folder / "jit"), PROJECT.switch: ""}
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-c", PROGRAM],
         capture_output=True,
         text=True,
@@ -36,42 +36,41 @@ def run(folder, **options):
         env=os.environ | {"PYTHONPATH": str(folder)} | jit,
         **options,
     )
-    return done.stdout.split()
+    return completed.stdout.split()
 
 
 @pytest.fixture(scope="module")
-def first(tmp_path_factory):
-    """A copy of the package with compiled code, and what its program prints."""
+def compiled_copy(tmp_path_factory):
+    """Returns a folder with a copy of the package and compiled code, and the program's output."""
     folder = tmp_path_factory.mktemp("cached")
     copy_tree(folder, *PACKAGES)
-    output = run(folder)
+    output = program_output(folder)
     assert len(output) == 2
     return folder, output
 
 
 @pytest.fixture
-def cached(first, tmp_path):
-    """The same, to be changed."""
-    folder, printed = first
+def changeable_copy(compiled_copy, tmp_path):
+    """Returns a copy of the folder of `compiled_copy` that a test may change, and the output."""
+    folder, printed = compiled_copy
     return shutil.copytree(folder, tmp_path / "copy"), printed
 
 
-def test_edited_callee_gives_new_numbers(cached):
-    """numba itself would not notice: the caller's file is unchanged."""
-    folder, first = cached
+def test_a_kernel_is_compiled_again_after_an_edit_of_its_callee(changeable_copy):
+    """numba itself would not notice it, as the file of the kernel is unchanged."""
+    folder, printed = changeable_copy
     callee = folder / "bearingwear" / "kernels" / "equilibrium" / "kinematics.py"
     text = callee.read_text()
     assert "math.cos(alpha_o) + gamma" in text
     callee.write_text(text.replace("math.cos(alpha_o) + gamma", "math.cos(alpha_o) - gamma"))
-    second = run(folder)
-    assert len(second) == 2
-    assert second[0] != first[0]
-    assert second[1] != first[1]
+    edited_hash, edited_number = program_output(folder)
+    assert edited_hash != printed[0]
+    assert edited_number != printed[1]
     assert len(list((folder / "jit").glob("numba-*"))) == 2
 
 
-def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, monkeypatch):
-    """Another model need not compile anything anew."""
+def test_the_folder_of_compiled_code_depends_on_the_sources_of_kernels_alone(tmp_path, monkeypatch):
+    """An edit of another source does not require compiling."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "jit"))
     monkeypatch.setattr(provenance, "PACKAGE", tmp_path)
 
@@ -82,43 +81,43 @@ def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, mon
         return private_code_folder(PROJECT)
 
     try:
-        first = folder("kernels/a.py", "x = 1\n")
-        assert folder("model/b.py", "y = 1\n") == folder("model/b.py", "y = 2\n") == first
-        assert folder("kernels/a.py", "x = 2\n") != first
-        assert folder("kernels/a.py", "x = 1\n") == first
+        original = folder("kernels/a.py", "x = 1\n")
+        assert folder("model/b.py", "y = 1\n") == folder("model/b.py", "y = 2\n") == original
+        assert folder("kernels/a.py", "x = 2\n") != original
+        assert folder("kernels/a.py", "x = 1\n") == original
     finally:
         provenance._file_hash.cache_clear()
 
 
 @pytest.mark.parametrize(("suffix", "length"), [("nbi", 40), ("nbc", 0)])
-def test_a_damaged_cache_is_compiled_again(first, suffix, length):
+def test_damaged_files_of_compiled_code_are_replaced(compiled_copy, suffix, length):
     """A full disk or a crash of the machine leaves such files."""
-    folder, printed = first
+    folder, printed = compiled_copy
     files = list((folder / "jit").rglob(f"*.{suffix}"))
     sizes = [file.stat().st_size for file in files]
     assert files and min(sizes) > length
     for file in files:
         os.truncate(file, length)
-    assert run(folder) == printed
+    assert program_output(folder) == printed
     assert [file.stat().st_size for file in files] == sizes
 
 
-def test_cache_that_cannot_be_written(cached):
-    """Compiled code also runs where there is no room to keep it."""
+def test_a_program_runs_without_space_for_compiled_code(changeable_copy):
+    """"""
     resource = pytest.importorskip("resource")
-    folder, printed = cached
+    folder, printed = changeable_copy
     shutil.rmtree(folder / "jit")
 
     def no_room():
         resource.setrlimit(resource.RLIMIT_FSIZE, (1, 1))
 
-    assert run(folder, preexec_fn=no_room) == printed
+    assert program_output(folder, preexec_fn=no_room) == printed
     assert not [file for file in (folder / "jit").rglob("*.nb?") if file.stat().st_size]
 
 
-def test_planted_code_is_not_run(cached):
-    """An index of numba's cache is a pickle, which runs whatever it says."""
-    folder, printed = cached
+def test_compiled_code_in_an_unsafe_folder_is_not_loaded(changeable_copy):
+    """An index of numba's cache is a pickle, which runs any code that somebody puts there."""
+    folder, printed = changeable_copy
     planted = folder / "planted"
 
     class Planted:
@@ -131,7 +130,7 @@ def test_planted_code_is_not_run(cached):
     for index in indices:
         index.write_bytes(pickle.dumps(Planted()))
     jit.chmod(0o777)
-    assert run(folder) == printed and not planted.exists()
+    assert program_output(folder) == printed and not planted.exists()
     jit.chmod(0o700)
-    run(folder)
-    assert planted.exists()  # it would have run
+    program_output(folder)
+    assert planted.exists()  # so that the code would have been run

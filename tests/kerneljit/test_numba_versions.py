@@ -25,14 +25,14 @@ import json, sys
 import bearingwear
 fidelity, file = sys.argv[1:]
 scene = bearingwear.load(file).with_({"model.simulated_turns": 0.1})
-found = bearingwear.solve(scene, fidelity)
-assert found.status == "ok", found.message
+dataset = bearingwear.solve(scene, fidelity)
+assert dataset.status == "ok", dataset.message
 numbers = {
     name: (v.attrs.get("units"), v.values.tolist())
-    for name, v in found.data_vars.items()
+    for name, v in dataset.data_vars.items()
     if v.dtype.kind in "fi"
 }
-numbers["strips"] = (None, found.sizes["strip"])
+numbers["strips"] = (None, dataset.sizes["strip"])
 print(json.dumps(["kerneljit.code" in sys.modules, numbers]))
 """
 ARGUMENTS = """(
@@ -56,15 +56,16 @@ print(type(copy).__module__, type(copy).__name__)
 """
 
 
-def run(program, *arguments, **environment):
-    done = subprocess.run(
+def program_output(program, *arguments, **environment):
+    """Returns what a program prints; environment: variables to set."""
+    completed = subprocess.run(
         [sys.executable, "-c", program, *map(str, arguments)],
         env=os.environ | environment,
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr
-    return done.stdout.strip()
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout.strip()
 
 
 def test_a_kernel_gives_the_same_numbers_without_numbas_internals():
@@ -72,9 +73,9 @@ def test_a_kernel_gives_the_same_numbers_without_numbas_internals():
     assert isinstance(body_forces, Kernel)
     arguments = eval(ARGUMENTS, {"Geometry": Geometry, "BallLoad": BallLoad})
     numbers = list(body_forces(*arguments))
-    builds_on_internals, others = json.loads(run(KERNEL, **{SWITCH: "1"}))
+    builds_on_internals, public_numbers = json.loads(program_output(KERNEL, **{SWITCH: "1"}))
     assert not builds_on_internals and any(numbers)
-    np.testing.assert_allclose(others, numbers, rtol=1e-12)
+    np.testing.assert_allclose(public_numbers, numbers, rtol=1e-12)
 
 
 @pytest.mark.long
@@ -82,11 +83,11 @@ def test_a_kernel_gives_the_same_numbers_without_numbas_internals():
 def test_the_public_interface_of_numba_gives_the_same_numbers(fidelity):
     arguments = (SOLVE, fidelity, scene_file("gyro_s1"))
     scene = load_scene(scene_file("gyro_s1"))
-    builds_on_internals, numbers = json.loads(run(*arguments, **{SWITCH: ""}))
+    builds_on_internals, numbers = json.loads(program_output(*arguments, **{SWITCH: ""}))
     assert builds_on_internals
-    builds_on_internals, others = json.loads(run(*arguments, **{SWITCH: "1"}))
+    builds_on_internals, public_numbers = json.loads(program_output(*arguments, **{SWITCH: "1"}))
     assert not builds_on_internals
-    assert numbers.keys() == others.keys() and len(numbers) > 30
+    assert numbers.keys() == public_numbers.keys() and len(numbers) > 30
     # Friction of strips that slip either way nearly cancels in the torque. A sum of n terms has an
     # error of at most n times the rounding of what they come to without their signs, which is here
     # friction times load times half the pitch diameter.
@@ -95,19 +96,19 @@ def test_the_public_interface_of_numba_gives_the_same_numbers(fidelity):
     largest = mu * load * 0.5e-3 * bearing.pitch_diameter_mm
     torque_error = np.finfo(float).eps * numbers["strips"][1] * largest
     for name, (units, number) in numbers.items():
-        first, other = np.array(number, float), np.array(others[name][1], float)
-        # what is over something else may be as small as rounding
-        scale = np.nanmax(np.abs(first), initial=1.0 if units == "1" else 0.0)
-        # an error estimate compares answers of a looser tolerance
+        patched, public = np.array(number, float), np.array(public_numbers[name][1], float)
+        # ratios may be as small as rounding, and are compared on a scale of at least one
+        scale = np.nanmax(np.abs(patched), initial=1.0 if units == "1" else 0.0)
+        # an error estimate is the difference of two solves with a looser tolerance
         allowed = 1e-10 if name.endswith("_error_estimate") else 1e-12
         atol = torque_error if name == "shaft_torque" else allowed * scale
-        np.testing.assert_allclose(other, first, rtol=0, atol=atol, err_msg=name)
+        np.testing.assert_allclose(public, patched, rtol=0, atol=atol, err_msg=name)
 
 
 def test_untested_versions_of_numba_compile_by_the_public_interface():
     for version in ("0.62.1", "0.69.0", "0.69.0rc1", "1.0.0", "0.100.0dev0+12.gab"):
         assert not is_tested(version)
-    assert run(OTHER_VERSION, "0.69.0rc1").startswith("numba.")
+    assert program_output(OTHER_VERSION, "0.69.0rc1").startswith("numba.")
 
 
 def test_a_tested_version(monkeypatch):

@@ -26,9 +26,10 @@ DEPTH = 1e-7  # [m]
 
 
 def touching_system(scene, guiding="outer", changes=None):
-    """A system with three balls and one edge of the land in contact with a tilted, moving cage.
+    """Returns a system with three balls and one edge of the land touching a tilted, moving cage.
 
-    The contacts are those of the places now; the balls' equilibrium does not know of them.
+    The contacts are those of the present places; the equilibrium of the balls does not include
+    them. changes: to the scene, by dotted keys.
     """
     keys = {"friction.cage": 0.3, "operation.rotating_load_N": 1.0} | GUIDED[guiding]
     s = scene("gyro_s1", keys | (changes or {}))
@@ -42,10 +43,10 @@ def touching_system(scene, guiding="outer", changes=None):
     for j in TOUCHING:
         for _ in range(6):  # down to DEPTH, ahead in the pocket
             slope = 1e-9
-            before = approach(system, j)
+            interference = approach(system, j)
             system.balls[j, PSI] += slope
-            rate = (approach(system, j) - before) / slope
-            system.balls[j, PSI] += (DEPTH - before) / rate - slope
+            rate = (approach(system, j) - interference) / slope
+            system.balls[j, PSI] += (DEPTH - interference) / rate - slope
     contacts(system)
     normal = system.buffers.cage.normal
     assert [j for j in range(9) if normal[j] > 0.0] == list(TOUCHING) and normal[9:].max() > 0.0
@@ -53,7 +54,7 @@ def touching_system(scene, guiding="outer", changes=None):
 
 
 def contacts(system):
-    """Find the cage's contacts anew; returns their buffers."""
+    """Updates the contacts of the cage for the present state, and returns their buffers."""
     buf = system.buffers
     find_contacts(system.y, system.bearing, buf.balls)
     cage_contacts(system.y, system.bearing, buf.balls, buf.cage)
@@ -61,16 +62,16 @@ def contacts(system):
 
 
 def approach(system, j):
-    """Interference of pocket j [m], without its threshold."""
+    """Returns the interference of pocket j [m], without its threshold."""
     return contacts(system).approach[j]
 
 
-def axes(psi):
-    """Azimuth axes of a ball as columns: x, along the orbit's y, radial z."""
+def azimuth_axes(psi):
+    """Returns the azimuth axes of a ball as columns: x, y along the orbit, and radial z."""
     s, c = math.sin(psi), math.cos(psi)
     return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
 
 
 def force_on_ball(system, j):
-    """Force of its pocket on ball j in inertial axes [N]."""
-    return axes(system.balls[j, PSI]) @ contacts(system).ball_force[j]
+    """Returns the force of its pocket on ball j in inertial axes [N]."""
+    return azimuth_axes(system.balls[j, PSI]) @ contacts(system).ball_force[j]

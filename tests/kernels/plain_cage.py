@@ -9,10 +9,10 @@ from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
 
 
 class Laws(NamedTuple):
-    """Where the model of today and that of the stored states differ."""
+    """The laws in which the present model and that of the stored states differ."""
 
-    damping_rubs: bool  # friction and wear of a pocket see its damping as well
-    race_stands: bool  # an inner land under a load fixed in space has no speed but its rotation
+    damping_rubs: bool  # whether friction and wear of a pocket include the force of its damping
+    race_stands: bool  # whether an inner land has no speed but its rotation
 
 
 TODAY, STORED = Laws(True, True), Laws(False, False)
@@ -34,7 +34,7 @@ class Contacts(NamedTuple):
 
 
 def rotation(q):
-    """Matrix of a unit quaternion (w, x, y, z)."""
+    """Returns the rotation matrix of a unit quaternion (w, x, y, z)."""
     w, x, y, z = q
     u = np.array([x, y, z])
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -42,7 +42,12 @@ def rotation(q):
 
 
 def cage_contacts(bearing, balls, cage, R, X, delta, laws):
-    """Contacts of the cage (3 + 3 + 3: centre, velocity, momentum) in the orientation R."""
+    """Returns the contacts of the cage in the orientation R.
+
+    balls: angular velocity (x, y, z), orbit rate and azimuth of each ball (n, 5). cage: centre,
+    velocity and angular momentum (9,). X: axial and radial places of the balls (n, 2). delta:
+    displacement of the inner race (3,). laws: those of the model.
+    """
     c, g = bearing.cage, bearing.g
     centre, v, L = cage[:3], cage[3:6], cage[6:]
     w = R @ np.diag([1.0 / c.I_x, 1.0 / c.I_t, 1.0 / c.I_t]) @ R.T @ L
@@ -138,8 +143,8 @@ def cage_contacts(bearing, balls, cage, R, X, delta, laws):
 
 
 def unbalanced(bearing, balls, F, X, delta, contacts):
-    """Force (2 n + 3) on ball centres, axially and radially, and on the inner race [N]."""
-    g, left, race = bearing.g, [], F + contacts.on_race
+    """Returns the force (2 n + 3,) on ball centres (axial, radial) and on the inner race [N]."""
+    g, ball_forces, race = bearing.g, [], F + contacts.on_race
     for j, (_, _, _, Omega, psi) in enumerate(balls):
         s, c, D = math.sin(psi), math.cos(psi), bearing.D[j]
         A = np.array(
@@ -157,13 +162,16 @@ def unbalanced(bearing, balls, F, X, delta, contacts):
         centrifugal = bearing.mass[j] * (g.R_o + X[j, 1]) * Omega**2
         cage = contacts.on_balls[j]
         radial = cage[2] * c - cage[1] * s + centrifugal
-        left.append(pushed[0] + pushed[1] + [cage[0], radial])
+        ball_forces.append(pushed[0] + pushed[1] + [cage[0], radial])
         race = race - [pushed[0][0], -pushed[0][1] * s, pushed[0][1] * c]
-    return np.r_[np.ravel(left), race]
+    return np.r_[np.ravel(ball_forces), race]
 
 
 def solve(bearing, balls, cage, R, F, X, delta, laws):
-    """Contacts where balls and race are in equilibrium with them: Newton from (X, delta) on."""
+    """Returns the contacts with balls and race in equilibrium, and the displacement of the race.
+
+    By Newton's method, which starts from X and delta.
+    """
     x, n = np.r_[X.ravel(), delta] * 1e6, 2 * len(balls)
 
     def places(x):
@@ -175,8 +183,10 @@ def solve(bearing, balls, cage, R, F, X, delta, laws):
         return unbalanced(bearing, balls, F, X, delta, contacts)
 
     for _ in range(5):
-        left = residual(x)
-        slope = np.array([(residual(x + 1e-6 * e) - left) / 1e-6 for e in np.eye(x.size)]).T
-        x = x - np.linalg.solve(slope, left)
+        residual_here = residual(x)
+        slope = np.array(
+            [(residual(x + 1e-6 * e) - residual_here) / 1e-6 for e in np.eye(x.size)]
+        ).T
+        x = x - np.linalg.solve(slope, residual_here)
     X, delta = places(x)
     return cage_contacts(bearing, balls, cage, R, X, delta, laws), delta

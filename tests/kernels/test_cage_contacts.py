@@ -20,27 +20,28 @@ MU, V_R = 0.3, 1e-3
 
 
 def difference(call, array, place, step):
-    """Central difference of `call()` by array[place]."""
+    """Returns the central difference of `call()` by the number `array[place]`."""
     computed = []
-    before = array[place]
+    value = array[place]
     for sign in (1.0, -1.0):
-        array[place] = before + sign * step
+        array[place] = value + sign * step
         computed.append(np.array(call()))
-    array[place] = before
+    array[place] = value
     return (computed[0] - computed[1]) / (2.0 * step)
 
 
 def by_vector(call, state, first, step):
-    """Central differences of `call()` by three numbers of a state, as columns."""
+    """Returns central differences of `call()` by three numbers of a state, as columns."""
     return np.array([difference(call, state, first + i, step) for i in range(3)]).T
 
 
-def close(found, expected, rtol=1e-5):
-    assert_allclose(found, expected, rtol=rtol, atol=rtol * np.abs(expected).max())
+def assert_close(actual, expected, rtol=1e-5):
+    """Asserts that numbers agree to a share of the largest one."""
+    assert_allclose(actual, expected, rtol=rtol, atol=rtol * np.abs(expected).max())
 
 
 def powers(velocity, place, n, stiffness, damping):
-    """Friction heat and damping power of a contact of law F = k d + c d closing."""
+    """Returns friction heat and damping power [W] of a contact with F = k d + c d closing."""
     closing, d = -velocity @ n, 1e-6 - place @ n
     F = stiffness * d + damping * d * closing
     slip = velocity + closing * n
@@ -48,7 +49,8 @@ def powers(velocity, place, n, stiffness, damping):
 
 
 @pytest.mark.parametrize("speed", [1e-4, 1e-3, 1e-1])
-def test_power_slopes(speed):
+def test_slopes_of_friction_heat_and_damping_power_agree_with_differences(speed):
+    """By velocity and place of a contact, for speeds below and beyond the regularisation."""
     random = np.random.default_rng(3)
     n, velocity = random.normal(size=(2, 3))
     n, velocity, place = n / np.linalg.norm(n), speed * velocity, np.zeros(3)
@@ -71,33 +73,33 @@ def test_power_slopes(speed):
 
     steps = (velocity, 1e-5 * speed), (place, 1e-11)
     computed = np.array([difference(call, x, i, h) for x, h in steps for i in range(3)]).T
-    close(heat, computed[0])
-    close(loss, computed[1])
+    assert_close(heat, computed[0])
+    assert_close(loss, computed[1])
 
 
 @pytest.mark.parametrize("j", TOUCHING)
-def test_pocket_stiffness(scene, j):
-    """Force on a ball by displacement of the cage, undamped: all that turns with the place is in.
+def test_the_stiffness_of_a_pocket_agrees_with_differences(scene, j):
+    """Force on a ball by the displacement of the cage, without damping.
 
-    A damped contact's force depends on the place in ways that K leaves out.
+    The matrix leaves out how the force of a damped contact depends on the place.
     """
     system = touching_system(scene, changes={"cage.restitution": 1.0})
     K = system.buffers.cage.K[j].copy()
     numerical = by_vector(lambda: force_on_ball(system, j), system.cage_state, CENTRE, 1e-12)
-    close(K, numerical, 1e-4)
+    assert_close(K, numerical, 1e-4)
 
 
 @pytest.mark.parametrize("j", TOUCHING)
-def test_pocket_damping(scene, j):
-    """Force on a ball by velocity of the cage: friction, and damping along the orbit."""
+def test_the_damping_of_a_pocket_agrees_with_differences(scene, j):
+    """Force on a ball by the velocity of the cage: friction, and damping along the orbit."""
     system = touching_system(scene)
     C = system.buffers.cage.C[j].copy()
     numerical = by_vector(lambda: force_on_ball(system, j), system.cage_state, VELOCITY, 1e-8)
-    close(C, numerical)
+    assert_close(C, numerical)
 
 
 def land_edge(system):
-    """The edge of the land that touches, and its normal."""
+    """Returns the number of the edge of the land that touches, and its normal."""
     buffers = system.buffers.cage
     edge = 9 + int(np.argmax(buffers.normal[9:]))
     x = system.bearing.cage.half_width * (1.0 if edge == 10 else -1.0)
@@ -109,34 +111,34 @@ def land_edge(system):
 
 
 def force_of_land(system):
-    """Force of the land on the cage: that on the cage less what the pockets give [N]."""
+    """Returns the force of the land on the cage: the whole one less that of the pockets [N]."""
     buffers = contacts(system)
     return buffers.force[:3] + sum(force_on_ball(system, j) for j in TOUCHING)
 
 
 @pytest.mark.parametrize("guiding", ["outer", "inner"])
-def test_land_damping(scene, guiding):
+def test_the_damping_of_the_land_agrees_with_differences(scene, guiding):
     """Force on the cage by its velocity: friction and damping."""
     system = touching_system(scene, guiding)
     edge, _ = land_edge(system)
     assert system.buffers.cage.normal[9:].min() == 0.0  # one edge alone
     C = system.buffers.cage.C[edge].copy()
     numerical = by_vector(lambda: force_of_land(system), system.cage_state, VELOCITY, 1e-7)
-    close(C, -numerical, 1e-4)
+    assert_close(C, -numerical, 1e-4)
 
 
 @pytest.mark.parametrize("guiding", ["outer", "inner"])
-def test_land_stiffness(scene, guiding):
-    """Force on the cage as it goes; the land elsewhere has another speed and another normal."""
+def test_the_stiffness_of_the_land_agrees_with_differences(scene, guiding):
+    """Force on the cage by its displacement, which also changes speed and normal of the contact."""
     system = touching_system(scene, guiding)
     edge, _ = land_edge(system)
     K = system.buffers.cage.K[edge].copy()
     numerical = by_vector(lambda: force_of_land(system), system.cage_state, CENTRE, 1e-12)
-    close(-K[:, 1:], numerical[:, 1:], 1e-4)
+    assert_close(-K[:, 1:], numerical[:, 1:], 1e-4)
 
 
-def test_linear_force_of_an_inner_land(scene):
-    """Force of the cage on the inner race, as the race goes along the normal."""
+def test_the_linear_force_of_an_inner_land_agrees_with_differences(scene):
+    """Force of the cage on the inner race, by the displacement of the race along the normal."""
     system = touching_system(scene, "inner")
     balls, buffers = system.buffers.balls, system.buffers.cage
     _, n = land_edge(system)
@@ -148,12 +150,12 @@ def test_linear_force_of_an_inner_land(scene):
         balls.delta[:] = delta + shift * n
         return contacts(system).race_force
 
-    close(lines @ n[1:], -difference(call, shift, 0, 1e-12), 1e-4)
+    assert_close(lines @ n[1:], -difference(call, shift, 0, 1e-12), 1e-4)
 
 
 @pytest.mark.parametrize("j", TOUCHING)
-def test_linear_force_of_a_pocket(scene, j):
-    """Axial and radial force on a ball, as its centre goes axially and radially."""
+def test_the_linear_force_of_a_pocket_agrees_with_differences(scene, j):
+    """Axial and radial force on a ball, by the axial and radial displacement of its centre."""
     system = touching_system(scene, changes={"cage.restitution": 1.0})
     balls, buffers = system.buffers.balls, system.buffers.cage
     linearise_cage_forces(system.bearing, balls, buffers)
@@ -164,5 +166,5 @@ def test_linear_force_of_a_pocket(scene, j):
 
     # A ball that goes outward also orbits faster, which the line leaves out: hold r Omega.
     computed = np.array([difference(call, balls.X, (j, k), 1e-12) for k in range(2)]).T
-    close(lines[:, 0], -computed[:, 0], 1e-4)
+    assert_close(lines[:, 0], -computed[:, 0], 1e-4)
     assert_allclose(lines[:, 1], -computed[:, 1], rtol=1e-2, atol=1e-3 * np.abs(computed).max())

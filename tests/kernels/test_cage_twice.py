@@ -32,15 +32,15 @@ CASES = [(name, k) for name, states in STATES["states"].items() for k in (0, len
 BALLS, POSE = 45, 58  # numbers of the balls; of balls and cage, with a quaternion
 
 
-def close(found, expected, what):
-    """To 1e-8 of the largest of its kind."""
+def assert_close(actual, expected, name):
+    """Asserts that numbers agree to 1e-8 of the largest of them."""
     expected = np.asarray(expected, float)
-    assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max(), err_msg=what)
+    assert_allclose(actual, expected, rtol=0, atol=1e-8 * np.abs(expected).max(), err_msg=name)
 
 
 @pytest.fixture(scope="module")
 def systems(scene):
-    """Function (name, imbalance) -> one of the five bearings, put into its states one by one."""
+    """Returns a function that makes the system of a scene of `STATES`, with an imbalance [um]."""
 
     @functools.cache
     def system_of(name, imbalance):
@@ -55,8 +55,8 @@ def systems(scene):
     return system_of
 
 
-def put(system, y):
-    """Put a system into a stored state; what the plain program takes of it."""
+def set_state(system, y):
+    """Sets a system to a stored state, and returns the arguments of `plain_cage.solve`."""
     R, cage = rotation(y[BALLS + 6 : BALLS + 10]), np.r_[y[BALLS : BALLS + 6], y[POSE - 3 : POSE]]
     bearing, buf = system.bearing, system.buffers
     system.y[:] = 0.0
@@ -70,52 +70,52 @@ def put(system, y):
 
 
 @pytest.mark.parametrize(("name", "k"), CASES)
-def test_the_plain_program_repeats_stored_cage_states(systems, name, k):
-    """With the laws of that time, it gives all stored numbers to 1e-8."""
+def test_the_plain_program_with_the_earlier_laws_gives_the_stored_numbers(systems, name, k):
+    """To 1e-8 of the largest number of each kind."""
     stored = STATES["states"][name][k]
     rates = np.array(stored["dy"])
-    then, delta = solve(*put(systems(name, 0.0), np.array(stored["y"])), STORED)
+    contacts, delta = solve(*set_state(systems(name, 0.0), np.array(stored["y"])), STORED)
     # After QV: a power for each pocket, the land, heat of both, damping, torque of both.
     pockets = rates[POSE + 18 : POSE + 27]
-    land, *others = rates[POSE + 27 :]
-    close(then.force, stored["f"], "force")
-    close(then.moment, stored["t_cage"], "moment")
-    close(delta, stored["delta"], "displacement")
-    close(then.pocket_power, pockets, "pockets")
-    close(then.land_power, land, "land")
-    close([*then.heat, then.damping], others[:3], "heat and damping")
-    close(then.torque, others[3:], "torque")
+    land, *sums = rates[POSE + 27 :]
+    assert_close(contacts.force, stored["f"], "force")
+    assert_close(contacts.moment, stored["t_cage"], "moment")
+    assert_close(delta, stored["delta"], "displacement")
+    assert_close(contacts.pocket_power, pockets, "pockets")
+    assert_close(contacts.land_power, land, "land")
+    assert_close([*contacts.heat, contacts.damping], sums[:3], "heat and damping")
+    assert_close(contacts.torque, sums[3:], "torque")
 
 
 @pytest.mark.parametrize(("name", "k"), CASES)
-def test_kernels(systems, name, k):
-    """The kernels against the plain program with the laws of today, to 1e-8."""
+def test_the_kernels_agree_with_the_plain_program(systems, name, k):
+    """With the laws of today, to 1e-8 of the largest number of each kind."""
     system = systems(name, 5.0 if k else 0.0)
-    now, delta = solve(*put(system, np.array(STATES["states"][name][k]["y"])), TODAY)
+    expected, delta = solve(*set_state(system, np.array(STATES["states"][name][k]["y"])), TODAY)
     contacts, sums = system.buffers.cage, system.buffers.cage.sums
-    close(contacts.force[:3], now.force, "force")
-    close(contacts.force[3:], now.moment, "moment")
-    close(system.buffers.balls.delta, delta, "displacement")
-    close(contacts.ball_moment, now.turning_balls, "moments on balls")
+    assert_close(contacts.force[:3], expected.force, "force")
+    assert_close(contacts.force[3:], expected.moment, "moment")
+    assert_close(system.buffers.balls.delta, delta, "displacement")
+    assert_close(contacts.ball_moment, expected.turning_balls, "moments on balls")
     psi = system.balls[:, PSI]
-    computed = contacts.ball_force
+    in_azimuth_axes = contacts.ball_force
     inertial = (
-        computed[:, 0],
-        computed[:, 1] * np.cos(psi) - computed[:, 2] * np.sin(psi),
-        computed[:, 1] * np.sin(psi) + computed[:, 2] * np.cos(psi),
+        in_azimuth_axes[:, 0],
+        in_azimuth_axes[:, 1] * np.cos(psi) - in_azimuth_axes[:, 2] * np.sin(psi),
+        in_azimuth_axes[:, 1] * np.sin(psi) + in_azimuth_axes[:, 2] * np.cos(psi),
     )
-    close(np.transpose(inertial), now.on_balls, "forces on balls")
-    close(contacts.power[:9], now.pocket_power, "pockets")
-    close(contacts.power[9:].sum(), now.land_power, "land")
+    assert_close(np.transpose(inertial), expected.on_balls, "forces on balls")
+    assert_close(contacts.power[:9], expected.pocket_power, "pockets")
+    assert_close(contacts.power[9:].sum(), expected.land_power, "land")
     damping = sums[POCKET_DAMPING] + sums[LAND_DAMPING]
     heat = [sums[POCKET_HEAT], sums[LAND_HEAT], damping]
-    close(heat, [*now.heat, now.damping], "heat and damping")
-    close(sums[[POCKET_TORQUE, LAND_TORQUE]], now.torque, "torque")
+    assert_close(heat, [*expected.heat, expected.damping], "heat and damping")
+    assert_close(sums[[POCKET_TORQUE, LAND_TORQUE]], expected.torque, "torque")
 
 
 @pytest.mark.parametrize("name", STATES["paths_from_start"])
-def test_stored_paths(scene, name):
-    """From the start through the first impacts: 1 % more rubs in them, since damping rubs, too."""
+def test_the_first_impacts_follow_the_stored_paths(scene, name):
+    """The work in the pockets is 1 % more than stored, as damping now adds to the friction."""
     changes = {"friction.slip_regularisation_m_s": 1e-2} | STATES["scenes"][name]
     s = scene("gyro_s1", changes)
     system = DynamicSystem.of(s, start_of(s).u)

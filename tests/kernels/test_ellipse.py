@@ -43,8 +43,8 @@ STEPS = (2e-4, 2e-7, 2e-4, 4e-3)
 SCALE = np.array([R, 1.0, R, CONTACT.a, 1.0])  # levers of the generalised forces
 
 
-def placed(rule, c, contact=CONTACT, v_r=V_R):
-    """Points of a rule as the sums take them."""
+def points_of(rule, c, contact=CONTACT, v_r=V_R):
+    """Returns the points of a rule on a contact, and their weights, as the sums take them."""
     n, m = most_points(rule), rule.across.size
     t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, n)))
     across, share = np.empty((2, m))
@@ -58,23 +58,26 @@ def placed(rule, c, contact=CONTACT, v_r=V_R):
 def test_places_across_have_the_same_bits_wherever_they_lie_in_memory():
     """The order of their sum does not depend on how close together the two arrays lie."""
     rule, c = ellipse_rule("split", 5, 8), (3.0, 0.02, 5.0, 4e5)
-    memory, computed = np.zeros(512), set()
-    for distance in range(rule.across.size, 200):
-        across, share = (memory[k : k + rule.across.size] for k in (0, distance))
+    n, memory, results = rule.across.size, np.zeros(512), set()
+    for distance in range(n, 200):
+        across, share = memory[:n], memory[distance : distance + n]
         place_across(rule, CONTACT, R, c, across, share, False)
-        computed.add(across.tobytes() + share.tobytes())
-    assert len(computed) == 1
+        results.add(across.tobytes() + share.tobytes())
+    assert len(results) == 1
 
 
 def sums(c, points):
-    """Potential, gradient, Hessian and QV of CONTACT over held points."""
+    """Returns potential, gradient and Hessian of the friction of CONTACT over some points.
+
+    Checks that sums of four and of five forces, and QV, agree with them.
+    """
     gradient, hessian = np.empty(5), np.empty((5, 5))
     ellipse_slopes(CONTACT, c, MU, V_R, points, gradient, hessian)
     four = np.empty(4), np.empty((4, 4))
     ellipse_slopes(CONTACT, c, MU, V_R, points, *four)
     assert (four[0] == gradient[:4]).all() and (four[1] == hessian[:4, :4]).all()
-    *alone, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
-    assert_allclose(alone, gradient, rtol=1e-12, atol=1e-14 * np.abs(gradient / SCALE).max())
+    *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
+    assert_allclose(forces, gradient, rtol=1e-12, atol=1e-14 * np.abs(gradient / SCALE).max())
     t, weight, h, width, across, share = points
     y = np.outer(width, across)
     v_2 = (c[0] * h[:, None] - c[3] * y) ** 2
@@ -86,15 +89,15 @@ def sums(c, points):
 
 
 def differences(c, points, result):
-    """Slopes of one result of `sums` by the four slip coefficients."""
+    """Returns central differences of one result of `sums` by the four slip coefficients."""
     return by_differences(lambda moved: sums(moved, points)[result], c, STEPS)
 
 
 @pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])
 @pytest.mark.parametrize("c", SLIPS)
-def test_derivatives(c, rule):
-    """Gradient and Hessian against differences (as test_friction.py has it), points held."""
-    points = placed(rule, c)
+def test_gradient_and_hessian_of_the_potential_agree_with_differences(c, rule):
+    """At points that are held; the errors of the differences are those of test_friction.py."""
+    points = points_of(rule, c)
     _, gradient, hessian = sums(c, points)
     size = np.abs(gradient / SCALE).max()
     by_c = differences(c, points, 0) / SCALE[:4]
@@ -108,13 +111,13 @@ def test_derivatives(c, rule):
 
 
 @pytest.mark.parametrize("c", SLIPS)
-def test_one_point_across_is_the_line(c):
+def test_one_point_across_the_ellipse_gives_the_sums_along_a_line(c):
     t, weight = gauss_halves(30)
     h = np.empty(t.size)
     surface_height(CONTACT, R, t, h)
     points = Points(t, weight, h, np.zeros(t.size), np.zeros(1), np.ones(1))
-    *computed, along, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
-    assert_allclose(along, computed[0] / h.mean(), rtol=2e-3)
+    *computed, rolling_force, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
+    assert_allclose(rolling_force, computed[0] / h.mean(), rtol=2e-3)
     *line, line_qv = quick_strip_sums(CONTACT, c, MU, V_R, t, weight, h)
     gradient, hessian = np.empty((2, 4)), np.empty((2, 4, 4))
     traction(CONTACT, c, MU, V_R, points, gradient[0])
@@ -128,19 +131,21 @@ def test_one_point_across_is_the_line(c):
 
 @pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])
 @pytest.mark.parametrize("c", SLIPS)
-def test_mirrored_across(c, rule):
-    """With gyroscopic slip the other way round its force turns round, and nothing else changes."""
+def test_an_opposite_gyroscopic_slip_gives_the_mirrored_friction(c, rule):
+    """Its force changes sign, and nothing else changes."""
     mirrored = (-c[0], *c[1:])
-    *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, placed(rule, c))
-    *others, other_qv = ellipse_sums(CONTACT, mirrored, MU, V_R, placed(rule, mirrored))
-    turned = np.array(others) * [-1.0, 1.0, 1.0, 1.0, -1.0]
-    assert_allclose([*turned, other_qv], [*forces, qv], rtol=1e-11, atol=1e-18)
+    *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, points_of(rule, c))
+    *mirrored_forces, mirrored_qv = ellipse_sums(
+        CONTACT, mirrored, MU, V_R, points_of(rule, mirrored)
+    )
+    expected = np.array(mirrored_forces) * [-1.0, 1.0, 1.0, 1.0, -1.0]
+    assert_allclose([*expected, mirrored_qv], [*forces, qv], rtol=1e-11, atol=1e-18)
 
 
 @pytest.mark.parametrize("make", [chebyshev, chebyshev_halves])
 @pytest.mark.parametrize("n", [1, 2, 4, 7, 12])
 def test_points_across_integrate_a_semi_ellipse(make, n):
-    """Weights, symmetry, and the means of y^2 and of |y|, which only the halves have exactly."""
+    """Weights, symmetry, and the mean of y^2; only the halves have that of |y| exactly."""
     across, share = make(n)
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
     assert_allclose(across, -across[::-1], atol=1e-16)
@@ -163,7 +168,7 @@ def test_points_across_integrate_a_semi_ellipse(make, n):
 def test_points_across_follow_where_the_slip_turns_round(c, turning_point):
     """Their middle is moved there, at the most to EDGE."""
     rule = ellipse_rule("split", 24, 8)
-    *_, across, share = placed(rule, c)
+    *_, across, share = points_of(rule, c)
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
     assert np.abs(across).max() < 1.0
     shift = np.clip(turning_point, -EDGE, EDGE)
@@ -173,40 +178,54 @@ def test_points_across_follow_where_the_slip_turns_round(c, turning_point):
 
 
 def test_points_across_of_a_contact_without_slip():
-    *_, across, share = placed(ellipse_rule("split", 24, 8), (0.0, 0.0, 0.0, 0.0))
+    *_, across, share = points_of(ellipse_rule("split", 24, 8), (0.0, 0.0, 0.0, 0.0))
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
     assert np.abs(across).max() < 1.0
 
 
+SPIN_RATE = 1e3  # [rad/s]
+SPIN = (0.0, 0.0, 0.0, SPIN_RATE)
+COULOMB = 1e-9  # [m/s], a regularisation that leaves Coulomb's law
+
+
 @pytest.mark.parametrize("kappa", [1.0, 1.5, 3.07, 6.0, 20.0])
-def test_spin_torque_of_an_ellipse(kappa):
-    """(3/8) mu Q a E(m), Poritsky, Hewlett and Coleman (1947); the line model has E = 1."""
+def test_torque_and_qv_of_pure_spin_on_an_ellipse_have_a_closed_form(kappa):
+    """The torque is (3/8) mu Q a E(m): Poritsky, Hewlett and Coleman (1947)."""
     contact = CONTACT._replace(b=CONTACT.a / kappa)
-    c, v_r = (0.0, 0.0, 0.0, 1e3), 1e-9
+    points = points_of(ellipse_rule("split", 200, 64), SPIN, contact, COULOMB)
+    *_, torque, _, qv = ellipse_sums(contact, SPIN, MU, COULOMB, points)
+    exact = 3 / 8 * contact.Q * contact.a * ellipe(1.0 - kappa**-2)
+    assert_allclose(torque, MU * exact, rtol=1e-6)
+    assert_allclose(qv, SPIN_RATE * exact, rtol=1e-6)
+
+
+def test_the_torque_of_pure_spin_on_a_line_has_a_closed_form():
+    """It is (3/8) mu Q a, as of a very long ellipse."""
     rule = ellipse_rule("split", 200, 64)
-    *_, g_x, _, qv = ellipse_sums(contact, c, MU, v_r, placed(rule, c, contact, v_r))
-    unit = 3 / 8 * contact.Q * contact.a
-    assert_allclose(g_x / (MU * unit), ellipe(1.0 - kappa**-2), rtol=1e-6)
-    assert_allclose(qv / (unit * 1e3), ellipe(1.0 - kappa**-2), rtol=1e-6)
-    t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, most_points(rule))))
+    buffers = np.empty((2, most_points(rule)))
+    t, weight = quadrature_points(rule, CONTACT, R, SPIN, COULOMB, *buffers)
     h = np.empty(t.size)
-    surface_height(contact, R, t, h)
-    g_x = quick_strip_sums(contact, c, MU, v_r, t, weight, h)[3]
-    assert_allclose(g_x / (MU * unit), 1.0, rtol=1e-9)
+    surface_height(CONTACT, R, t, h)
+    _, _, _, torque, _ = quick_strip_sums(CONTACT, SPIN, MU, COULOMB, t, weight, h)
+    assert_allclose(torque, 3 / 8 * MU * CONTACT.Q * CONTACT.a, rtol=1e-9)
 
 
-def test_default_points_on_a_spinning_ellipse():
-    """20 strips and 8 points across: 1e-3 of the torque at kappa 3.07; fixed ones, 8: 2.5e-4."""
-    contact, c = CONTACT._replace(b=CONTACT.a / 3.07), (0.0, 0.0, 0.0, 1e3)
-    exact = 3 / 8 * MU * contact.Q * contact.a * ellipe(1.0 - 3.07**-2)
-    split = ellipse_sums(contact, c, MU, 1e-9, placed(ellipse_rule("split", 20, 8), c, contact))
-    assert_allclose(split[3], exact, rtol=1e-3)
-    fixed = ellipse_sums(contact, c, MU, 1e-9, placed(ellipse_rule("gauss", 200, 8), c, contact))
-    assert_allclose(abs(fixed[3] / exact - 1.0), 2.5e-4, rtol=0.1)
+@pytest.mark.parametrize(
+    ("rule", "error"),
+    [(ellipse_rule("split", 20, 8), 1e-3), (ellipse_rule("gauss", 200, 8), 2.8e-4)],
+    ids=["default points", "fixed points"],
+)
+def test_few_points_give_the_torque_of_pure_spin(rule, error):
+    """At the ellipticity of gyro_s1's outer contact; the error of fixed points is 2.5e-4."""
+    kappa = 3.07
+    contact = CONTACT._replace(b=CONTACT.a / kappa)
+    exact = 3 / 8 * MU * contact.Q * contact.a * ellipe(1.0 - kappa**-2)
+    *_, torque, _, _ = ellipse_sums(contact, SPIN, MU, COULOMB, points_of(rule, SPIN, contact))
+    assert_allclose(torque, exact, rtol=error)
 
 
-def test_heathcote_slip():
-    """No spin, no gyroscopic slip: Johnson, Contact Mechanics, 8.5 (line slip, close conformity).
+def test_heathcote_slip_agrees_with_johnson():
+    """Without spin and gyroscopic slip: Contact Mechanics, 8.5 (line slip, close conformity).
 
     Without a net force there is no slip at 0.34730 a, and the moment is 0.08057 mu Q a^2/R.
     """
@@ -214,7 +233,7 @@ def test_heathcote_slip():
     rule, v_r, c_h = ellipse_rule("split", 200), 1e-12, 1.0
     gradient = np.empty(4)
 
-    def along(c_0):
+    def net_force(c_0):
         c = (0.0, c_0, c_h, 0.0)
         t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, most_points(rule))))
         h = np.empty(t.size)
@@ -224,7 +243,7 @@ def test_heathcote_slip():
 
     ends = np.empty(2)
     surface_height(contact, R, np.array([0.0, 1.0]), ends)
-    c_0 = brentq(along, -c_h * ends[0], -c_h * ends[1], xtol=1e-18, rtol=1e-15)
+    c_0 = brentq(net_force, -c_h * ends[0], -c_h * ends[1], xtol=1e-18, rtol=1e-15)
     zero = brentq(lambda t: slip_at(contact, (0.0, c_0, c_h, 0.0), t), 0.0, 1.0)
     assert_allclose(zero, 0.34730, rtol=1e-3)
     moment = gradient[2] - ends[0] * gradient[1]
@@ -232,17 +251,18 @@ def test_heathcote_slip():
 
 
 def slip_at(contact, c, t):
+    """Returns the slip along the rolling direction at a place t = x/a [m/s]."""
     h, v1, v2 = np.empty((3, 1))
-    at = np.array([t])
-    surface_height(contact, R, at, h)
-    slip_velocity(contact, c, at, h, v1, v2)
+    places = np.array([t])
+    surface_height(contact, R, places, h)
+    slip_velocity(contact, c, places, h, v1, v2)
     return v2[0]
 
 
 @pytest.mark.parametrize("c", SLIPS)
 def test_share_of_gyroscopic_slip_counts_no_spin(c):
-    """|c_1 h| over |v|; and heat and torque are those of the generalised friction."""
-    points, r = placed(ellipse_rule("split", 24, 8), c), 3.5e-3
+    """It is |c_1 h| over |v|; heat and torque are those of the generalised friction."""
+    points, r = points_of(ellipse_rule("split", 24, 8), c), 3.5e-3
     qv, heat, share, torque = dissipation(CONTACT, c, MU, V_R, r, points)
     *g, _, total = ellipse_sums(CONTACT, c, MU, V_R, points)
     assert_allclose(qv, total, rtol=1e-12)

@@ -42,21 +42,24 @@ DIFFERENCE = 1e-6
 
 
 def sums(c):
-    """Potential, gradient and Hessian of CONTACT at the slip coefficients c."""
+    """Returns potential, gradient and Hessian of CONTACT at the slip coefficients c.
+
+    Checks that all kernels with these sums agree.
+    """
     t, weight = gauss_halves(40)
     p = profile(CONTACT.r_g, R, CONTACT.a)
     x = CONTACT.a * t
     h = np.array([height(p, position) for position in x])
     gradient, hessian = np.empty(4), np.empty((4, 4))
     assert strip_slopes(CONTACT, c, MU, V_R, t, weight, h, gradient, hessian) == 0.0
-    *alone, none = strip_sums(CONTACT, c, MU, V_R, t, weight, h)
-    assert none == 0.0
-    assert_allclose(alone, gradient, rtol=1e-13, atol=1e-15 * np.abs(gradient).max())
-    *in_one_pass, qv = quick_strip_sums(CONTACT, c, MU, V_R, t, weight, h)
-    assert_allclose(in_one_pass, gradient, rtol=1e-12, atol=1e-15 * np.abs(gradient).max())
+    *forces, slip_sum = strip_sums(CONTACT, c, MU, V_R, t, weight, h)
+    assert slip_sum == 0.0
+    assert_allclose(forces, gradient, rtol=1e-13, atol=1e-15 * np.abs(gradient).max())
+    *quick_forces, qv = quick_strip_sums(CONTACT, c, MU, V_R, t, weight, h)
+    assert_allclose(quick_forces, gradient, rtol=1e-12, atol=1e-15 * np.abs(gradient).max())
     quick, slopes = np.empty(4), np.empty((4, 4))
     quick_qv = quick_strip_slopes(CONTACT, c, MU, V_R, t, weight, h, quick, slopes)
-    assert_allclose([*quick, quick_qv], [*in_one_pass, qv], rtol=1e-12, atol=1e-15 * qv)
+    assert_allclose([*quick, quick_qv], [*quick_forces, qv], rtol=1e-12, atol=1e-15 * qv)
     assert_allclose(slopes, hessian, rtol=1e-12, atol=1e-15 * np.abs(hessian).max())
     phi = 0.0
     for k in range(t.size):
@@ -66,7 +69,7 @@ def sums(c):
 
 
 def differences(c, result):
-    """Slopes by the four slip coefficients of one result of `sums`."""
+    """Returns central differences of one result of `sums` by the four slip coefficients."""
     return by_differences(lambda moved: sums(moved)[result], c, STEPS)
 
 
@@ -95,8 +98,8 @@ def test_hessian_is_the_slope_of_the_gradient(c):
 
 
 @pytest.mark.parametrize("v1, v2", [(0.0, 0.0), (1e-3, 0.0), (0.0, 5.0), (2e-3, -3e-3), (4.0, 3.0)])
-def test_slope_of_the_law(v1, v2):
-    """dF1/dv1, dF1/dv2, dF2/dv2 against central differences of v F/|v|."""
+def test_slopes_of_the_friction_law_agree_with_differences(v1, v2):
+    """dF1/dv1, dF1/dv2 and dF2/dv2 against central differences of v F/|v|."""
     step = 1e-4 * max(V_R, math.hypot(v1, v2))
 
     def force(a, b):
@@ -110,7 +113,7 @@ def test_slope_of_the_law(v1, v2):
     assert_allclose([p_11, p_12, p_12, p_22], [*by_1, *by_2], atol=1e-7 * f)
 
 
-def test_force_is_coulombs_for_large_slip():
+def test_friction_is_coulombs_for_large_slip():
     slip = np.array([1e-3, 1.0, 1e3])
     force = [force_per_slip(0.3, v * v, V_R * V_R) * v for v in slip]
     assert_allclose(force, 0.3 * slip / np.hypot(slip, V_R), rtol=1e-15)

@@ -4,6 +4,8 @@ States, ball centres and race together: a W-method keeps its order with inexact 
 rates, so an order of convergence shows nothing of them.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from kernels.cage_states import TOUCHING, touching_system
@@ -48,11 +50,12 @@ SMOOTH = {
     "lubricant.drag_density_kg_m3": 250.0,
 }
 HARD = {"cage.restitution": 1.0}  # a damped pocket's force depends on places in ways left out
+AXIAL = -3  # place of the axial displacement of the race
 NAMES = "shaft", "heat", "turning", "cage_heat", "damping", "pocket_torque", "land_torque"
 
 
-def steps_of(system):
-    """Steps of the differences by states and places, and changes that matter about as much."""
+def difference_steps(system):
+    """Returns steps of differences by states and places, and changes that matter about equally."""
     n, z, qv = len(system.bearing.D), system.layout.cage, system.layout.qv
     small, typical = np.full((2, qv + 2 * n + 3), 1e-12)
     typical[:] = 1e-8
@@ -62,106 +65,143 @@ def steps_of(system):
         typical[i + W_X : i + OMEGA], typical[i + OMEGA], typical[i + PSI] = 10.0, 1.0, 1e-6
     if qv > z:
         momentum = abs(system.y[z + MOMENTUM])
-        for at, step, change in (
+        for first, step, change in (
             (CENTRE, 1e-12, 1e-7),
             (VELOCITY, 1e-8, 1e-2),
             (ROTATION, 1e-9, 1e-5),
             (MOMENTUM, 1e-8 * momentum, 1e-3 * momentum),
         ):
-            small[z + at : z + at + 3], typical[z + at : z + at + 3] = step, change
+            small[z + first : z + first + 3], typical[z + first : z + first + 3] = step, change
     return small, typical
 
 
 def differences(system, small):
-    """Derivatives of rates and unbalanced forces (m, m), and of the integrals' rates, by all."""
+    """Returns central differences of rates and forces (m, m), and of the integrals' rates.
+
+    small: step of each state and place (m,).
+    """
     bearing, buf, qv = system.bearing, system.buffers, system.layout.qv
     balls, y = buf.balls, system.y
-    here = np.r_[y[:qv], balls.X.ravel(), balls.delta]
+    point = np.r_[y[:qv], balls.X.ravel(), balls.delta]
 
-    def called(u):
-        moved, dy = y.copy(), np.zeros(y.size)
-        moved[:qv], balls.X[:], balls.delta[:] = u[:qv], u[qv:-3].reshape(-1, 2), u[-3:]
-        assert rates_here(system.time, moved, bearing, buf, dy, False) == OK
+    def rates_at(u):
+        state, dy = y.copy(), np.zeros(y.size)
+        state[:qv], balls.X[:], balls.delta[:] = u[:qv], u[qv:-3].reshape(-1, 2), u[-3:]
+        assert rates_here(system.time, state, bearing, buf, dy, False) == OK
         return np.r_[dy[:qv], balls.left.ravel(), balls.race_left], dy[qv:]
 
     computed = []
     for k, step in enumerate(small):
-        shift = np.zeros(here.size)
+        shift = np.zeros(point.size)
         shift[k] = step
-        pairs = zip(called(here + shift), called(here - shift), strict=True)
+        pairs = zip(rates_at(point + shift), rates_at(point - shift), strict=True)
         computed.append([(high - low) / (2.0 * step) for high, low in pairs])
-    called(here)
+    rates_at(point)
     return (np.array(column).T for column in zip(*computed, strict=True))
 
 
-def alone(scene, changes):
-    """A bearing without its cage, off its steady state."""
+def system_without_cage(scene, changes):
+    """Returns a system without a cage, off its steady state."""
     s = scene("gyro_s1", SMOOTH | {"cage": None} | changes)
     system = DynamicSystem.of(s, start_of(s).u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0])
     assert system.update() == OK
     return system
 
 
-@pytest.mark.parametrize(
-    ("guiding", "contact", "method"),
-    [
+class Linearised(NamedTuple):
+    """A system that is linearised at its state, and differences to compare with."""
+
+    system: DynamicSystem
+    has_cage: bool
+    J: np.ndarray  # of rates and unbalanced forces (m, m)
+    integral_slopes: np.ndarray  # of the rates of the integrals (integrals, m)
+    typical: np.ndarray  # changes of states and places (m,) that matter about equally
+
+
+@pytest.fixture(
+    scope="module",
+    params=[
         ("outer", "paper", "constant_force"),
         ("inner", "hertz", "fixed_position"),
         (None, "hertz", None),
     ],
+    ids=["outer, without traction", "inner, with traction", "without a cage, with traction"],
 )
-def test_factors_and_powers(scene, guiding, contact, method):
-    """Factors against the dense matrix, powers of a step against their slopes, all by differences.
-
-    With traction in the balance (hertz) and without it; three pockets and a land closed, or none.
-    """
+def linearised(request, scene):
+    """Returns a linearised system with three pockets and a land in contact, or without a cage."""
+    guiding, contact, method = request.param
     changes = {"model.contact": contact}
     if guiding is None:
-        system = alone(scene, changes)
+        system = system_without_cage(scene, changes)
     else:
         changes |= SMOOTH | HARD | {"operation.preload_method": method}
         system = touching_system(scene, guiding, changes)
-    bearing, buf, y, stage = system.bearing, system.buffers, system.y, system.stages
+    bearing, buf, stage = system.bearing, system.buffers, system.stages
     assert bearing.traction == (contact == "hertz")
-    assert rates_here(system.time, y, bearing, buf, stage.rates[0], True) == OK
-    small, typical = steps_of(system)
-    linearise(y, bearing, buf, stage.system)
+    assert rates_here(system.time, system.y, bearing, buf, stage.rates[0], True) == OK
+    small, typical = difference_steps(system)
+    linearise(system.y, bearing, buf, stage.system)
     assert stage.system.touching.sum() == (len(TOUCHING) + 1 if guiding else 0)
-    J, slopes = differences(system, small)
-    qv, z, held = system.layout.qv, system.layout.cage, bearing.axial_is_held
-    for shift in (1e5, 1e7):
-        assert factorise(shift, y, bearing, buf, stage.system)
-        dense = np.diag(np.r_[np.full(qv, shift), np.zeros(J.shape[0] - qv)]) - J
-        if held:
-            dense[-3], dense[:, -3] = 0.0, 0.0
-            dense[-3, -3] = 1.0
-        inverse = np.empty(J.shape)
-        for k in range(J.shape[0]):
-            side, U = np.zeros((2, J.shape[0]))
-            side[k] = 1.0 if not (held and k == J.shape[0] - 3) else 0.0
-            solve_factorised(shift, side, U, bearing, stage.system)
-            inverse[:, k] = U
-        if held:
-            inverse[-3, -3] = 1.0
-        apart = (np.linalg.inv(inverse) - dense) * typical
-        share = np.abs(apart) / np.abs(dense * typical).max(axis=1, keepdims=True)
-        assert share[qv:].max() < 5e-4  # the algebraic equations have to be exact
-        balls = share[:z]
-        assert balls.max() < 2e-3
-        if guiding:  # the cage's own turning is left out, and the arm of a land that moves
-            assert share[z:qv].max() < 6e-2
-    random = np.random.default_rng(5).normal(size=J.shape[0]) * typical
-    powers = np.zeros(y.size)
+    J, integral_slopes = differences(system, small)
+    return Linearised(system, guiding is not None, J, integral_slopes, typical)
+
+
+def factorised_matrix(linearised, shift):
+    """Returns the matrix of a step (m, m) that its factors stand for, by solving for unit vectors.
+
+    Where the race is held axially, its place AXIAL has a row and a column of the unit matrix.
+    """
+    system, m = linearised.system, len(linearised.J)
+    bearing, held = system.bearing, system.bearing.axial_is_held
+    assert factorise(shift, system.y, bearing, system.buffers, system.stages.system)
+    inverse = np.empty((m, m))
+    for k in range(m):
+        side, solution = np.zeros((2, m))
+        side[k] = 0.0 if held and k == m + AXIAL else 1.0
+        solve_factorised(shift, side, solution, bearing, system.stages.system)
+        inverse[:, k] = solution
     if held:
-        random[-3] = 0.0
-    add_ball_powers(random, y, stage.rates[0], bearing, buf, stage.system, powers)
-    if guiding:
-        add_cage_powers(random, y, bearing, stage.system, powers)
-    for name in NAMES if guiding else NAMES[:3]:
-        row = slopes[getattr(system.layout, name) - qv] * typical
-        computed = powers[getattr(system.layout, name)]
-        scale = np.abs(row).max()
-        assert abs(computed - row @ (random / typical)) <= 3e-2 * scale, name
+        inverse[AXIAL, AXIAL] = 1.0
+    return np.linalg.inv(inverse)
+
+
+@pytest.mark.parametrize("shift", [1e5, 1e7])
+def test_the_factors_of_a_step_are_those_of_the_matrix_of_differences(linearised, shift):
+    """Errors are shares of the largest term of a row, for typical changes.
+
+    The algebraic equations have to be exact. The turning of the cage itself, and the arm of a land
+    that moves, are left out.
+    """
+    system, J, typical = linearised.system, linearised.J, linearised.typical
+    cage, algebraic = system.layout.cage, system.layout.qv  # first rows
+    dense = np.diag(np.r_[np.full(algebraic, shift), np.zeros(len(J) - algebraic)]) - J
+    if system.bearing.axial_is_held:
+        dense[AXIAL], dense[:, AXIAL] = 0.0, 0.0
+        dense[AXIAL, AXIAL] = 1.0
+    errors = np.abs(factorised_matrix(linearised, shift) - dense) * typical
+    errors /= np.abs(dense * typical).max(axis=1, keepdims=True)
+    assert errors[algebraic:].max() < 5e-4
+    assert errors[:cage].max() < 2e-3
+    if linearised.has_cage:
+        assert errors[cage:algebraic].max() < 6e-2
+
+
+def test_the_powers_of_a_step_agree_with_their_slopes(linearised):
+    """For a random step, to 3 % of the largest slope."""
+    system, typical = linearised.system, linearised.typical
+    bearing, stage = system.bearing, system.stages
+    step = np.random.default_rng(5).normal(size=typical.size) * typical
+    if bearing.axial_is_held:
+        step[AXIAL] = 0.0
+    powers = np.zeros(system.y.size)
+    add_ball_powers(step, system.y, stage.rates[0], bearing, system.buffers, stage.system, powers)
+    if linearised.has_cage:
+        add_cage_powers(step, system.y, bearing, stage.system, powers)
+    for name in NAMES if linearised.has_cage else NAMES[:3]:
+        place = getattr(system.layout, name)
+        slopes = linearised.integral_slopes[place - system.layout.qv]
+        largest = np.abs(slopes * typical).max()
+        assert abs(powers[place] - slopes @ step) <= 3e-2 * largest, name
 
 
 def test_factoring_pivots_and_refuses_a_singular_matrix():

@@ -32,13 +32,14 @@ def test_height_is_on_the_arc_through_both_ends_of_the_contact():
     assert_allclose(curvature, 0.5 * (1.0 / R + 1.0 / r_g), rtol=1e-4)  # rounding: 1e-16 R/step^2
 
 
-def test_pressure_carries_the_load():
+def test_the_integral_of_the_pressure_is_the_load():
     assert_allclose(PEAK * quad(pressure, -1.0, 1.0)[0], 1.0, rtol=1e-14)
     for t in (-1.0, -0.3, 0.8):
         assert_allclose(pressure_integral(t), quad(pressure, 0.0, t)[0], rtol=1e-13)
 
 
-def test_contact_law():
+def test_stiffness_approach_and_energy_follow_from_the_contact_load():
+    """By differences, inversion and quadrature of Q = K d^1.5."""
     K, d = 3.3e9, 7e-7
     Q, step = contact_load(K, d), 1e-5 * d
     slope = (contact_load(K, d + step) - contact_load(K, d - step)) / (2.0 * step)
@@ -48,8 +49,8 @@ def test_contact_law():
     assert_allclose(elastic_energy(Q, d), work, rtol=1e-10)
 
 
-def test_stiffness_of_a_spring():
-    """The tangent against differences of the force vector; an open contact has none."""
+def test_the_tangent_of_a_contact_spring_agrees_with_differences():
+    """An open contact has neither force nor stiffness."""
     K, free, X = 3.3e9, 8e-5, np.array([3e-5, 7.5e-5])
     s = spring(K, *X, free)
     assert s.Q > 0.0

@@ -26,7 +26,7 @@ CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3
 
 
 def slip_with_roots(first, second, c_1):
-    """Slip coefficients of CONTACT with v2 = 0 at two points x/a, which may lie outside."""
+    """Returns slip coefficients of CONTACT with v2 = 0 at two points x/a, which may lie outside."""
     h = np.empty(2)
     surface_height(CONTACT, R, np.array([first, second]), h)
     c_h = 6e3
@@ -35,7 +35,7 @@ def slip_with_roots(first, second, c_1):
 
 
 def sums(rule, c, v_r, mu=0.1):
-    """Mean slip and the four generalised forces, over mu Q and the lengths R, 1, R, a."""
+    """Returns mean slip and the four generalised forces, over mu Q and the lengths R, 1, R, a."""
     t, weight = np.empty((2, most_points(rule)))
     t, weight = quadrature_points(rule, CONTACT, R, c, v_r, t, weight)
     h = np.empty(t.size)
@@ -45,8 +45,8 @@ def sums(rule, c, v_r, mu=0.1):
     return np.array([qv / CONTACT.Q, *forces])
 
 
-def adaptive(c, v_r):
-    """The same by SciPy, on pieces that shrink towards both pure-rolling points."""
+def adaptive_sums(c, v_r):
+    """Returns the numbers of `sums` by SciPy, on pieces that shrink towards both rolling points."""
     R_d = 2.0 * CONTACT.r_g * R / (CONTACT.r_g + R)
 
     def values(t):
@@ -86,27 +86,26 @@ def test_against_adaptive_quadrature(roots, c_1, v_r):
     kink of |v|; with no slip across it that costs 1.6e-5.
     """
     c = slip_with_roots(*roots, c_1)
-    computed, exact = sums(ellipse_rule("split", 40), c, v_r), adaptive(c, v_r)
+    computed, exact = sums(ellipse_rule("split", 40), c, v_r), adaptive_sums(c, v_r)
     rounded = c_1 == 0.0 and v_r == 1e-3
     assert_allclose(computed[0], exact[0], rtol=3e-5 if rounded else 3e-7)
     assert_allclose(computed[1:], exact[1:], atol=5e-5)
 
 
 @pytest.mark.parametrize("c_1", [0.0, 0.5])
-def test_two_rolling_points_that_merge_and_vanish(c_1):
-    """v2 lifted through the place where it touches zero: no jump, and right on both sides."""
+def test_sums_are_continuous_where_two_rolling_points_merge_and_vanish(c_1):
+    """They do not jump, and agree with 4000 Gauss points on both sides."""
     c_1, c_0, c_h, c_x = slip_with_roots(0.3, 0.3 + 1e-6, c_1)
-    rule, before = ellipse_rule("split", 40), None
-    for lift in np.linspace(-1e-4, 1e-4, 41):
-        c = (c_1, c_0 - lift, c_h, c_x)
-        now = sums(rule, c, 1e-4)
-        assert before is None or np.abs(now - before).max() < 0.05
-        before = now
-        assert_allclose(now[1:], sums(ellipse_rule("gauss", 4000), c, 1e-4)[1:], atol=3e-4)
+    rule, fine_rule = ellipse_rule("split", 40), ellipse_rule("gauss", 4000)
+    slips = [(c_1, c_0 - lift, c_h, c_x) for lift in np.linspace(-1e-4, 1e-4, 41)]
+    values = np.array([sums(rule, c, 1e-4) for c in slips])
+    assert np.abs(np.diff(values, axis=0)).max() < 0.05
+    for c, value in zip(slips, values, strict=True):
+        assert_allclose(value[1:], sums(fine_rule, c, 1e-4)[1:], atol=3e-4)
 
 
-def test_a_point_far_outside_is_left_out_without_harm():
-    """Where a pure-rolling point counts no more the points jump, but the integrals hardly do."""
+def test_sums_hardly_change_where_a_far_rolling_point_is_left_out():
+    """The points of the rule jump there."""
     rule = ellipse_rule("split", 40)
     for c_1 in (0.0, 0.5):
         inside = sums(rule, slip_with_roots(0.02, FAR - 1e-9, c_1), 1e-3)
@@ -117,7 +116,7 @@ def test_a_point_far_outside_is_left_out_without_harm():
 
 @pytest.mark.parametrize("roots", ROOTS)
 def test_rolling_points_are_roots_of_the_slip(roots):
-    """At v_r towards 0 and without gyroscopic slip: v2 vanishes there, to rounding."""
+    """Without gyroscopic slip, and as v_r tends to 0, v2 vanishes there to rounding."""
     c = slip_with_roots(*roots, 0.0)
     computed = np.sort(rolling_points(CONTACT, R, c, 1e-13))
     h, v1, v2 = np.empty((3, 2))
@@ -128,7 +127,7 @@ def test_rolling_points_are_roots_of_the_slip(roots):
 
 
 def test_degenerate_slip_gives_finite_points():
-    """No slip at all, spin alone, equal slip everywhere; load shares sum to 1."""
+    """Without slip, with spin alone, with equal slip everywhere; the weights add up to 1."""
     rule = ellipse_rule("split", 40)
     for c in ((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1e3), (0.0, 1.0, 0.0, 0.0), (5.0, 0, 0, 0)):
         for v_r in (0.0, 1e-9, 1e-3):
@@ -143,8 +142,8 @@ def test_degenerate_slip_gives_finite_points():
 @pytest.mark.parametrize("loss", [0.0, 0.7])
 @pytest.mark.parametrize("mu", [0.02, 0.11])
 @pytest.mark.parametrize("v_r", [1e-3, 1e-6])
-def test_steady_state(scene, mu, loss, v_r):
-    """40 points at the most: QV of each contact to 3e-5 (measured 1.4e-5), Newton as quick."""
+def test_forty_points_give_qv_of_a_steady_state_to_3e_5(scene, mu, loss, v_r):
+    """Against 2000 Gauss points (measured: 1.4e-5), with hardly more steps of Newton's method."""
     changes = {
         "operation.preload_method": "fixed_position",
         "friction.ball_race": mu,
@@ -163,8 +162,8 @@ def test_steady_state(scene, mu, loss, v_r):
     assert split.residuals.discretisation_qv < 1e-5
 
 
-def test_motion_in_time(scene):
-    """Off the steady state, half a turn: the same path as with 400 Gauss points."""
+def test_forty_points_give_the_motion_of_four_hundred(scene):
+    """For half a turn from a motion off the steady state."""
     s = scene("gyro_s1")
     u = ThrustProblem.of(s).solve(2e-3).u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0]
     motions = []

@@ -5,29 +5,30 @@ import ast
 from bearingwear.provenance import PACKAGE
 
 
-def counts(value: ast.expr) -> bool:
-    """Whether a term is a whole number."""
+def is_whole_number(value: ast.expr) -> bool:
+    """Returns whether a term is a whole number."""
     if isinstance(value, ast.IfExp):
-        return counts(value.body) and counts(value.orelse)
+        return is_whole_number(value.body) and is_whole_number(value.orelse)
     return isinstance(value, ast.Constant) and isinstance(value.value, int)
 
 
 def sums_and_stores(loop: ast.For) -> bool:
-    """Whether an innermost loop adds to a float variable and writes into an array."""
+    """Returns whether an innermost loop adds to a float variable and writes to an array."""
     body = [node for statement in loop.body for node in ast.walk(statement)]
     if any(isinstance(node, ast.For) for node in body):
         return False
     sums = any(
         isinstance(node, ast.AugAssign)
         and isinstance(node.target, ast.Name)
-        and not counts(node.value)
+        and not is_whole_number(node.value)
         for node in body
     )
     stores = any(isinstance(n, ast.Subscript) and isinstance(n.ctx, ast.Store) for n in body)
     return sums and stores
 
 
-def offenders(source: str) -> list[str]:
+def functions_that_sum_and_store(source: str) -> list[str]:
+    """Returns the names of fastmath functions with a loop that sums and stores."""
     computed = []
     for function in ast.walk(ast.parse(source)):
         if not isinstance(function, ast.FunctionDef):
@@ -39,13 +40,14 @@ def offenders(source: str) -> list[str]:
     return computed
 
 
-def test_no_loop_that_sums_in_any_order_stores():
+def test_no_fastmath_loop_sums_and_stores():
+    """Its order of summation, and so its bits, would depend on where the arrays lie in memory."""
     kernels = sorted((PACKAGE / "kernels").rglob("*.py"))
-    computed = {path.name: offenders(path.read_text()) for path in kernels}
+    computed = {path.name: functions_that_sum_and_store(path.read_text()) for path in kernels}
     assert not {name: names for name, names in computed.items() if names}
 
 
-def test_the_lint_finds_one():
+def test_a_fastmath_loop_that_sums_and_stores_is_detected():
     body = "    for j in range(3):\n        a[j] = b[j]\n        s += a[j]\n"
-    assert offenders("@jit(fastmath=X)\ndef f(a, b, s):\n" + body) == ["f"]
-    assert offenders("@jit\ndef f(a, b, s):\n" + body) == []
+    assert functions_that_sum_and_store("@jit(fastmath=X)\ndef f(a, b, s):\n" + body) == ["f"]
+    assert functions_that_sum_and_store("@jit\ndef f(a, b, s):\n" + body) == []

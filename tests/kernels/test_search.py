@@ -33,8 +33,11 @@ DRILL = {
 }
 
 
-def problem_of(scene, **geometry):
-    """The problem, the ball's diameter and the state reached."""
+def solved_problem(scene, **geometry):
+    """Returns the problem of a scene, its ball diameter [m] and the case that it solves.
+
+    geometry: values to replace.
+    """
     problem, D = ThrustProblem.of(scene), float(ball_diameters(scene)[0])
     problem = replace(problem, g=problem.g._replace(**geometry))
     case = problem.solve(D)
@@ -42,60 +45,64 @@ def problem_of(scene, **geometry):
     return problem, D, case
 
 
-def at_rate(problem, D, case, share, w=None, v_r=0.03):
-    """F and its slope at a share of the state's orbit rate, and the motion there."""
+def balance_at_share(problem, D, case, share, w=None, v_r=0.03):
+    """Returns the balance at a share of the case's orbit rate, and the motion (4,) there.
+
+    w: angular velocity to start from, by default that of the case. v_r: regularisation [m/s].
+    """
     u = np.array([*(case.u[:3] if w is None else w), share * case.u[3]])
     near = Seat(delta_a=case.delta_a, state=cold_start())
     return balance_at_rate(balance_of(problem, D), v_r, near, u, np.empty(3), 1e-10), u
 
 
 @pytest.mark.parametrize("share", [0.3, 0.9, 1.0, 1.2, 2.0])
-def test_one_angular_velocity_at_each_orbit_rate(scene, share):
-    """From unlike angular velocities the moments come to the same balance."""
-    problem, D, case = problem_of(scene("gyro_s1"))
-    computed, u = at_rate(problem, D, case, share)
+def test_each_orbit_rate_has_one_angular_velocity(scene, share):
+    """Different starts lead to the same balance of moments."""
+    problem, D, case = solved_problem(scene("gyro_s1"))
+    computed, motion = balance_at_share(problem, D, case, share)
     assert computed.status == code.OK
     for start in benchmark("search").unlike_starts(problem, 8):
-        again, v = at_rate(problem, D, case, share, start[:3])
-        assert again.status == code.OK
-        assert_allclose(again.F, computed.F, atol=1e-8)
-        assert_allclose(v, u, atol=1e-6 * np.abs(u).max())
+        repeated, repeated_motion = balance_at_share(problem, D, case, share, start[:3])
+        assert repeated.status == code.OK
+        assert_allclose(repeated.F, computed.F, atol=1e-8)
+        assert_allclose(repeated_motion, motion, atol=1e-6 * np.abs(motion).max())
 
 
-def test_force_vanishes_at_the_state(scene):
-    problem, D, case = problem_of(scene("gyro_s1"))
+def test_the_force_on_the_orbit_changes_sign_at_the_steady_state(scene):
+    problem, D, case = solved_problem(scene("gyro_s1"))
     v_r = problem.op.v_r
-    assert abs(at_rate(problem, D, case, 1.0, v_r=v_r)[0].F) < 1e-9
-    below, above = (at_rate(problem, D, case, share)[0].F for share in (0.9, 1.1))
+    assert abs(balance_at_share(problem, D, case, 1.0, v_r=v_r)[0].F) < 1e-9
+    below, above = (balance_at_share(problem, D, case, share)[0].F for share in (0.9, 1.1))
     assert below > 0.5 and above < -0.5
 
 
 @pytest.mark.parametrize("share", [0.6, 0.97, 1.01, 1.4])
-def test_slope_of_the_force(scene, share):
-    """Against differences, with balls so light that the loads do not follow the orbit rate."""
-    problem, D, case = problem_of(scene("gyro_s1"), rho=1e-3)
-    computed, u = at_rate(problem, D, case, share)
+def test_the_slope_of_the_force_on_the_orbit_agrees_with_differences(scene, share):
+    """With balls so light that the loads do not depend on the orbit rate."""
+    problem, D, case = solved_problem(scene("gyro_s1"), rho=1e-3)
+    computed, u = balance_at_share(problem, D, case, share)
     step = 1e-5
-    ends = [at_rate(problem, D, case, share + s, u[:3])[0].F for s in (-step, step)]
+    ends = [balance_at_share(problem, D, case, share + s, u[:3])[0].F for s in (-step, step)]
     assert_allclose(computed.slope * case.u[3], (ends[1] - ends[0]) / (2 * step), rtol=1e-3)
 
 
-def test_friction_alone_never_raises_the_force(scene):
-    """Without the gyroscopic moment F only falls: then there is one state."""
-    problem, D, case = problem_of(scene("gyro_s1"), rho=1e-3)
+def test_without_gyroscopic_moment_the_force_on_the_orbit_only_falls(scene):
+    """So that there is one steady state."""
+    problem, D, case = solved_problem(scene("gyro_s1"), rho=1e-3)
     for share in np.linspace(0.05, 2.5, 40):
-        assert at_rate(problem, D, case, share)[0].slope <= 1e-12
+        assert balance_at_share(problem, D, case, share)[0].slope <= 1e-12
 
 
 def test_each_of_two_states_leads_to_the_other(scene):
-    problem, D, case = problem_of(scene("gyro_s1", DRILL))
-    (other,) = problem.other_states(D, case, True, 4)
-    assert other.u[3] / case.u[3] == pytest.approx(1.18234, abs=1e-5)
-    assert problem.stable(D, case) and problem.stable(D, other)
-    (back,) = problem.other_states(D, other, True, 4)
-    assert not is_new(back.u, [case])
+    """The ratio of their orbit rates is golden, to the five digits of docs/verification.md."""
+    problem, D, case = solved_problem(scene("gyro_s1", DRILL))
+    (second_case,) = problem.other_states(D, case, True, 4)
+    assert second_case.u[3] / case.u[3] == pytest.approx(1.18234, abs=1e-5)
+    assert problem.stable(D, case) and problem.stable(D, second_case)
+    (first_case,) = problem.other_states(D, second_case, True, 4)
+    assert not is_new(first_case.u, [case])
 
 
-def test_none_is_sought_from_no_motions(scene):
-    problem, D, case = problem_of(scene("gyro_s1", DRILL))
+def test_a_search_without_starts_finds_no_state(scene):
+    problem, D, case = solved_problem(scene("gyro_s1", DRILL))
     assert problem.other_states(D, case, True, 0) == []

@@ -15,7 +15,10 @@ TOLERANCE = 1e-3  # of the reference program; re-solved independently to 1e-4
 
 
 def deep_groove(clearance):
-    """Z 7, D 11.5 mm, dm 43.5 mm, r_i 0.52 D, r_e 0.53 D; free angle acos(1 - s/2A)."""
+    """Returns the geometry of the reference program's deep-groove bearing.
+
+    clearance: diametral [m]; the free contact angle is acos(1 - s/2A).
+    """
     D, dm, A = 11.5e-3, 43.5e-3, 0.05 * 11.5e-3
     alpha0 = math.acos(1.0 - clearance / (2.0 * A))
     R_o = 0.5 * dm - 0.03 * D * math.cos(alpha0)
@@ -25,7 +28,8 @@ def deep_groove(clearance):
     )
 
 
-def solved(g, F_a, F_r, start=(0.0, 0.0, 0.0), tilt=0.0):
+def race_at_rest(g, F_a, F_r, start=(0.0, 0.0, 0.0), tilt=0.0):
+    """Returns displacement (3,) [m], packed balls and azimuths in equilibrium with forces [N]."""
     psi = 2 * np.pi * np.arange(g.n_balls) / g.n_balls
     rows, delta = np.empty((g.n_balls, PACKED)), np.array(start)
     status, residual, _ = race_equilibrium(
@@ -48,32 +52,36 @@ def solved(g, F_a, F_r, start=(0.0, 0.0, 0.0), tilt=0.0):
     ("F_a", "F_r", "axis", "reference"),
     [(0.0, 1000.0, 2, 15.1101e-6), (1000.0, 0.0, 0, 133.5381e-6)],
 )
-def test_one_load(F_a, F_r, axis, reference):
-    delta, _, _ = solved(deep_groove(0.0), F_a, F_r)
+def test_displacements_under_one_load_are_those_of_a_commercial_program(F_a, F_r, axis, reference):
+    """In the other directions, the race does not move."""
+    delta, _, _ = race_at_rest(deep_groove(0.0), F_a, F_r)
     assert_allclose(delta[axis], reference, rtol=TOLERANCE)
     assert_allclose(np.delete(delta, axis), 0.0, atol=1e-12)
 
 
-def test_combined_load_free_tilt():
-    """1000 N radial and axial, clearance 0.01 mm, moment zero; axial counted from one plane."""
+def test_a_combined_load_with_free_tilt_agrees_with_a_commercial_program():
+    """1000 N radial and axial, clearance 0.01 mm, no moment.
+
+    The axial displacement counts from where both grooves have one plane.
+    """
     g = deep_groove(1e-5)
 
     def moment(tilt):
-        _, rows, psi = solved(g, 1000.0, 1000.0, (1e-5, 0.0, 1e-5), tilt)
+        _, rows, psi = race_at_rest(g, 1000.0, 1000.0, (1e-5, 0.0, 1e-5), tilt)
         return (rows[:, 17] * np.cos(psi) * g.R_i).sum()
 
     tilt = brentq(moment, -6e-3, 6e-3, xtol=1e-14)
-    delta, _, _ = solved(g, 1000.0, 1000.0, (1e-5, 0.0, 1e-5), tilt)
+    delta, _, _ = race_at_rest(g, 1000.0, 1000.0, (1e-5, 0.0, 1e-5), tilt)
     axial = delta[0] + g.BD * math.sin(g.alpha0)
     assert_allclose(
         [delta[2], axial, abs(tilt)], [19.5923e-6, 146.4603e-6, 2.6872e-3], rtol=TOLERANCE
     )
 
 
-def test_balls_that_lose_contact():
-    """A heavy radial load unloads the far balls; those left carry it all."""
+def test_a_heavy_radial_load_unloads_the_far_balls():
+    """The balls that stay loaded carry the whole load."""
     g = deep_groove(0.0)
-    _, rows, psi = solved(g, 200.0, 3000.0)
+    _, rows, psi = race_at_rest(g, 200.0, 3000.0)
     unloaded = rows[:, 5] == 0.0
     assert 0 < unloaded.sum() < g.n_balls
     radial = (rows[:, 5] * np.cos(rows[:, 3]) * np.cos(psi)).sum()

@@ -49,8 +49,8 @@ pack_ball_state, unpack_ball_state = in_python(pack_ball_state), in_python(unpac
 @pytest.fixture(
     params=[(m, c) for m in ("constant_force", "fixed_position") for c in ("paper", "hertz")]
 )
-def solved(request, scene):
-    """A solved balance (problem, seat, motion) with fixed quadrature points and drag."""
+def solved_balance(request, scene):
+    """Returns a solved balance with its seat and motion (4,); its points are fixed, it has drag."""
     problem = ThrustProblem.of(
         scene(
             "gyro_s1",
@@ -70,40 +70,54 @@ def solved(request, scene):
     return p, seat, case.u
 
 
-def balance(p, seat, u):
+def balance_residual(p, seat, u):
+    """Returns the residual (4,) of the friction balance at a motion."""
     out = np.empty(4)
     assert friction_balance(p, p.bearing.op.v_r, seat.state, u, out, False) == OK
     return out
 
 
-def test_full_jacobian(solved):
-    """Against central differences, the equilibrium solved anew at each orbit rate."""
-    p, seat, u = solved
+def test_the_jacobian_of_the_steady_balance_agrees_with_differences(solved_balance):
+    """The equilibrium of the ball is solved at each orbit rate."""
+    p, seat, u = solved_balance
     assert full_jacobian(p, p.bearing.op.v_r, seat, u) == OK
-    copied = p.jacobian.copy()
-    assert_allclose(p.residual, balance(p, seat, u), atol=1e-12 * np.abs(copied * u).max())
+    analytic = p.jacobian.copy()
+    assert_allclose(
+        p.residual, balance_residual(p, seat, u), atol=1e-12 * np.abs(analytic * u).max()
+    )
     # Slip changes by the step times a length: 1e-2 of v_r, as linear as the balance is.
     step = 1e-2 * p.bearing.op.v_r / (0.5 * p.bearing.D)
     J = np.empty((4, 4))
     for k in range(4):
-        moved = np.array([u + s * step * np.eye(4)[k] for s in (-1.0, 1.0)])
-        low, high = (balance(p, orbit_equilibrium(p.bearing, m[3], seat), m) for m in moved)
+        motions = np.array([u + s * step * np.eye(4)[k] for s in (-1.0, 1.0)])
+        low, high = (
+            balance_residual(p, orbit_equilibrium(p.bearing, motion[3], seat), motion)
+            for motion in motions
+        )
         J[:, k] = (high - low) / (2.0 * step)
     # The third derivative of the law over a hundredth of its width: 1e-4/6 of the largest slope.
-    assert_allclose(copied, J, atol=1e-3 * np.abs(copied).max(axis=1, keepdims=True).max())
-    rows = np.abs(copied).max(axis=1)
-    assert np.abs((copied - J) / rows[:, None]).max() <= 1e-3
+    assert_allclose(analytic, J, atol=1e-3 * np.abs(analytic).max(axis=1, keepdims=True).max())
+    rows = np.abs(analytic).max(axis=1)
+    assert np.abs((analytic - J) / rows[:, None]).max() <= 1e-3
 
 
-def test_jacobian_of_inertia_and_drag(solved):
-    """Without friction, a million times as stiff: quadratic in u, so that differences are exact."""
-    p, seat, u = solved
+def test_the_jacobian_of_inertia_and_drag_agrees_with_differences(solved_balance):
+    """Without friction, which is a million times as stiff.
+
+    The balance is then quadratic in the motion, so that central differences are exact.
+    """
+    p, seat, u = solved_balance
     none = Law(mu=0.0, S=0.0)
     bearing = p.bearing._replace(op=p.bearing.op._replace(law_i=none, law_o=none))
     p = p._replace(bearing=bearing)
     friction_balance(p, bearing.op.v_r, seat.state, u, np.empty(4), True)
     step = 1e-2 * np.abs(u).max()
-    J = np.array([balance(p, seat, u + e) - balance(p, seat, u - e) for e in step * np.eye(4)])
+    J = np.array(
+        [
+            balance_residual(p, seat, u + e) - balance_residual(p, seat, u - e)
+            for e in step * np.eye(4)
+        ]
+    )
     computed = p.jacobian
     assert_allclose(computed, J.T / (2.0 * step), rtol=1e-10, atol=1e-12 * np.abs(computed).max())
     # gyroscopic moments about y and z, drag on the orbit
@@ -111,12 +125,13 @@ def test_jacobian_of_inertia_and_drag(solved):
 
 
 def ball_load(model, **changes):
+    """Returns the load of a ball with an orbit of 1300 rad/s, by a model of kinematics."""
     load = orbit_load(1300.0, 0.0, 0.0)
     return load._replace(kinematics_model=model, omega_i=3000.0, **changes)
 
 
-def test_stiffness_of_a_ball(scene):
-    """S_xx, S_xr, S_rr against differences of the inner force, the ball centre free."""
+def test_the_stiffness_of_a_ball_agrees_with_differences(scene):
+    """S_xx, S_xr and S_rr, of the inner force, with a free centre of the ball."""
     g = parameters.geometry(scene("gyro_s1"))
     A = np.array(groove_distance(g, 0.0, 1.2 * static_displacement(g, 7.0), 0.0, 0.0, 0.0))
     state = ball_equilibrium(g, g.D0, ball_load(ORBIT), *A, cold_start())
@@ -134,8 +149,8 @@ def test_stiffness_of_a_ball(scene):
 
 
 @pytest.mark.parametrize("model", [ORBIT, OUTER_CONTROL, INNER_CONTROL])
-def test_packed_ball_state(scene, model):
-    """A packed ball state comes back field by field, but for its residual."""
+def test_a_packed_ball_state_is_unpacked_without_loss(scene, model):
+    """Except for its residual, which is not packed."""
     g = parameters.geometry(scene("gyro_s1"))
     A1, A2 = groove_distance(g, 0.0, static_displacement(g, 7.0), 0.0, 0.0, 0.0)
     state = ball_equilibrium(g, g.D0, ball_load(model), A1, A2, cold_start())
@@ -145,8 +160,12 @@ def test_packed_ball_state(scene, model):
     assert np.isfinite(row).all() and len(set(row)) > PACKED - 3
 
 
-def race(scene):
-    """Function delta -> (force, stiffness, scale) of gyro_s1, tilted, with forces on its balls."""
+def race_of_gyro_s1(scene):
+    """Returns the geometry of gyro_s1 and a function of the displacement of its race.
+
+    The function returns force (3,), stiffness (3, 3) and scale of the force. The race is tilted,
+    the balls differ and have axial forces.
+    """
     g = parameters.geometry(scene("gyro_s1"))
     n = g.n_balls
     loads = np.zeros((n, LOAD_FIELDS))
@@ -176,8 +195,9 @@ def race(scene):
     return g, forces
 
 
-def test_stiffness_of_the_race(scene):
-    g, forces = race(scene)
+def test_the_stiffness_of_the_race_agrees_with_differences(scene):
+    """The Hertz factors' dependence on the contact angle is left out, as for a ball."""
+    g, forces = race_of_gyro_s1(scene)
     delta = np.array([1.5 * static_displacement(g, 7.0), 3e-7, -2e-7])
     _, stiffness, scale = forces(delta)
     assert scale > 0.0
@@ -193,9 +213,9 @@ def test_stiffness_of_the_race(scene):
     assert np.abs(radial[0, 1]) > 0.1 * np.abs(radial).max()
 
 
-def test_axial_stiffness_lets_the_race_yield(scene):
-    """The Schur complement: force over displacement with no radial force gained."""
-    g, forces = race(scene)
+def test_the_axial_stiffness_is_that_of_a_race_that_yields_radially(scene):
+    """The Schur complement: force over displacement without a radial force."""
+    g, forces = race_of_gyro_s1(scene)
     _, k, _ = forces(np.array([1.5 * static_displacement(g, 7.0), 3e-7, -2e-7]))
     yielding = np.linalg.solve(k[1:, 1:], -k[1:, 0])
     assert_allclose(axial_stiffness(k), k[0] @ [1.0, *yielding], rtol=1e-13)

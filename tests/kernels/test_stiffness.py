@@ -21,7 +21,8 @@ from bearingwear.kernels.status import CONTACT_LOST, NOT_CONVERGED, OK
 STEP = 1e-6  # of the deformation
 
 
-def orbiting(Omega=0.0):
+def orbit_load(Omega=0.0):
+    """Returns the load of a ball with an orbit rate [rad/s] and nothing else."""
     return BallLoad(
         kinematics_model=ORBIT,
         Omega=Omega,
@@ -35,23 +36,24 @@ def orbiting(Omega=0.0):
 
 
 def azimuths(g):
+    """Returns the azimuths of the balls (n,) [rad]."""
     return 2.0 * np.pi * np.arange(g.n_balls) / g.n_balls
 
 
 def ball_states(g, D, Omega, q):
-    """Balls in equilibrium with the inner race displaced and tilted by q (DOF,)."""
+    """Returns the balls in equilibrium with an inner race displaced and tilted by q (DOF,)."""
     states = []
     for psi, diameter in zip(azimuths(g), D, strict=True):
         s, c = math.sin(psi), math.cos(psi)
         A1 = g.BD * math.sin(g.alpha0) + q[0] + g.R_i * (q[3] * c + q[4] * s)
         A2 = g.BD * math.cos(g.alpha0) - q[1] * s + q[2] * c
-        states.append(ball_equilibrium(g, diameter, orbiting(Omega), A1, A2, cold_start()))
+        states.append(ball_equilibrium(g, diameter, orbit_load(Omega), A1, A2, cold_start()))
         assert states[-1].status != NOT_CONVERGED
     return states
 
 
 def reaction(g, D, Omega, q):
-    """Forces and moments (DOF,) of the inner race on the balls, by plain vectors."""
+    """Returns forces and moments (DOF,) of the inner race on the balls, by plain vectors."""
     total = np.zeros(DOF)
     for psi, state in zip(azimuths(g), ball_states(g, D, Omega, q), strict=True):
         radial = np.array([0.0, -math.sin(psi), math.cos(psi)])
@@ -62,6 +64,7 @@ def reaction(g, D, Omega, q):
 
 
 def stiffness(g, D, states):
+    """Returns the stiffness matrix (DOF, DOF) for some states of the balls."""
     K = np.empty((DOF, DOF))
     Q = np.array([(s.Q_i, s.Q_o) for s in states])
     alpha = np.array([(s.alpha_i, s.alpha_o) for s in states])
@@ -73,8 +76,8 @@ def stiffness(g, D, states):
     ("g", "F_x", "Omega"), [(MM2, 7.0, 1260.0), (NOSAKA, 2670.0, 2143.0), (B218, 17800.0, 476.0)]
 )
 @pytest.mark.parametrize("part", [0.0, 0.5, 2.5])
-def test_differences_of_forces(g, F_x, Omega, part):
-    """Under thrust, under all five loads, and where balls have come off."""
+def test_the_stiffness_matrix_agrees_with_differences_of_forces(g, F_x, Omega, part):
+    """Under thrust, under all five loads, and where some balls have lost contact."""
     delta = static_displacement(g, F_x)
     q = delta * np.array([1.0, 0.2 * part, 0.4 * part, -0.2 * part / g.R_i, 0.1 * part / g.R_i])
     D = g.D0 - 0.02 * delta * np.arange(g.n_balls) / g.n_balls
@@ -89,11 +92,11 @@ def test_differences_of_forces(g, F_x, Omega, part):
     assert_allclose(computed / scale, in_newton, rtol=0, atol=3e-3 * np.abs(in_newton).max())
 
 
-def test_random_scenes():
-    """Symmetric and positive definite in 500 bearings under thrust, speed and small loads."""
+def test_the_stiffness_matrix_is_symmetric_and_positive_definite():
+    """In 500 random bearings under thrust, speed and small loads."""
     random = np.random.default_rng(6)
-    solved = 0
-    while solved < 500:
+    count = 0
+    while count < 500:
         D, Z = 10.0 ** random.uniform(-3.3, -1.5), int(random.integers(5, 25))
         dm = D / math.sin(math.pi / Z) * random.uniform(1.05, 2.0)
         g = geometry(
@@ -112,16 +115,16 @@ def test_random_scenes():
         scale = np.sqrt(np.diag(K))
         assert_allclose(K, K.T, rtol=0, atol=0)
         assert np.linalg.eigvalsh(K / np.outer(scale, scale)).min() > 1e-6
-        solved += 1
+        count += 1
 
 
 @pytest.mark.parametrize("alpha0", [10.0, 20.0, 40.0])
-def test_at_rest_under_vanishing_thrust(alpha0):
-    """k_r/k_a = cot^2(a)/2, and for tilt R_i^2/2, at rest, where both angles are one."""
+def test_stiffness_ratios_at_rest_have_closed_forms(alpha0):
+    """k_r/k_a = cot^2(a)/2, and for tilt R_i^2/2, under a small thrust, where both angles agree."""
     g = geometry(8e-3, 38.5e-3, alpha0, 0.54, 0.53, 10, 7800.0, 208e9, 0.3)
     F = 1e-3
     delta, state = thrust_equilibrium(
-        g, g.D0, orbiting(), F, static_displacement(g, F), True, cold_start()
+        g, g.D0, orbit_load(), F, static_displacement(g, F), True, cold_start()
     )
     assert state.status == OK
     D = np.full(g.n_balls, g.D0)

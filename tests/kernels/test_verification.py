@@ -24,8 +24,8 @@ DRAG = {"lubricant.drag_density_kg_m3": 300.0}
 
 
 @pytest.fixture(scope="module")
-def solved(scene):
-    """A problem with drag, its state (seat) and its case."""
+def solved_case(scene):
+    """Returns the balance of a problem with drag, the state of its ball, and its case."""
     problem = ThrustProblem.of(scene("gyro_s1", DRAG))
     case = problem.solve(problem.g.D0)
     assert case.status == code.OK
@@ -35,22 +35,22 @@ def solved(scene):
 
 
 def check(p, state, u, op=None):
-    """Friction residual and power error of a state."""
+    """Returns the friction residual and the power error of a state."""
     residual, power, _, _ = friction_check(
         p.bearing.g, p.bearing.D, op or p.bearing.op, state, u, p.rule, False
     )
     return residual, power
 
 
-def test_a_solved_state_passes(solved):
-    p, state, case = solved
+def test_a_solved_state_passes(solved_case):
+    p, state, case = solved_case
     assert max(check(p, state, case.u)) <= LARGEST_RESIDUAL
 
 
 @pytest.mark.parametrize("component", [0, 2, 3])
-def test_a_wrong_speed_breaks_the_friction_balance(solved, component):
-    """One part in a million of one component of the motion, w_x, w_z or Omega."""
-    p, state, case = solved
+def test_a_wrong_speed_breaks_the_friction_balance(solved_case, component):
+    """One component of the motion, w_x, w_z or Omega, is wrong by one part in a million."""
+    p, state, case = solved_case
     u = case.u.copy()
     u[component] *= 1.0 + 1e-6
     residual, _ = check(p, state, u)
@@ -58,26 +58,28 @@ def test_a_wrong_speed_breaks_the_friction_balance(solved, component):
     assert residual > 1e3 * check(p, state, case.u)[0]
 
 
-def test_every_speed_in_proportion_breaks_the_friction_balance(solved):
-    p, state, case = solved
+def test_a_motion_that_is_too_fast_breaks_the_friction_balance(solved_case):
+    """All its components are wrong by one part in a million."""
+    p, state, case = solved_case
     assert check(p, state, case.u * (1.0 + 1e-6))[0] > 1e-9
 
 
-def test_drag_left_out_breaks_both_balances(solved):
-    """A state solved with drag, checked without."""
-    p, state, case = solved
+def test_missing_drag_breaks_the_friction_balance(solved_case):
+    """A state solved with drag is checked without."""
+    p, state, case = solved_case
     residual, power = check(p, state, case.u, p.bearing.op._replace(drag=0.0))
     assert residual > LARGEST_RESIDUAL
 
 
-def test_heat_that_nothing_supplies_breaks_the_power_balance(solved):
-    """Shaft power differs from heat and drag as soon as the moments are not in balance."""
-    p, state, case = solved
+def test_a_motion_that_is_too_fast_breaks_the_power_balance(solved_case):
+    """Shaft power differs from heat and drag if the moments are not in balance."""
+    p, state, case = solved_case
     _, power = check(p, state, case.u * (1.0 + 1e-6))
     assert power > LARGEST_RESIDUAL
 
 
-def residual_of_polygon(p, state, delta_a):
+def polygon_error(p, state, delta_a):
+    """Returns the residual of the polygon of forces and lengths of a ball."""
     A1, A2 = groove_distance(p.bearing.g, 0.0, delta_a, 0.0, 0.0, 0.0)
     return polygon_residual(p.bearing.g, p.bearing.D, state, A1, A2, max(state.Q_i, state.Q_o))
 
@@ -94,31 +96,31 @@ def residual_of_polygon(p, state, delta_a):
     ],
     ids=["Q_i", "Q_o", "alpha_i", "alpha_o", "P_r", "P_x"],
 )
-def test_a_wrong_load_or_angle_breaks_the_normal_balance(solved, changes):
-    p, state, case = solved
-    assert residual_of_polygon(p, state, case.delta_a) <= LARGEST_RESIDUAL
-    wrong = state._replace(**changes(state))
-    assert residual_of_polygon(p, wrong, case.delta_a) > LARGEST_RESIDUAL
+def test_a_wrong_load_or_angle_breaks_the_normal_balance(solved_case, changes):
+    p, state, case = solved_case
+    assert polygon_error(p, state, case.delta_a) <= LARGEST_RESIDUAL
+    changed_state = state._replace(**changes(state))
+    assert polygon_error(p, changed_state, case.delta_a) > LARGEST_RESIDUAL
 
 
-def test_an_open_polygon_breaks_the_normal_balance(solved):
-    """Forces in balance, but the grooves are a picometre from where the ball's springs end."""
-    p, state, case = solved
-    assert residual_of_polygon(p, state, case.delta_a + 1e-12) > LARGEST_RESIDUAL
+def test_an_open_polygon_breaks_the_normal_balance(solved_case):
+    """The forces are in balance, but the race is a picometre from its place."""
+    p, state, case = solved_case
+    assert polygon_error(p, state, case.delta_a + 1e-12) > LARGEST_RESIDUAL
 
 
 GOOD = dict.fromkeys(Residuals._fields, 0.0)
 
 
 @pytest.mark.parametrize("name", ["equilibrium", "friction", "power"])
-@pytest.mark.parametrize("found", [1.1e-9, np.nan])
-def test_verdict_refuses_each_residual(name, found):
+@pytest.mark.parametrize("residual", [1.1 * LARGEST_RESIDUAL, np.nan])
+def test_a_case_with_one_large_residual_is_unverified(name, residual):
     assert case_status(Residuals(**GOOD)) == code.OK
-    assert case_status(Residuals(**GOOD | {name: found})) == code.UNVERIFIED
+    assert case_status(Residuals(**GOOD | {name: residual})) == code.UNVERIFIED
 
 
-def test_verdict_lets_rounding_explain_a_little():
-    """Up to 1e-5; beyond, the state is refused and rounding named as the reason."""
+def test_residuals_up_to_1e_5_may_be_explained_by_rounding():
+    """Beyond, the status states that rounding, or the loss of contact, is the reason."""
     noisy = GOOD | {"friction": 1e-6, "friction_rounding": 2e-6}
     assert case_status(Residuals(**noisy)) == code.OK
     lost = GOOD | {"friction": 1e-4, "friction_rounding": 2e-4}
@@ -128,7 +130,7 @@ def test_verdict_lets_rounding_explain_a_little():
 
 
 def test_a_solve_that_stops_early_is_unverified(scene, monkeypatch):
-    """A solver content with a residual of 1e-5 hands over a state that its own check refuses."""
+    """With a tolerance of 1e-5, the solver returns a state that its check refuses."""
     monkeypatch.setattr(thrust_problem, "FRICTION_TOLERANCE", 1e-5)
     problem = ThrustProblem.of(scene("gyro_s1", {"model.quadrature": "gauss"}))
     case = problem.solve(problem.g.D0)

@@ -32,13 +32,14 @@ SIDES = pytest.mark.parametrize("side", [INNER, OUTER])
 EVEN = Arc(0.0, 1.0, np.zeros((4, 0)))
 
 
-def arc(first, step, depth):
+def arc_of_depths(first, step, depth):
+    """Returns the arc of a groove with depths [m] at equal steps from a first place [m]."""
     places = first + step * np.arange(len(depth))
     return Arc(float(first), float(step), np.ascontiguousarray(CubicSpline(places, depth).c))
 
 
-def race_of(side, depth, cells=(48, 10)):
-    """A race whose groove has the depth given by a function of x/a."""
+def worn_race(side, depth, cells=(48, 10)):
+    """Returns a race whose groove has the depth of a function of x/a, and its Hertz contact."""
     hertz = race_contact(G, side, D, math.cos(ALPHA), math.nan)
     a = hertz.c_a * (hertz.K * APPROACH**1.5) ** (1.0 / 3.0)
     status, result = contact_cells(hertz.log_kappa, -1.9, 1.9, FULL_WIDTH, *cells)
@@ -47,22 +48,26 @@ def race_of(side, depth, cells=(48, 10)):
     n = cells[0]
     return WornRace(
         cells=result, work=contact_buffers(*cells), pressure=result.fresh.copy(), wear=np.zeros(n),
-        x=np.zeros(n), rise=np.zeros(n), groove=arc(x[0] * a, (x[1] - x[0]) * a, depth(x)),
+        x=np.zeros(n), rise=np.zeros(n),
+        groove=arc_of_depths(x[0] * a, (x[1] - x[0]) * a, depth(x)),
         alpha_ref=ALPHA, bare=np.zeros(n), uncovered=EVEN,
         without=AS_WITH_FILM,
     ), hertz  # fmt: skip
 
 
-def place(side, approach=APPROACH, alpha=ALPHA):
+def place_of_ball(side, approach=APPROACH, alpha=ALPHA):
+    """Returns the axial and radial distance of the centres [m] for an approach and an angle."""
     length = (G.r_i if side == INNER else G.r_o) - 0.5 * D + approach
     return length * math.sin(alpha), length * math.cos(alpha)
 
 
-def skew(x):
+def skew_depth(x):
+    """Returns the depth of a groove that is deepest beside its middle [m], at places x/a."""
     return 0.4 * APPROACH * np.exp(-(((x - 0.4) / 0.7) ** 2))
 
 
-def test_depths_between_the_arcs_are_those_of_a_level_spline():
+def test_a_groove_is_a_spline_with_level_ends():
+    """As SciPy's clamped spline."""
     x = np.linspace(-3.0, 4.0, 57)
     depth, c = np.exp(-((x - 0.3) ** 2)), np.empty((4, 56))
     spline_pieces(x[1] - x[0], depth, c)
@@ -71,9 +76,9 @@ def test_depths_between_the_arcs_are_those_of_a_level_spline():
 
 
 @SIDES
-def test_no_wear_is_hertz(side):
-    race, hertz = race_of(side, np.zeros_like)
-    force = worn_force(G, D, race, side, 0.0, *place(side))
+def test_without_wear_a_contact_is_that_of_hertz(side):
+    race, hertz = worn_race(side, np.zeros_like)
+    force = worn_force(G, D, race, side, 0.0, *place_of_ball(side))
     assert force.status == code.OK
     assert force.Q == pytest.approx(hertz.K * APPROACH**1.5, rel=1e-9)
     assert abs(force.T) < 1e-9 * force.Q
@@ -82,29 +87,29 @@ def test_no_wear_is_hertz(side):
 
 
 @SIDES
-def test_an_even_depth_shifts_the_approach_and_nothing_else(side):
+def test_an_even_depth_only_shifts_the_approach(side):
     deep = 0.3 * APPROACH
-    race, hertz = race_of(side, lambda x: np.full_like(x, deep))
-    y = place(side, APPROACH + deep)
-    exact = worn_force(G, D, race, side, deep, *y)
-    assert exact.Q == pytest.approx(hertz.K * APPROACH**1.5, rel=1e-8)
+    race, hertz = worn_race(side, lambda x: np.full_like(x, deep))
+    y = place_of_ball(side, APPROACH + deep)
+    force = worn_force(G, D, race, side, deep, *y)
+    assert force.Q == pytest.approx(hertz.K * APPROACH**1.5, rel=1e-8)
     assert np.abs(race.rise).max() < 1e-18  # and its surface stays where the ball is
     # The same from another reference: only the cells lie elsewhere
-    other = worn_force(G, D, race, side, 0.9 * deep, *y)
-    assert other.Q == pytest.approx(exact.Q, rel=1e-3)
-    assert other.peak == pytest.approx(exact.peak, rel=1e-2)
+    from_other_reference = worn_force(G, D, race, side, 0.9 * deep, *y)
+    assert from_other_reference.Q == pytest.approx(force.Q, rel=1e-3)
+    assert from_other_reference.peak == pytest.approx(force.peak, rel=1e-2)
 
 
 @SIDES
 def test_bodies_of_twice_the_size_carry_four_times_the_load(side):
-    race, _ = race_of(side, skew)
-    force = worn_force(G, D, race, side, 0.0, *place(side))
+    race, _ = worn_race(side, skew_depth)
+    force = worn_force(G, D, race, side, 0.0, *place_of_ball(side))
     lengths = ("D0", "dm", "BD", "R_o", "R_i", "r_i", "r_o")
     large = G._replace(**{name: 2.0 * getattr(G, name) for name in lengths})
     groove = Arc(2.0 * race.groove.first, 2.0 * race.groove.step, race.groove.c.copy())
     for power in range(4):
         groove.c[3 - power] *= 2.0 ** (1 - power)
-    y1, y2 = place(side)
+    y1, y2 = place_of_ball(side)
     twice = worn_force(large, 2.0 * D, race._replace(groove=groove), side, 0.0, 2.0 * y1, 2.0 * y2)
     assert twice.Q == pytest.approx(4.0 * force.Q, rel=1e-7)
     assert twice.T == pytest.approx(4.0 * force.T, rel=1e-6)
@@ -113,46 +118,47 @@ def test_bodies_of_twice_the_size_carry_four_times_the_load(side):
 
 @SIDES
 def test_the_tangent_is_symmetric_with_a_skew_profile(side):
-    """Else the force would not be conservative; without T it is not."""
-    race, _ = race_of(side, skew, (96, 16))
+    """So that the force is conservative; without the tangential force T it is not."""
+    race, _ = worn_race(side, skew_depth, (96, 16))
     # off the angle at which the groove was worn
-    y = place(side, 1.1 * APPROACH, ALPHA + 0.01)
+    y = place_of_ball(side, 1.1 * APPROACH, ALPHA + 0.01)
     h = 1e-3 * APPROACH
 
-    def tangent(across):
-        """Of the force along the line of the centres, and of a part of T, by the place."""
+    def tangent(share_of_T):
+        """Returns the slope (2, 2) of the force by the place, with a share of T."""
         columns = []
         for move in np.array([(h, 0.0), (0.0, h)]):
             forces = []
             for sign in (1.0, -1.0):
                 force = worn_force(G, D, race, side, 0.0, *(y + sign * move))
                 assert force.status == code.OK
-                sine, cosine, T = math.sin(force.alpha), math.cos(force.alpha), across * force.T
+                sine, cosine, T = math.sin(force.alpha), math.cos(force.alpha), share_of_T * force.T
                 forces.append(
                     (force.Q * sine - side * T * cosine, force.Q * cosine + side * T * sine)
                 )
             columns.append(np.subtract(*forces) / (2.0 * h))
         return np.array(columns).T
 
-    k, without = tangent(1.0), tangent(0.0)
+    k, k_without_T = tangent(1.0), tangent(0.0)
     assert abs(k[0, 1] - k[1, 0]) < 1e-3 * np.abs(k).max()
-    assert abs(without[0, 1] - without[1, 0]) > 5.0 * abs(k[0, 1] - k[1, 0])
+    assert abs(k_without_T[0, 1] - k_without_T[1, 0]) > 5.0 * abs(k[0, 1] - k[1, 0])
 
 
 @SIDES
-def test_the_groove_stays_where_it_was_worn(side):
-    """As the angle grows the ball leaves its groove: to +X outside, to -X inside."""
-    race, _ = race_of(side, lambda x: 0.5 * APPROACH * np.exp(-(x**2)))
-    here, there = (
-        worn_force(G, D, race, side, 0.0, *place(side, alpha=ALPHA + turn)) for turn in (0.0, 0.01)
+def test_a_groove_pulls_back_a_ball_whose_angle_grows(side):
+    """The ball leaves its groove: to +X outside, to -X inside. The load rises."""
+    race, _ = worn_race(side, lambda x: 0.5 * APPROACH * np.exp(-(x**2)))
+    in_groove, beside_groove = (
+        worn_force(G, D, race, side, 0.0, *place_of_ball(side, alpha=ALPHA + angle))
+        for angle in (0.0, 0.01)
     )
-    assert abs(here.T) < 1e-6 * here.Q
-    # The groove now lies at -sigma r_g 0.01 from the ball, and pulls the ball back to it
-    assert there.T * side < 0.0
-    assert there.Q > here.Q * (1.0 + 1e-4)
+    assert abs(in_groove.T) < 1e-6 * in_groove.Q
+    # the groove lies at -sigma r_g 0.01 from the ball
+    assert beside_groove.T * side < 0.0
+    assert beside_groove.Q > in_groove.Q * (1.0 + 1e-4)
 
 
 def test_a_ball_off_its_groove_has_lost_its_contact():
-    race, _ = race_of(OUTER, np.zeros_like)
-    force = worn_force(G, D, race, OUTER, 0.0, *place(OUTER, -1e-8))
+    race, _ = worn_race(OUTER, np.zeros_like)
+    force = worn_force(G, D, race, OUTER, 0.0, *place_of_ball(OUTER, -1e-8))
     assert (force.status, force.Q) == (code.CONTACT_LOST, 0.0)

@@ -26,12 +26,14 @@ TAMAAS = {"flat": (0.973452, 0.0), "skew": (0.949442, -0.104369), "two": (1.0119
 
 @pytest.fixture(scope="module")
 def cells():
+    """Returns cells of a contact with the ellipticity of gyro_s1's outer race."""
     status, cells = contact_cells(math.log(KAPPA), -1.9, 1.9, FULL_WIDTH, 48, 10)
     assert status == code.OK
     return cells
 
 
-def solved(cells, wear, start=None):
+def solved_pressure(cells, wear, start=None):
+    """Returns the pressure (m, n) over a wear profile; it starts from the unworn contact."""
     pressure = cells.fresh.copy() if start is None else start
     m, n = pressure.shape
     status, _ = worn_pressure(cells, wear, contact_buffers(n, m), pressure)
@@ -39,7 +41,7 @@ def solved(cells, wear, start=None):
     return pressure
 
 
-def test_unworn_cells_carry_what_hertz_says(cells):
+def test_unworn_cells_have_the_pressure_of_hertz(cells):
     X, Y = np.meshgrid(cells.X, cells.Y)
     hertz = np.sqrt(np.maximum(1.0 - X**2 - Y**2, 0.0))
     assert cells.fresh.sum() * cells.area == pytest.approx(2.0 / 3.0 * math.pi, rel=1e-3)
@@ -49,64 +51,64 @@ def test_unworn_cells_carry_what_hertz_says(cells):
 
 def test_no_wear_gives_the_unworn_pressure_from_any_start(cells):
     nothing = np.zeros(cells.X.size)
-    cold = solved(cells, nothing, np.zeros_like(cells.fresh))
+    cold = solved_pressure(cells, nothing, np.zeros_like(cells.fresh))
     assert cold.sum() == pytest.approx(cells.fresh.sum(), rel=1e-9)
-    assert solved(cells, nothing).sum() == pytest.approx(cells.fresh.sum(), rel=1e-9)
+    assert solved_pressure(cells, nothing).sum() == pytest.approx(cells.fresh.sum(), rel=1e-9)
 
 
-def test_even_wear_is_a_smaller_approach(cells):
-    computed = solved(cells, np.full(cells.X.size, 0.1)).sum() / cells.fresh.sum()
+def test_even_wear_gives_the_load_of_a_smaller_approach(cells):
+    computed = solved_pressure(cells, np.full(cells.X.size, 0.1)).sum() / cells.fresh.sum()
     assert computed == pytest.approx(0.9**1.5, rel=2e-3)  # that of the cells
 
 
 @pytest.mark.parametrize("c", [-0.1, 0.2])
-def test_a_parabola_is_hertz_with_another_groove(cells, c):
+def test_parabolic_wear_gives_the_load_of_hertz_for_another_groove_radius(cells, c):
     _, _, s = elliptic_integrals(1.0 / KAPPA)
     # In units of a and of the approach
     unworn, worn = (
         point_contact(s + wear, (1.0 - s) * KAPPA**2, 1.0, math.nan).K for wear in (0.0, c)
     )
-    computed = solved(cells, c * cells.X**2).sum() / cells.fresh.sum()
+    computed = solved_pressure(cells, c * cells.X**2).sum() / cells.fresh.sum()
     assert computed == pytest.approx(worn / unworn, rel=1e-3)
 
 
 def test_a_mirrored_profile_gives_the_mirrored_pressure(cells):
     wear = PROFILES["skew"](cells.X)
-    pressure = solved(cells, wear)
-    assert solved(cells, wear[::-1].copy()) == pytest.approx(pressure[:, ::-1], abs=1e-6)
+    pressure = solved_pressure(cells, wear)
+    assert solved_pressure(cells, wear[::-1].copy()) == pytest.approx(pressure[:, ::-1], abs=1e-6)
 
 
-def test_more_room_for_the_cells_changes_nothing(cells):
+def test_pressure_does_not_depend_on_how_far_the_cells_reach(cells):
     width = cells.X[1] - cells.X[0]
     low, high = -1.9 - 2 * width, 1.9 + 4 * width
     _, wider = contact_cells(math.log(KAPPA), low, high, 1.3 * FULL_WIDTH, 54, 13)
-    pressure = solved(cells, PROFILES["two"](cells.X))
-    computed = solved(wider, PROFILES["two"](wider.X))
+    pressure = solved_pressure(cells, PROFILES["two"](cells.X))
+    computed = solved_pressure(wider, PROFILES["two"](wider.X))
     assert computed[:10, 2:-4] == pytest.approx(pressure, abs=1e-6)
     assert not computed[10:].any()
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_tamaas_finds_the_same_load(cells, name):
-    pressure = solved(cells, PROFILES[name](cells.X))
+def test_load_and_its_centre_agree_with_tamaas(cells, name):
+    pressure = solved_pressure(cells, PROFILES[name](cells.X))
     load, centre = TAMAAS[name]
     assert pressure.sum() / cells.fresh.sum() == pytest.approx(load, rel=1e-3)
     assert (pressure * cells.X).sum() / pressure.sum() == pytest.approx(centre, abs=1e-3)
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_the_check_finds_balance_and_the_same_load(cells, name):
+def test_a_solved_contact_passes_its_check(cells, name):
     wear = PROFILES[name](cells.X)
-    pressure = solved(cells, wear)
+    pressure = solved_pressure(cells, wear)
     check = contact_check(cells, check_influence(cells), wear, pressure)
-    assert max(check.gap, check.overlap) < 2e-8
+    assert max(check.gap, check.overlap) < 2e-8  # of the approach, as the solver leaves
     assert check.tension == 0.0
     assert check.load == pytest.approx(pressure.sum() * cells.area, rel=1e-12)
 
 
 def test_the_contact_check_rejects_wrong_depths_and_pressures(cells):
     wear = PROFILES["skew"](cells.X)
-    pressure = solved(cells, wear)
+    pressure = solved_pressure(cells, wear)
     assert contact_check(cells, check_influence(cells), wear + 1e-6, pressure).gap > 0.9e-6
     assert contact_check(cells, check_influence(cells), wear - 0.1, pressure).overlap > 0.01
     pressure[0, 20] *= -1.0
@@ -121,28 +123,33 @@ def test_a_failed_contact_solve_has_a_status(cells):
     assert worn_pressure(cells, unknown, work, cells.fresh.copy())[0] == code.NOT_CONVERGED
 
 
-def test_a_ball_off_the_groove_presses_nothing(cells):
-    assert solved(cells, np.full(48, 1.1)).max() == 0.0
+def test_a_ball_off_the_groove_has_no_pressure(cells):
+    assert solved_pressure(cells, np.full(48, 1.1)).max() == 0.0
 
 
 @pytest.mark.parametrize("spin", [0.0, 1.0])
-def test_at_held_width_wear_evens_out_what_rubs(spin):
-    """Load held, no wear beyond +-a: q |v| becomes even, with |v| = 1 or sqrt(X^2 + 0.3^2)."""
-    _, cells = contact_cells(math.log(KAPPA), -1.0, 1.0, FULL_WIDTH, 40, 8)
-    work, pressure = contact_buffers(40, 8), cells.fresh.copy()
-    v = np.sqrt(spin * cells.X**2 + 0.09) if spin else np.ones(40)
-    wear, load = np.zeros(40), 0.5 * cells.fresh.sum()
-    shift = 0.3
-    for _ in range(400):
-        for _ in range(3):
-            computed = []
-            for s in (shift, shift + 1e-4):
-                status, _ = worn_pressure(cells, wear + s, work, pressure)
-                assert status != code.NOT_CONVERGED
-                computed.append(pressure.sum())
-            shift -= (computed[0] - load) / (computed[1] - computed[0]) * 1e-4
-        q = pressure.sum(axis=0) / load * 40  # mean 1
-        rate = q * v
-        wear += 0.03 * (rate - rate.mean())
-    assert rate == pytest.approx(np.full(40, rate.mean()), rel=0.02)
-    assert rate.mean() == pytest.approx(1.0 / np.mean(1.0 / v), rel=1e-2)
+def test_with_a_fixed_width_pressure_times_slip_becomes_even(spin):
+    """For a constant load, no wear beyond +-a, and |v| = 1 or sqrt(X^2 + 0.3^2)."""
+    strips = 40
+    _, cells = contact_cells(math.log(KAPPA), -1.0, 1.0, FULL_WIDTH, strips, 8)
+    work, pressure = contact_buffers(strips, 8), cells.fresh.copy()
+    slip = np.sqrt(spin * cells.X**2 + 0.3**2) if spin else np.ones(strips)
+    wear, load = np.zeros(strips), 0.5 * cells.fresh.sum()
+
+    def load_at(shift):
+        status, _ = worn_pressure(cells, wear + shift, work, pressure)
+        assert status != code.NOT_CONVERGED
+        return pressure.sum()
+
+    shift, step = 0.3, 1e-4
+    for _ in range(400):  # steps of wear, until the pressure no longer changes
+        for _ in range(3):  # of Newton's method, to keep the load
+            excess = load_at(shift) - load
+            slope = (load_at(shift + step) - load - excess) / step
+            shift -= excess / slope
+        line_load = pressure.sum(axis=0) / load * strips  # with a mean of 1
+        wear_rate = line_load * slip
+        wear += 0.03 * (wear_rate - wear_rate.mean())
+    assert wear_rate == pytest.approx(np.full(strips, wear_rate.mean()), rel=0.02)
+    # the line load is then as 1/|v|, whose mean is 1
+    assert wear_rate.mean() == pytest.approx(1.0 / np.mean(1.0 / slip), rel=1e-2)

@@ -12,7 +12,7 @@ from bearingwear.lives.follow import LifeStep, Method, Node, follow
 END = 0.9
 
 
-class Line(Method):
+class StepsAlongALine(Method):
     """Steps of 0.5 along a line whose one criterion is met at `END`."""
 
     def at(self, x):
@@ -24,7 +24,7 @@ class Line(Method):
 
 
 def life_with(fails):
-    """A life whose states fail where a function of the place says so."""
+    """A life along a line, whose states fail where a function (place) -> bool says so."""
 
     def state(x):
         return (SimpleNamespace(x=x, status=code.BEYOND_GROOVE if fails(x) else code.OK),)
@@ -35,7 +35,7 @@ def life_with(fails):
         start=0.0, origin=0.0, range=2.0, state=state,
         wears=lambda node: True, events=lambda node: np.empty(0),
     )  # fmt: skip
-    return follow(wearing, ends, Line())
+    return follow(wearing, ends, StepsAlongALine())
 
 
 def test_a_life_ends_where_its_criterion_is_met():
@@ -45,7 +45,7 @@ def test_a_life_ends_where_its_criterion_is_met():
 
 
 def test_a_solve_that_fails_before_the_criterion_is_no_end_of_life():
-    """Both ends of the step are solved, and what lies between them is not."""
+    """Both ends of the second step, 0.5 and 1, are solved, and what lies between them is not."""
     life = life_with(lambda x: 0.6 < x < 1.0)
     assert (life.status, life.criterion) == (code.BEYOND_GROOVE, NO_CRITERION)
     assert life.last.x < 0.6 + 1e-6 and isinstance(life.unsolved_node, Node)
@@ -54,4 +54,4 @@ def test_a_solve_that_fails_before_the_criterion_is_no_end_of_life():
 def test_a_solve_that_fails_beyond_the_criterion_does_not_matter():
     life = life_with(lambda x: END + 1e-3 < x < 1.0)
     assert (life.status, life.criterion) == (code.OK, 0)
-    assert life.last.x == pytest.approx(END, rel=1e-2)
+    assert life.last.x == pytest.approx(END, rel=1e-2)  # up to where states are solved

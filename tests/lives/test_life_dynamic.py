@@ -19,33 +19,33 @@ POSITION = {"operation.preload_method": "fixed_position"}
 SHORT = {"model.simulated_turns": 6, "model.evaluated_turns": 3, "model.life_steps": 6}
 # Three balls move as nine do, each under the same load, in a third of the time.
 THREE = {"bearing.ball_count": 3, "operation.preload_N": 7.0 / 3.0}
-ALONE = POSITION | SHORT | THREE | {"cage": None}
+WITHOUT_CAGE = POSITION | SHORT | THREE | {"cage": None}
 COATED = {"materials.bearing_steel.wear_coefficient": 5e-8}
-CAGE = POSITION | SHORT | COATED | {"model.life_run_in_turns": 10, "model.life_steps": 3}
+"""Races and balls that wear a hundredth as fast, so that the cage may end the life."""
+WITH_CAGE = POSITION | SHORT | COATED | {"model.life_run_in_turns": 10, "model.life_steps": 3}
 
 
 @pytest.fixture(scope="module")
-def even(scene):
-    """Equal balls under thrust, no cage: what the steady life has, too."""
-    return life(scene("gyro_s1", ALONE), "dynamic")
+def equal_balls_life(scene):
+    """Dynamic life of equal balls under thrust without a cage, which has a steady life, too."""
+    return life(scene("gyro_s1", WITHOUT_CAGE), "dynamic")
 
 
-def test_agrees_with_the_steady_life(scene, even):
-    values = even.values
+def test_a_dynamic_life_of_equal_balls_is_the_steady_one(scene, equal_balls_life):
+    values = equal_balls_life.values
     assert values["status"] == code.OK and CRITERIA[values["end_criterion"]] == "preload_fraction"
-    steady = life(scene("gyro_s1", ALONE), "steady").values
+    steady = life(scene("gyro_s1", WITHOUT_CAGE), "steady").values
     assert_allclose(values["steady_life"], steady["life"], rtol=1e-6)
-    relative = abs(values["life"] / steady["life"] - 1.0)
-    assert relative <= values["life_error_estimate"] <= 0.05
-    assert relative <= 0.01  # six steps
-    # The state depends on the loss alone: the preload is gone at the same one.
+    error = abs(values["life"] / steady["life"] - 1.0)
+    assert error <= values["life_error_estimate"] <= 0.05
+    assert error <= 0.01  # what six steps leave out
+    # the state depends on the loss alone: the preload is gone at the same one
     assert_allclose(values["loss_at_end"], steady["loss_at_end"], rtol=1e-3)
     assert_allclose(values["steady_time_to_loss"], steady["life"], rtol=1e-3)
 
 
-def test_mass_balance(even):
-    """What has worn is the sum of the steps, and the volume of a ball that of its diameter."""
-    values = even.values
+def test_worn_volumes_add_up_and_are_those_of_the_worn_diameters(equal_balls_life):
+    values = equal_balls_life.values
     t = values["history_time"]
     for volume, rate in (
         ("history_ball_worn_volume", "history_each_ball_wear_rate"),
@@ -58,27 +58,29 @@ def test_mass_balance(even):
         assert np.all(steps > 0.0)
     D0, worn = 2e-3, values["history_worn_diameter"]
     sphere = math.pi / 6.0 * (D0**3 - (D0 - worn) ** 3)
-    # The rate counts the pressed surface at the present fit: 0.5 um of 2 mm, squared.
+    # the rate counts the pressed surface at the present fit: 0.5 um of 2 mm, squared, make 5e-4
     assert_allclose(values["history_ball_worn_volume"], sphere, rtol=1e-3)
     lost = worn.mean(axis=1) + values["history_groove_depth"]
     assert_allclose(values["history_ball_diameter_loss"], lost, rtol=1e-12)
 
 
-def test_halved_steps_stay_within_the_bound(scene, even):
-    finer = life(scene("gyro_s1", ALONE | {"model.life_steps": 12}), "dynamic").values
-    change = abs(finer["life"] - even.values["life"])
-    assert change <= even.values["life_error_bound"]
-    assert finer["life_error_bound"] < even.values["life_error_bound"]
+def test_halved_steps_stay_within_the_bound(scene, equal_balls_life):
+    values = equal_balls_life.values
+    finer = life(scene("gyro_s1", WITHOUT_CAGE | {"model.life_steps": 12}), "dynamic").values
+    assert abs(finer["life"] - values["life"]) <= values["life_error_bound"]
+    assert finer["life_error_bound"] < values["life_error_bound"]
 
 
-def test_each_run_continues_from_the_one_before(even):
-    assert np.array_equal(even.values["history_start"], [0, *[1] * (even.attrs["solves"] - 1)])
-    assert np.all(np.array(even.values["history_status"]) == code.OK)
+def test_each_run_continues_from_the_one_before(equal_balls_life):
+    """`history_start` is 0 for a run from its own start, and 1 for one that goes on."""
+    values, runs = equal_balls_life.values, equal_balls_life.attrs["solves"]
+    assert np.array_equal(values["history_start"], [0, *[1] * (runs - 1)])
+    assert np.all(np.array(values["history_status"]) == code.OK)
 
 
-def test_same_bytes_twice_and_back(scene, tmp_path):
-    s = scene("gyro_s1", ALONE | {"model.life_steps": 2, "model.simulated_turns": 1,
-                                  "model.evaluated_turns": 1})  # fmt: skip
+def test_a_dynamic_life_is_written_to_the_same_bytes_and_read_with_units(scene, tmp_path):
+    few = {"model.life_steps": 2, "model.simulated_turns": 1, "model.evaluated_turns": 1}
+    s = scene("gyro_s1", WITHOUT_CAGE | few)
     for name in "ab":
         write_result(life(s, "dynamic"), tmp_path / name)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
@@ -90,7 +92,7 @@ def test_same_bytes_twice_and_back(scene, tmp_path):
 def test_a_smaller_ball_wears_less(scene):
     """Without a cage the less loaded ball loses less, and unequal balls become more equal.
 
-    Of three balls each would carry a third.
+    All nine, because of three balls each would carry a third, whatever its diameter.
     """
     loss = {"wear.ball_diameter_loss_um": [0.1, *[0.0] * 8]}
     s = scene("gyro_s1", POSITION | SHORT | {"cage": None, "model.life_steps": 4} | loss)
@@ -102,21 +104,20 @@ def test_a_smaller_ball_wears_less(scene):
 
 
 @pytest.fixture(scope="module")
-def cage_ends(scene):
-    """The cage wears as before, balls and races a hundredth as fast."""
+def life_ended_by_its_cage(scene):
+    """Life to pockets that are 0.02 mm wider than when new."""
     limit = {"wear.end_of_life.pocket_clearance_mm": 0.17}
-    return life(scene("gyro_s1", CAGE | limit), "dynamic")
+    return life(scene("gyro_s1", WITH_CAGE | limit), "dynamic")
 
 
-def test_the_cage_ends_the_life(cage_ends):
-    values = cage_ends.values
-    assert (
-        values["status"] == code.OK and CRITERIA[values["end_criterion"]] == "pocket_clearance_mm"
-    )
+def test_the_cage_ends_the_life(life_ended_by_its_cage):
+    values = life_ended_by_its_cage.values
+    assert values["status"] == code.OK
+    assert CRITERIA[values["end_criterion"]] == "pocket_clearance_mm"
     assert_allclose(values["history_pocket_clearance"][-1], 0.17e-3, rtol=1e-4)
-    assert values["history_pocket_clearance"][0] == pytest.approx(0.15e-3)
+    assert values["history_pocket_clearance"][0] == pytest.approx(0.15e-3)  # of the scene
     assert values["life"] < 0.5 * values["steady_life"]
-    # No run estimates the error of a clearance's growth.
+    # no run estimates the error of a clearance's growth
     assert "life_error_estimate" not in values and np.isfinite(values["life_error_bound"])
     t = values["history_time"]
     worn = np.trapezoid(values["history_pocket_wear_rate"], t, axis=0)
@@ -125,7 +126,7 @@ def test_the_cage_ends_the_life(cage_ends):
 
 def test_a_film_of_the_cage_wears_through(scene):
     """The film, which wears a fifth as fast, then the cage itself, in the same motion."""
-    caged = scene("gyro_s1", CAGE)
+    caged = scene("gyro_s1", WITH_CAGE)
     material = caged.materials[caged.cage.material]
     film = {"thickness_um": 0.5, "wear_coefficient": 0.2 * material.wear_coefficient}
     limit = {
@@ -134,35 +135,37 @@ def test_a_film_of_the_cage_wears_through(scene):
         "wear.end_of_life": {"pocket_clearance_mm": 0.153},
     }
     values = life(caged.with_(limit), "dynamic").values
-    assert (
-        values["status"] == code.OK and CRITERIA[values["end_criterion"]] == "pocket_clearance_mm"
-    )
+    assert values["status"] == code.OK
+    assert CRITERIA[values["end_criterion"]] == "pocket_clearance_mm"
     time, share = values["history_time"], values["history_pocket_film_worn_share"]
-    gone = np.flatnonzero(np.diff(time) == 0.0)[0]
+    gone = np.flatnonzero(np.diff(time) == 0.0)[0]  # two states at the time of the wear-through
     assert share[gone] == share[gone + 1] == pytest.approx(1.0, rel=1e-4)
-    # 0.153 mm are three times the film
+    # pockets that are 3 um wider have lost 1.5 um at each side, three times the film
     assert share[-1] == pytest.approx(3.0, rel=1e-3)
-    before, after = values["history_pocket_wear_rate"][gone : gone + 2].sum(axis=1)
-    assert after / before == pytest.approx(5.0, rel=0.05)
+    filmed, bare = values["history_pocket_wear_rate"][gone : gone + 2].sum(axis=1)
+    assert bare / filmed == pytest.approx(5.0, rel=0.05)  # as the wear coefficients
 
 
-def test_a_cage_with_a_weight_lives_longer(scene, cage_ends):
+def test_a_cage_with_a_weight_lives_longer(scene, life_ended_by_its_cage):
     """It hangs on its balls for these few turns, where the weightless one goes round in them."""
     changes = {"operation.gravity_m_s2": [0.0, 0.0, -9.81]}
     changes |= {"wear.end_of_life.pocket_clearance_mm": 0.17}
-    values, weightless = life(scene("gyro_s1", CAGE | changes), "dynamic").values, cage_ends.values
-    assert values["status"] == code.OK
-    rates = [item["history_pocket_wear_rate"][0].sum() for item in (values, weightless)]
-    assert rates[0] < 0.3 * rates[1]
-    assert values["life"] > 1.5 * weightless["life"]
+    heavy = life(scene("gyro_s1", WITH_CAGE | changes), "dynamic").values
+    weightless = life_ended_by_its_cage.values
+    assert heavy["status"] == code.OK
+    heavy_rate, weightless_rate = (
+        values["history_pocket_wear_rate"][0].sum() for values in (heavy, weightless)
+    )
+    assert heavy_rate < 0.3 * weightless_rate
+    assert heavy["life"] > 1.5 * weightless["life"]
 
 
 def test_the_ball_ends_the_life_where_the_cage_is_far_from_its_limit(scene):
     limits = {"pocket_clearance_mm": 0.5, "ball_diameter_loss_um": 0.1}
-    values = life(scene("gyro_s1", CAGE | {"wear.end_of_life": limits}), "dynamic").values
+    values = life(scene("gyro_s1", WITH_CAGE | {"wear.end_of_life": limits}), "dynamic").values
     assert CRITERIA[values["end_criterion"]] == "ball_diameter_loss_um"
     assert 0.15e-3 < values["history_pocket_clearance"][-1] < 0.5e-3
-    # The cage costs little of it: balls wear in their pockets, too.
+    # the cage costs little of it: balls wear in their pockets, too
     assert_allclose(values["life"], values["steady_life"], rtol=0.05)
 
 
@@ -171,62 +174,70 @@ def test_wear_opens_pockets_and_land(scene):
     parts = WornParts(scene("gyro_s1", {"cage.worn_share": 0.5}))
     p = parts.layout
     worn = np.zeros(p.size)
-    wall, surface = math.pi * 2.15e-3 * 1e-3, math.pi * 8.6e-3 * 3e-3
-    worn[p.pocket] = 0.5 * wall * 5e-6
-    worn[p.land] = 0.5 * surface * 2e-6
+    # pocket: diameter of ball and clearance, 1 mm of wall; land: outer diameter, width
+    pocket_area, land_area = math.pi * 2.15e-3 * 1e-3, math.pi * 8.6e-3 * 3e-3
+    worn[p.pocket] = 0.5 * pocket_area * 5e-6
+    worn[p.land] = 0.5 * land_area * 2e-6
     worn[p.diameter], worn[p.groove] = 0.2e-6, (0.1e-6, 0.2e-6)
     pocket, guide = parts.clearances(worn)
-    assert_allclose([pocket, guide], [160.2e-6, 204e-6], rtol=1e-12)
+    # twice the depths of 5 and 2 um, and for the pocket what the ball has lost
+    assert_allclose([pocket, guide], [150e-6 + 10e-6 + 0.2e-6, 200e-6 + 4e-6], rtol=1e-12)
     after = parts.worn_scene(worn)
-    assert after.wear.ball_diameter_loss_um == pytest.approx([0.5])
+    assert after.wear.ball_diameter_loss_um == pytest.approx([0.2 + 0.1 + 0.2])
     assert after.cage.guide_clearance_mm == pytest.approx(0.204)
-    # Balls are 0.5 um smaller to the fit, but have 0.2 um of play from their own wear.
+    # balls are 0.5 um smaller to the fit, but have 0.2 um of play from their own wear
     assert after.cage.pocket_clearance_mm + 0.5e-3 == pytest.approx(0.1602)
 
 
 def test_a_state_without_solution_ends_a_dynamic_life(scene, tmp_path):
     """Worn far beyond where the balls lose the inner race, in one step."""
-    changes = ALONE | {"wear.end_of_life": {"ball_diameter_loss_um": 90.0}, "model.life_steps": 2}
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 90.0}, "model.life_steps": 2}
+    changes = WITHOUT_CAGE | end
     result = life(scene("gyro_s1", changes), "dynamic")
     values = result.values
     assert result.status in ("contact_lost", "preload_gone", "race_unseated", "beyond_groove")
     assert CRITERIA[values["end_criterion"]] == "none"
-    # What was solved is kept, and so is where it stopped.
-    assert (
-        values["history_status"][0] == code.OK and values["history_status"][-1] == values["status"]
-    )
-    assert values["history_ball_wear_rate"][0] > 0.0 and np.isnan(
-        values["history_ball_wear_rate"][-1]
-    )
+    # what was solved is kept, and so is where it stopped
+    statuses, rates = values["history_status"], values["history_ball_wear_rate"]
+    assert statuses[0] == code.OK and statuses[-1] == values["status"]
+    assert rates[0] > 0.0 and np.isnan(rates[-1])
     write_result(result, tmp_path / "x.nc")
     assert load(tmp_path / "x.nc")["history_status"].values.tolist() == values["history_status"]
 
 
-def test_a_cage_worn_to_pieces_is_no_traceback(scene):
-    wearing = Motion(scene("gyro_s1", CAGE))
+def test_a_cage_worn_to_pieces_has_a_status(scene):
+    wearing = Motion(scene("gyro_s1", WITH_CAGE))
     worn = wearing.start
-    worn[wearing.parts.layout.pocket] = 1.0
+    worn[wearing.parts.layout.pocket] = 1.0  # [m3]
     (state,) = wearing.state(worn)
     assert state.status == code.CRITERION_NOT_REACHED
 
 
-def test_met_from_the_start(scene):
-    values = life(
-        scene("gyro_s1", ALONE | {"wear.end_of_life.gyroscopic_slip_share": 0.01}), "dynamic"
-    ).values
+def test_a_criterion_met_when_new_gives_a_dynamic_life_of_zero(scene):
+    limit = {"wear.end_of_life.gyroscopic_slip_share": 0.01}
+    values = life(scene("gyro_s1", WITHOUT_CAGE | limit), "dynamic").values
     assert CRITERIA[values["end_criterion"]] == "gyroscopic_slip_share" and values["life"] == 0.0
 
 
-def test_integration_error():
-    """Parabolas have no scatter; of noise the error is what it does to the sum."""
-    t = np.linspace(0.0, 1.0, 9)
-    smooth = integration_error(t, 1.0 + t * t)
-    assert_allclose(smooth, (1.0 / 8.0) ** 2 / 6.0, rtol=1e-6)  # h^2 f''/12 over 1
+NINE_TIMES = np.linspace(0.0, 1.0, 9)
+
+
+def test_the_integration_error_of_a_parabola_is_that_of_trapezoids():
+    error = integration_error(NINE_TIMES, 1.0 + NINE_TIMES**2)
+    h, second_derivative = 1.0 / 8.0, 2.0
+    assert_allclose(error, h**2 * second_derivative / 12.0, rtol=1e-6)
+
+
+def test_the_integration_error_covers_what_noise_does_to_the_sum():
     random = np.random.default_rng(0)
-    within = 0
-    for _ in range(200):
-        noise = 0.1 * random.standard_normal(9)
-        within += abs(np.trapezoid(noise, t)) <= integration_error(t, 1.0 + noise)
-    assert within > 180
-    assert math.isnan(integration_error(t[:2], t[:2]))
-    assert integration_error(t[[0, 1, 2, 3]], np.ones(4)) < 1e-15
+    noises = 0.1 * random.standard_normal((200, 9))
+    covered = [
+        abs(np.trapezoid(noise, NINE_TIMES)) <= integration_error(NINE_TIMES, 1.0 + noise)
+        for noise in noises
+    ]
+    assert np.mean(covered) > 0.9
+
+
+def test_the_integration_error_is_zero_of_a_constant_and_unknown_of_two_points():
+    assert integration_error(NINE_TIMES[:4], np.ones(4)) < 1e-15
+    assert math.isnan(integration_error(NINE_TIMES[:2], NINE_TIMES[:2]))

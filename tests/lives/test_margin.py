@@ -18,7 +18,8 @@ from bearingwear.scene.read import load_scene
 from bearingwear.scene.requirements import Drive
 from bearingwear.scene.scene import SceneError
 
-NONE = {"uncertainty": None}
+FACTORS_TO_95_PERCENT = 1.6448536269514722
+"""Standard deviations, or powers of the factor of a lognormal, to the 95 % point of a normal."""
 
 
 def loss_at_end(scene):
@@ -27,7 +28,7 @@ def loss_at_end(scene):
 
 @pytest.fixture(scope="module")
 def scene():
-    """Of one bearing, cold and hot, with a friction known to a factor."""
+    """gyro_s1 with a case of high friction and drag, and a drive; friction is known to 1.2."""
     plain = load_scene(scene_file("gyro_s1"))
     return plain.with_(
         {
@@ -45,33 +46,36 @@ def corners(scene):
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # of the scene, which is not the subject
 def test_margin_by_hand(scene, corners):
-    """T/(2 (3 T_b + 1.1 I) + T_L) - 1, T_b by a solve of the corner's own scene."""
-    mu = 0.2 * math.exp(1.6448536269514722 * math.log(1.2))
+    """T/(2 (3 T_b + 1.1 I) + T_L) - 1 of ECSS, T_b by a solve of the corner's own scene."""
+    mu = 0.2 * 1.2**FACTORS_TO_95_PERCENT
     loss = loss_at_end(scene.in_cases["cold"])
     hand = scene.in_cases["cold"].with_(
         {"friction.ball_race": mu, "wear.ball_diameter_loss_um": 1e6 * loss}
     )
-    case = bearingwear.solve(hand)
-    torque = float(case.shaft_torque)
-    result = next(
-        corner
-        for corner in corners
-        if (corner.case, corner.wear) == ("cold", "worn") and corner.friction == pytest.approx(mu)
+    torque = float(bearingwear.solve(hand).shaft_torque)
+    (corner,) = (
+        item
+        for item in corners
+        if (item.case, item.wear) == ("cold", "worn") and item.friction == pytest.approx(mu)
     )
-    assert result.torque == pytest.approx(torque, rel=1e-6)
-    assert result.margin == pytest.approx(0.01 / (2.0 * 3.0 * torque) - 1.0, rel=1e-6)
+    assert corner.torque == pytest.approx(torque, rel=1e-6)
+    assert corner.margin == pytest.approx(0.01 / (2.0 * 3.0 * torque) - 1.0, rel=1e-6)
     drive = Drive(torque_Nm=0.01, resistances_Nm={"inertia": 1e-3, "output": 2e-4})
     by_hand = 0.01 / (2.0 * (3.0 * torque + 1.1 * 1e-3) + 2e-4) - 1.0
     assert drive.margin(torque) == pytest.approx(by_hand, rel=1e-12)
 
 
-def test_the_worst_corner_is_cold_with_much_friction(scene, corners):
+def test_corners_are_each_case_new_and_worn_with_three_frictions(corners):
+    assert sorted({(corner.case, corner.wear) for corner in corners}) == [
+        ("cold", "new"), ("cold", "worn"), ("nominal", "new"), ("nominal", "worn"),
+    ]  # fmt: skip
     assert len(corners) == 2 * 2 * 3
-    assert {(corner.case, corner.wear) for corner in corners} == {
-        (case, wear) for case in ("nominal", "cold") for wear in ("new", "worn")
-    }
+
+
+def test_the_worst_corner_is_cold_with_much_friction(scene, corners):
     worst = worst_corner(corners)
-    assert worst.case == "cold" and worst.friction == pytest.approx(0.2 * 1.2**1.64485, rel=1e-4)
+    assert worst.case == "cold"
+    assert worst.friction == pytest.approx(0.2 * 1.2**FACTORS_TO_95_PERCENT)
     cold = scene.in_cases["cold"]
     states = worse_states(life_of(cold), cold)
     assert least_margin(cold, states) == pytest.approx(worst.margin, rel=1e-9)
@@ -90,6 +94,7 @@ def test_the_worst_corner_is_cold_with_much_friction(scene, corners):
     ],
 )
 def test_the_margin_is_that_of_its_rule(drive, factor):
+    """Factors on the torque of a bearing, as docs/theory/26-torque-margin.md lists them."""
     assert Drive(torque_Nm=1.0, **drive).margin(0.1) == pytest.approx(1.0 / (0.1 * factor) - 1.0)
 
 
@@ -108,28 +113,46 @@ def test_only_the_cold_corner_stalls_with_a_weak_drive(scene, corners):
 
 @pytest.mark.parametrize(("torque", "status"), [(1.0, 0), (1e-9, 4)])
 def test_the_exit_status_says_whether_the_margin_is_sufficient(capsys, torque, status):
+    """A drive of 1 N m turns this bearing of micronewtonmetres, one of 1 nN m does not."""
     assert main(["margin", str(scene_file("gyro_s1")), "--drive", str(torque)]) == status
     assert ("stalls" in capsys.readouterr().out) == (status == 4)
 
 
-def test_interval_of_the_friction(scene):
-    plain = scene.with_({"cases": None})
-    inputs = {"normal": {"standard_deviation": 0.01}, "uniform": {"low": 0.0, "high": 1.0}}
-    for name, ends in (("normal", [0.06355, 0.08, 0.09645]), ("uniform", [0.05, 0.08, 0.95])):
-        distribution = {"distribution": name} | inputs[name]
-        uncertain = plain.with_(
-            {"uncertainty": {"ball_race": distribution}, "friction.ball_race": 0.08}
-        )
-        assert friction_interval(uncertain)[1] == pytest.approx(ends, rel=1e-4)
-    key, values = friction_interval(plain.with_(NONE))  # of the table of coefficients
+@pytest.mark.parametrize(
+    ("distribution", "low", "high"),
+    [
+        (
+            {"distribution": "normal", "standard_deviation": 0.01},
+            0.08 - 0.01 * FACTORS_TO_95_PERCENT,
+            0.08 + 0.01 * FACTORS_TO_95_PERCENT,
+        ),
+        ({"distribution": "uniform", "low": 0.0, "high": 1.0}, 0.05, 0.95),
+    ],
+)
+def test_the_friction_varies_from_its_5_to_its_95_percent_point(scene, distribution, low, high):
+    uncertain = scene.with_(
+        {
+            "cases": None,
+            "uncertainty": {"ball_race": distribution},
+            "friction.ball_race": 0.08,
+        }
+    )
+    assert friction_interval(uncertain)[1] == pytest.approx([low, 0.08, high], rel=1e-6)
+
+
+def test_without_a_distribution_the_friction_varies_as_the_table_of_coefficients_says(scene):
+    key, values = friction_interval(scene.with_({"cases": None, "uncertainty": None}))
     assert key == "friction.ball_race" and len(values) == 3
+
+
+def test_the_shear_strength_of_a_film_varies():
     film = load_scene(scene_file("mos2_gyro"))
     assert friction_interval(film)[0] == "friction.film.shear_strength_MPa"
 
 
 @pytest.fixture(scope="module")
-def filmed():
-    """Of a slow bearing with MoS2 at a fixed position, whose preload wears off with the film."""
+def filmed_scene():
+    """A slow bearing with MoS2 at a fixed position, whose preload wears off with the film."""
     spindle = bearingwear.new(
         designation="7004C", lubrication="mos2", speed=60.0, preload_method="fixed_position"
     )
@@ -147,53 +170,54 @@ def bare_torque(scene, loss):
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # of the scene, which is not the subject
-def test_the_film_is_taken_away_when_it_is_worn_through(filmed):
+def test_the_film_is_taken_away_when_it_is_worn_through(filmed_scene):
     """Margins fall with the preload, and are those of plain solves, composed by hand."""
     margins = []
     for preload in (45.0, 62.0, 80.0, 100.0):
-        scene = filmed.with_({"operation.preload_N": preload})
+        scene = filmed_scene.with_({"operation.preload_N": preload})
         corners = torque_corners(scene)
         assert [item.wear for item in corners[:3]] == ["new", "worn", "film worn off"]
         assert not any(corner.why for corner in corners)
         states = life_of(scene).states
         thinnest = np.array([state["film_left"][:2].min() for state in states])
         loss = np.array([state.loss for state in states])
-        gone = loss[-1]
+        loss_when_bare = loss[-1]
         if thinnest.min() <= 0.0:
             k = int(np.argmax(thinnest <= 0.0))
-            gone = np.interp(0.0, thinnest[[k, k - 1]], loss[[k, k - 1]])
-            assert gone < loss[-1]
-        assert corners[2].torque == pytest.approx(bare_torque(scene, gone), rel=1e-6)
+            loss_when_bare = np.interp(0.0, thinnest[[k, k - 1]], loss[[k, k - 1]])
+            assert loss_when_bare < loss[-1]
+        assert corners[2].torque == pytest.approx(bare_torque(scene, loss_when_bare), rel=1e-6)
         margins.append(worst_corner(corners).margin)
         assert least_margin(scene, states) == pytest.approx(margins[-1], rel=1e-9)
     assert margins == sorted(margins, reverse=True)
-    assert margins[0] > 6.0 and 0.0 < margins[-1] < 0.5
+    assert margins[0] > 6.0 and 0.0 < margins[-1] < 0.5  # from ample to next to nothing
 
 
-def test_a_corner_that_is_not_computed_is_named(filmed, monkeypatch):
+@pytest.mark.parametrize(
+    ("ends_with_film", "missing"),
+    [(False, {"worn"}), (True, {"worn", "film worn off"})],
+    ids=["after the film", "with the film"],
+)
+def test_a_corner_that_is_not_computed_is_named(filmed_scene, ends_with_film, missing, monkeypatch):
     """A life that ends by its solver leaves no margin that is sufficient."""
 
-    def cut(scene):
-        cage_life = life_of(scene)
-        gone = next(k for k, state in enumerate(cage_life.states) if state["film_left"][0] <= 0.0)
-        cage_life.nodes, cage_life.status = (
-            cage_life.nodes[: gone if is_early else None],
-            code.NOT_CONVERGED,
-        )
-        return cage_life
+    def life_cut_short(scene):
+        life = life_of(scene)
+        if ends_with_film:
+            bare = next(k for k, state in enumerate(life.states) if state["film_left"][0] <= 0.0)
+            life.nodes = life.nodes[:bare]
+        life.status = code.NOT_CONVERGED
+        return life
 
-    scene, missing = filmed.with_({"operation.preload_N": 80.0}), {}
-    for is_early in (False, True):
-        with monkeypatch.context() as patch:
-            patch.setattr(margin, "life_of", cut)
-            corners = torque_corners(scene)
-        missing[is_early] = {corner.wear for corner in corners if corner.why}
-        assert all(math.isnan(item.torque) == bool(item.why) for item in corners)
-        sheet = margin_document(scene, corners)
-        assert "unknown" in sheet.heading[1] and "sufficient" not in " ".join(sheet.heading)
-        unsolved = [row for row in sheet.blocks[0].rows if row.note.startswith("not computed (")]
-        assert len(unsolved) == 3 * len(missing[is_early])
-    assert missing == {False: {"worn"}, True: {"worn", "film worn off"}}
+    scene = filmed_scene.with_({"operation.preload_N": 80.0})
+    monkeypatch.setattr(margin, "life_of", life_cut_short)
+    corners = torque_corners(scene)
+    assert {corner.wear for corner in corners if corner.why} == missing
+    assert all(math.isnan(corner.torque) == bool(corner.why) for corner in corners)
+    sheet = margin_document(scene, corners)
+    assert "unknown" in sheet.heading[1] and "sufficient" not in " ".join(sheet.heading)
+    unsolved = [row for row in sheet.blocks[0].rows if row.note.startswith("not computed (")]
+    assert len(unsolved) == 3 * len(missing)  # a row for each friction
 
 
 @pytest.mark.parametrize(
@@ -206,6 +230,6 @@ def test_a_corner_that_is_not_computed_is_named(filmed, monkeypatch):
         ({"standard": "own", "factors": {"drag": 2.0}}, "bearings_as: got nothing, expected drag"),
     ],
 )
-def test_a_rule_that_contradicts_itself_takes_a_line(drive, problem):
+def test_a_rule_that_contradicts_itself_is_refused_in_one_line(drive, problem):
     with pytest.raises(SceneError, match=problem):
         Drive(torque_Nm=1.0, **drive)

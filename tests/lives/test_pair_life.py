@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.lives.life import life
-from bearingwear.results.netcdf import dataset
+from bearingwear.results.netcdf import dataset_of_result
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.sides import SHARED, of_bearing
+from bearingwear.sides import SHARED, values_of_bearing
 from bearingwear.solvers.solve import solve
 
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -20,44 +20,55 @@ FORCED = RIGID | {
 }
 
 
+STIFFNESSES = ("history_system_axial_stiffness", "history_system_quasistatic_axial_stiffness")
+
+
 def criterion(result):
+    """Name of the criterion that ends a life."""
     return CRITERIA[result.values["end_criterion"]]
 
 
 @pytest.fixture(scope="module")
-def lived(scene):
+def life_result(scene):
     """Function (changes) -> life of gyro_s1."""
     return lambda changes: life(scene("gyro_s1", changes))
 
 
 @pytest.mark.parametrize(("single", "pair"), [(POSITION, RIGID), ({}, SPRING)])
-def test_symmetric_pair_lives_as_the_single_bearing(lived, single, pair):
+def test_each_of_a_symmetric_pair_lives_as_the_single_bearing(life_result, single, pair):
     end = {"wear.end_of_life": {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7}}
-    alone, two = (lived(changes | end) for changes in (single, pair))
-    assert criterion(alone) == criterion(two)
+    single_result, pair_result = (life_result(changes | end) for changes in (single, pair))
+    assert criterion(single_result) == criterion(pair_result)
     for k in range(2):
-        other = of_bearing(two.values, k)
-        assert set(other) == set(alone.values)
-        for name, value in alone.values.items():
-            assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
+        of_one = values_of_bearing(pair_result.values, k)
+        assert set(of_one) == set(single_result.values)
+        for name, value in single_result.values.items():
+            assert_allclose(of_one[name], value, rtol=1e-12, err_msg=name)
 
 
-def test_grooves_of_a_symmetric_pair_are_followed(lived):
-    """As those of the single bearing; in a file, too."""
-    worn = {"model.contact": "worn", "wear.end_of_life": {"ball_diameter_loss_um": 0.05}}
-    alone, two = lived(POSITION | worn), lived(RIGID | worn)
-    assert alone.status == two.status == "ok" and "groove_depth" in alone.values
-    for name, value in alone.values.items():
-        assert_allclose(of_bearing(two.values, 1)[name], value, rtol=1e-12, err_msg=name)
-    result = dataset(two)
-    assert result["groove_depth"].dims[0] == result["history_residual_preload"].dims[0] == "bearing"
-    unlike = lived(FORCED | worn)
+WORN = {"model.contact": "worn", "wear.end_of_life": {"ball_diameter_loss_um": 0.05}}
+
+
+def test_grooves_of_a_symmetric_pair_are_those_of_the_single_bearing(life_result):
+    single_result, pair_result = life_result(POSITION | WORN), life_result(RIGID | WORN)
+    assert single_result.status == pair_result.status == "ok"
+    assert "groove_depth" in single_result.values
+    second = values_of_bearing(pair_result.values, 1)
+    for name, value in single_result.values.items():
+        assert_allclose(second[name], value, rtol=1e-12, err_msg=name)
+    in_file = dataset_of_result(pair_result)
+    for name in ("groove_depth", "history_residual_preload"):
+        assert in_file[name].dims[0] == "bearing"
+
+
+def test_grooves_of_unlike_bearings_are_followed_one_by_one(life_result):
+    unlike = life_result(FORCED | WORN)
     assert unlike.status == "ok" and unlike.values["groove_depth"].shape[0] == 2
 
 
-def test_plain_integration(lived, scene):
-    """The classical Runge-Kutta method in time, over the rates of single cases of the pair."""
-    result = lived(FORCED)
+def test_losses_of_a_pair_are_those_of_a_plain_integration(life_result, scene):
+    """Six steps of the classical Runge-Kutta method, over the rates of single cases of the pair."""
+    result = life_result(FORCED)
     values, steps = result.values, 6
     h = float(values["life"]) / steps
 
@@ -76,78 +87,88 @@ def test_plain_integration(lived, scene):
         k3 = rates(y + 0.5 * h * k2)
         k4 = rates(y + h * k3)
         y = y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    assert_allclose(values["loss_at_end"], y, rtol=2e-5)
-    assert y[0] > 1.2 * y[1]
+    assert_allclose(values["loss_at_end"], y, rtol=2e-5)  # of six steps
+    assert y[0] > 1.2 * y[1]  # the loaded bearing wears more
 
 
-def test_histories_and_bounds(lived):
-    values = lived(FORCED).values
-    assert values["history_time"].shape[0] == values["history_residual_preload"].shape[1] >= 9
+def test_histories_of_a_pair_balance_its_external_force_to_the_end(life_result):
+    values = life_result(FORCED).values
+    F = values["history_residual_preload"]
+    assert values["history_time"].shape[0] == F.shape[1] >= 9
     assert (np.diff(values["history_time"]) > 0.0).all()
+    assert_allclose(F[0] - F[1], 2.0, atol=1e-9)  # the external force [N]
+    assert_allclose(F[:, -1].min() / 7.0, 0.4, atol=1e-6)  # the criterion of gyro_s1
+    for name in values.keys() - SHARED:
+        assert np.shape(values[name])[0] == 2, name
+
+
+def test_errors_of_a_life_of_a_pair_are_bounded(life_result):
+    values = life_result(FORCED).values
     assert values["life_error_bound"] < 1e-3 * values["life"]
     assert 0.0 < values["life_error_estimate"] < 0.05
-    F = values["history_residual_preload"]
-    assert_allclose(F[0] - F[1], 2.0, atol=1e-9)
-    least = F.min(axis=0)[-1] / 7.0
-    assert_allclose(least, 0.4, atol=1e-6)
-    own = {name for name in values if name not in SHARED}
-    assert all(np.shape(values[name])[0] == 2 for name in own)
 
 
 @pytest.mark.parametrize("kind", [RIGID | {"arrangement.external_axial_N": 1.0}, SPRING])
 @pytest.mark.parametrize(
-    ("limit", "value", "history", "factor"),
+    ("limit", "value"),
     [
-        ("system_axial_stiffness_N_um", 4.2, "system_axial_stiffness", 1e-6),
-        ("rotor_shift_um", 0.5, "rotor_axial_shift", 1e6),
-        ("friction_used_by_gyroscopic_moment", 0.14, "friction_used_by_gyroscopic_moment", 1.0),
-        ("gyroscopic_slip_share", 0.13, "gyroscopic_slip_share", 1.0),
+        ("system_axial_stiffness_N_um", 4.2),
+        ("rotor_shift_um", 0.5),
+        ("friction_used_by_gyroscopic_moment", 0.14),
+        ("gyroscopic_slip_share", 0.13),
     ],
 )
-def test_functional_limits(lived, kind, limit, value, history, factor):
-    """Each ends the life of both kinds where it is met."""
-    result = lived(kind | {"wear.end_of_life": {limit: value}})
+def test_a_functional_limit_ends_a_life_where_the_worse_bearing_meets_it(
+    life_result, kind, limit, value
+):
+    """The values lie between those of the new and of the worn pairs."""
+    result = life_result(kind | {"wear.end_of_life": {limit: value}})
     assert result.status == "ok" and criterion(result) == limit
-    computed = factor * np.asarray(result.values[f"history_{history}"])
-    if history == "system_axial_stiffness":  # the smaller of the two
-        computed = np.fmin(
-            computed, factor * result.values["history_system_quasistatic_axial_stiffness"]
-        )
-    at_end = computed[..., -1] if history != "gyroscopic_slip_share" else computed[:, -1, :]
-    # friction and slip share are met from below by the worse bearing
-    assert_allclose(np.max(np.abs(at_end)), value, rtol=1e-5)
     assert "ended_by" in result.attrs
+    values = {name: np.asarray(history) for name, history in result.values.items()}
+    at_end = {
+        "system_axial_stiffness_N_um": 1e-6 * min(values[name][-1] for name in STIFFNESSES),
+        "rotor_shift_um": 1e6 * abs(values["history_rotor_axial_shift"][-1]),
+        "friction_used_by_gyroscopic_moment": values["history_friction_used_by_gyroscopic_moment"][
+            :, -1
+        ].max(),
+        "gyroscopic_slip_share": values["history_gyroscopic_slip_share"][:, -1].max(),
+    }
+    assert_allclose(at_end[limit], value, rtol=1e-5)
 
 
-def test_single_bearing_is_half_of_a_pair(lived):
-    """Limits of the arrangement hold for it, too."""
+def test_the_system_of_a_single_bearing_is_the_symmetric_pair(life_result):
     end = {"wear.end_of_life": {"system_axial_stiffness_N_um": 8.0}}
-    alone, two = lived(POSITION | end), lived(RIGID | end)
-    assert_allclose(alone.values["life"], two.values["life"], rtol=1e-12)
-    both = ("history_system_axial_stiffness", "history_system_quasistatic_axial_stiffness")
-    assert_allclose(min(alone.values[name][-1] for name in both), 8e6, rtol=1e-6)
-    assert_allclose(alone.values["history_rotor_axial_shift"], 0.0)
+    single_result, pair_result = life_result(POSITION | end), life_result(RIGID | end)
+    values = single_result.values
+    assert_allclose(values["life"], pair_result.values["life"], rtol=1e-12)
+    assert_allclose(min(values[name][-1] for name in STIFFNESSES), 8e6, rtol=1e-6)
+    assert (values["history_rotor_axial_shift"] == 0.0).all()
 
 
-def test_life_that_ends_with_lift_off(lived):
+def test_a_bearing_that_lifts_off_ends_a_life_without_a_criterion(life_result):
+    """Its status names that, and the time until then is a lower bound."""
     far = {"arrangement.external_axial_N": 25.0, "wear.end_of_life": {"skid_ratio": 0.9}}
-    result = lived(RIGID | far)
+    result = life_result(RIGID | far)
     assert result.status in ("lifted_off", "contact_lost")
     assert criterion(result) == "none"
     assert result.values["life"] > 0.0
 
 
-def test_limits_passed_when_new(lived):
-    result = lived(RIGID | {"arrangement.external_axial_N": 5.0,
-                            "wear.end_of_life": {"system_axial_stiffness_N_um": 50.0}})  # fmt: skip
+def test_a_limit_passed_when_new_gives_a_life_of_zero_and_a_warning(life_result):
+    end = {"wear.end_of_life": {"system_axial_stiffness_N_um": 50.0}}  # five times that of the pair
+    result = life_result(RIGID | {"arrangement.external_axial_N": 5.0} | end)
     assert result.status == "ok" and result.values["life"] == 0.0
     assert "over_limit_when_new" in result.attrs["warnings"]
 
 
-def test_without_preload_or_friction(lived):
-    for changes, status in (
+@pytest.mark.parametrize(
+    ("changes", "status"),
+    [
         ({"operation.preload_N": 0.0, "wear.end_of_life": {"skid_ratio": 0.1}}, "preload_gone"),
         ({"friction.ball_race": 0.0}, "undetermined"),
-    ):
-        forced = RIGID | {"arrangement.external_axial_N": 1.0} | changes
-        assert lived(forced).status == status
+    ],
+)
+def test_a_pair_without_preload_or_friction_has_a_status(life_result, changes, status):
+    forced = RIGID | {"arrangement.external_axial_N": 1.0} | changes
+    assert life_result(forced).status == status

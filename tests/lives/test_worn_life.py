@@ -1,9 +1,11 @@
 """Lives with grooves that are followed as they wear: limits, balances, published numbers."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from support import scene_file
 
@@ -32,8 +34,8 @@ HOUR = 3600.0
 UM = 1e-6
 
 
-def at_wear(wearing, worn):
-    """A point of a life."""
+def node_at(wearing, worn):
+    """The node of a life with this wear, solved."""
     return Node(0.0, worn, wearing.state(worn), np.zeros(2))
 
 
@@ -57,7 +59,7 @@ METHODS = pytest.mark.parametrize("method", ["constant_force", "fixed_position"]
 def test_a_groove_without_wear_is_hertz(method, balance):
     course = StiffGrooves(scene_of(method, balance=balance))
     (side,) = course.sides
-    (state,) = course.completed(at_wear(course, course.start)).states
+    (state,) = course.completed(node_at(course, course.start)).states
     point = point_of(state)
     case, bearing = side.bearing.case, side.bearing
     assert point.status == code.OK
@@ -67,9 +69,10 @@ def test_a_groove_without_wear_is_hertz(method, balance):
     assert state["maximum_pressure"] == pytest.approx(case.contacts[:, PRESSURE].max(), rel=1e-9)
     assert state["gyroscopic_slip_share"] == pytest.approx(case.contacts[:, SHARE], rel=1e-9)
     assert point.u == pytest.approx(case.u, abs=1e-9 * np.abs(case.u).max())
-    assert point.seat.delta_a == pytest.approx(case.delta_a, rel=1e-9)
+    assert_allclose(point.seat.delta_a, case.delta_a, rtol=1e-9)
+    # stiffnesses of grooves are differences of forces on cells
     stiffness = bearing.problem.g.n_balls * case.S_xx
-    assert state["axial_stiffness"] == pytest.approx(stiffness, rel=1e-3)  # by differences
+    assert state["axial_stiffness"] == pytest.approx(stiffness, rel=1e-3)
     quasistatic = bearing.problem.g.n_balls * case.S_quasistatic
     assert state["quasistatic_axial_stiffness"] == pytest.approx(quasistatic, rel=2e-4)
     assert state["skid_ratio"] == pytest.approx(case.skid, abs=1e-12)
@@ -84,15 +87,15 @@ def test_worn_volumes_are_those_of_archard(wander):
     bearing = side.bearing
     wear, (ball, race) = bearing.unworn(), side.factors
     for _ in range(3):
-        now = at_wear(course, (wear,))
-        (state,), (rate,) = now.states, course.rates(now)
+        node = node_at(course, (wear,))
+        (state,), (rate,) = node.states, course.rates(node)
         point = point_of(state)
         for k in range(2):
             volume = 2.0 * np.pi * point.track[k] * rate.grooves[k].sum() * bearing.arc_step[k]
-            assert volume == pytest.approx(9 * race * point.slip[k, 0], rel=1e-9)
+            assert_allclose(volume, 9 * race * point.slip[k, 0], rtol=1e-9)
         off_ball = 0.5 * np.pi * (bearing.D - wear.ball) ** 2 * rate.ball
-        assert off_ball == pytest.approx(ball * point.slip[:, 0].sum(), rel=1e-9)
-        wear = wear.plus(course.longest_step(now, (rate,)), rate)
+        assert_allclose(off_ball, ball * point.slip[:, 0].sum(), rtol=1e-9)
+        wear = wear.plus(course.longest_step(node, (rate,)), rate)
 
 
 def test_friction_of_cells_is_resolved_where_outer_races_control():
@@ -104,204 +107,247 @@ def test_friction_of_cells_is_resolved_where_outer_races_control():
     assert CRITERIA[groove_life.criterion] == "ball_diameter_loss_um"
 
 
-class UniformWear(Grooves):
+class EvenWear(Grooves):
     """Every groove wears evenly, as deep as its volume over the length of the ellipse says."""
 
-    def rates(self, now):
-        (rate,) = super().rates(now)
+    def rates(self, node):
+        (rate,) = super().rates(node)
         volume = rate.grooves.sum(axis=1) * self.sides[0].bearing.arc_step
-        forces = point_of(now.states[0]).forces
+        forces = point_of(node.states[0]).forces
         depth = volume / (2.0 * np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]))
         grooves = np.ones_like(rate.grooves) * depth[:, None]
         return (WornDepths(rate.ball, grooves),)
 
 
 @METHODS
-def test_even_wear_in_the_same_steps_is_the_hertzian_life(method):
+def test_grooves_that_wear_evenly_have_the_hertzian_life(method):
+    """In half of the usual steps, of which each leaves out a quarter as much: to 0.1 %."""
     scene = scene_of(method)
-    # what a step leaves out falls fourfold
-    half_steps = UniformWear(scene, EXACT_GROOVES._replace(step=0.5 * STEP))
+    half_steps = EvenWear(scene, EXACT_GROOVES._replace(step=0.5 * STEP))
     even, hertz = follow_grooves(half_steps), HertzianLives(scene)(scene)
     assert even.status == hertz.status == code.OK
-    loss = np.array([s.loss for s in hertz.states])
+    hertz_loss = np.array([state.loss for state in hertz.states])
     (side,) = even.wearing.sides
-    reached = np.array(
-        [side.approach_loss(point_of(s)) for s in even.states]
-    )  # at the end it is a little more than the even loss
-    for name, tolerance in (("residual_preload", 1e-3), ("total_qv", 2e-3)):
-        result = [s[name] for s in even.states]
-        expected = CubicSpline(loss, [s[name] for s in hertz.states])
-        assert result == pytest.approx(expected(reached), rel=tolerance)
-    times = CubicSpline(loss, hertz.times)
-    assert even.times[1:] == pytest.approx(times(reached[1:]), rel=1e-3)
+    # at the end it is a little more than the even loss
+    even_loss = np.array([side.approach_loss(point_of(state)) for state in even.states])
+    for name, rtol in (("residual_preload", 1e-3), ("total_qv", 2e-3)):
+        expected = CubicSpline(hertz_loss, [state[name] for state in hertz.states])
+        assert_allclose([state[name] for state in even.states], expected(even_loss), rtol=rtol)
+    times = CubicSpline(hertz_loss, hertz.times)
+    assert_allclose(even.times[1:], times(even_loss[1:]), rtol=1e-3)
 
 
-# benchmarks2.md section 3: hours to L 0.1, 0.3, 0.5, 0.7 um; hours to L_eq 0.7 um; QV [mW] and
-# pressures over those when new at L = 0.7 um; half-lengths over the semi-major axes when new.
-# Programs written apart from this one.
-ROWS = {
-    ("constant_force", 0.0): (
+class OtherPrograms(NamedTuple):
+    """Numbers of programs written apart from this one, where the preload has gone by 0.7 um.
+
+    L is the loss of approach, L_eq the even loss of diameter with the same preload.
+    """
+
+    hours_to_loss: tuple[float, ...]  # L = 0.1, 0.3, 0.5 and 0.7 um
+    hours_to_equivalent_loss: float  # L_eq = 0.7 um
+    qv_mW: float
+    pressures: tuple[float, float]  # over those when new, inner and outer
+    half_lengths: tuple[float, float]  # over the semi-major axes when new
+
+
+OTHER_PROGRAMS = {
+    ("constant_force", 0.0): OtherPrograms(
         (0.1854, 0.5871, 0.9980, 1.4047), 1.5157, 95.71, (1.37, 1.26), (1.40, 1.71)),
-    ("constant_force", 0.1): (
+    ("constant_force", 0.1): OtherPrograms(
         (0.1858, 0.5866, 0.9973, 1.4055), 1.5162, 96.02, (1.27, 1.24), (1.37, 1.67)),
-    ("fixed_position", 0.0): (
+    ("fixed_position", 0.0): OtherPrograms(
         (0.1892, 0.6888, 1.3397, 2.2525), 2.0466, 28.49, (0.82, 0.69), (1.29, 0.99)),
 }  # fmt: skip
+"""By method of preload and wander of the track. Accurate to 0.2 % in times and QV, 1.5 % in
+pressures and 2 % in half-lengths, as their grids say; cells and steps here are coarser."""
 
 
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: "-".join(map(str, row)))
-def test_the_numbers_of_other_programs(row):
-    method, wander = row
-    times, equivalent, qv, pressures, lengths = ROWS[row]
-    end = EndOfLife(ball_diameter_loss_um=0.78)
-    scene = scene_of(method, track_wander=wander, end_of_life=end)
-    groove_life = follow_grooves(Grooves(scene))
+@pytest.mark.parametrize("method, wander", OTHER_PROGRAMS)
+def test_grooves_as_they_wear_agree_with_other_programs(method, wander):
+    expected = OTHER_PROGRAMS[method, wander]
+    end = EndOfLife(ball_diameter_loss_um=0.78)  # some steps beyond 0.7 um
+    groove_life = follow_grooves(Grooves(scene_of(method, track_wander=wander, end_of_life=end)))
     assert groove_life.status == code.OK
-    hours = groove_life.times / HOUR
-    (side,), points = groove_life.wearing.sides, [point_of(state) for state in groove_life.states]
-    at = np.array([side.approach_loss(point) for point in points]) / UM
-    by_loss = CubicSpline(at, hours)
-    assert by_loss([0.1, 0.3, 0.5, 0.7]) == pytest.approx(times, rel=1e-2)
-    states = groove_life.states
-    even = np.array([s.loss for s in states]) / UM
-    assert np.interp(0.7, even, hours) == pytest.approx(equivalent, rel=1e-2)
+    hours, states = groove_life.times / HOUR, groove_life.states
+    (side,), points = groove_life.wearing.sides, [point_of(state) for state in states]
+    loss = np.array([side.approach_loss(point) for point in points]) / UM
 
-    def when(values):
-        return CubicSpline(at, np.array(values))(0.7)
+    def at_loss(values, um=0.7):
+        return CubicSpline(loss, np.array(values))(um)
 
-    assert 1e3 * when([s["qv"].sum() for s in states]) == pytest.approx(qv, rel=2e-2)
-    new = side.bearing.case.contacts[:, PRESSURE]
-    peaks = [[f.peak for f in p.forces] for p in points]
-    found_pressures = [np.interp(0.7, at, np.array(peaks)[:, k]) / new[k] for k in range(2)]
-    assert found_pressures == pytest.approx(pressures, rel=2e-2)
-    halves = np.array([half_lengths(p) for p in points]) / side.bearing.major
-    assert [np.interp(0.7, at, halves[:, k]) for k in range(2)] == pytest.approx(lengths, rel=5e-2)
-    if method == "fixed_position":
-        left = np.array([s["residual_preload"] for s in states])
-        assert np.interp(-0.4 * 7.0, -left, hours) == pytest.approx(1.3280, rel=1e-2)
-        assert np.interp(0.7, at, left) == pytest.approx(1.927, rel=1e-2)
+    assert at_loss(hours, [0.1, 0.3, 0.5, 0.7]) == pytest.approx(expected.hours_to_loss, rel=1e-2)
+    equivalent_loss = np.array([state.loss for state in states]) / UM
+    hours_to_equivalent_loss = np.interp(0.7, equivalent_loss, hours)
+    assert hours_to_equivalent_loss == pytest.approx(expected.hours_to_equivalent_loss, rel=1e-2)
+    qv_mW = 1e3 * at_loss([state["qv"].sum() for state in states])
+    assert qv_mW == pytest.approx(expected.qv_mW, rel=2e-2)
+    peaks = np.array([[force.peak for force in point.forces] for point in points])
+    peaks /= side.bearing.case.contacts[:, PRESSURE]
+    lengths = np.array([half_lengths(point) for point in points]) / side.bearing.major
+    for k in range(2):
+        pressure = np.interp(0.7, loss, peaks[:, k])
+        assert pressure == pytest.approx(expected.pressures[k], rel=2e-2)
+        half_length = np.interp(0.7, loss, lengths[:, k])
+        assert half_length == pytest.approx(expected.half_lengths[k], rel=5e-2)
+
+
+def test_the_preload_left_agrees_with_other_programs():
+    """1.3280 h to 40 % of 7 N, and 1.927 N at a loss of 0.7 um, both to 1 %."""
+    end = EndOfLife(ball_diameter_loss_um=0.78)
+    groove_life = follow_grooves(Grooves(scene_of("fixed_position", end_of_life=end)))
+    (side,) = groove_life.wearing.sides
+    left = np.array([state["residual_preload"] for state in groove_life.states])
+    loss = np.array([side.approach_loss(point_of(state)) for state in groove_life.states]) / UM
+    hours_to_40_percent = np.interp(-0.4 * 7.0, -left, groove_life.times / HOUR)
+    assert hours_to_40_percent == pytest.approx(1.3280, rel=1e-2)
+    assert np.interp(0.7, loss, left) == pytest.approx(1.927, rel=1e-2)
 
 
 @pytest.mark.parametrize(
-    ("method", "times", "fraction"),
+    ("method", "hours_to_loss"),
     [
-        ("constant_force", (0.1730, 0.5188, 0.8645, 1.2101), None),
-        ("fixed_position", (0.1801, 0.6422, 1.2377, 1.9339), 1.2208),
+        ("constant_force", (0.1730, 0.5188, 0.8645, 1.2101)),
+        ("fixed_position", (0.1801, 0.6422, 1.2377, 1.9339)),
     ],
 )
-def test_the_numbers_of_other_programs_for_even_wear(method, times, fraction):
+def test_even_wear_agrees_with_other_programs(method, hours_to_loss):
+    """Hours to 0.1, 0.3, 0.5 and 0.7 um, which the others have to 0.2 %."""
     scene = scene_of(method, end_of_life=EndOfLife(ball_diameter_loss_um=0.7))
     history = HertzianLives(scene)(scene)
-    hours = history.times / HOUR
-    loss = np.array([s.loss for s in history.states]) / UM
-    assert CubicSpline(loss, hours)([0.1, 0.3, 0.5, 0.7]) == pytest.approx(times, rel=1e-3)
-    if fraction is not None:
-        left = np.array([s["residual_preload"] for s in history.states])
-        assert CubicSpline(-left, hours)(-0.4 * 7.0) == pytest.approx(fraction, rel=1e-3)
+    loss = np.array([state.loss for state in history.states]) / UM
+    hours = CubicSpline(loss, history.times / HOUR)([0.1, 0.3, 0.5, 0.7])
+    assert hours == pytest.approx(hours_to_loss, rel=1e-3)
 
 
-@METHODS
-def test_lives_with_traction_reach_their_criterion(method):
+def test_the_preload_left_by_even_wear_agrees_with_other_programs():
+    """1.2208 h to 40 % of 7 N."""
+    end = EndOfLife(ball_diameter_loss_um=0.7)
+    scene = scene_of("fixed_position", end_of_life=end)
+    history = HertzianLives(scene)(scene)
+    left = np.array([state["residual_preload"] for state in history.states])
+    hours_to_40_percent = CubicSpline(-left, history.times / HOUR)(-0.4 * 7.0)
+    assert hours_to_40_percent == pytest.approx(1.2208, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("method", "criterion"),
+    [("constant_force", "ball_diameter_loss_um"), ("fixed_position", "preload_fraction")],
+)
+def test_lives_with_traction_reach_their_criterion(method, criterion):
+    """With half of the cells, too, and after a time within 2 % of theirs."""
     end = EndOfLife(preload_fraction=0.4, ball_diameter_loss_um=0.7)
     scene = scene_of(method, balance="with_traction", track_wander=0.1, end_of_life=end)
     groove_life = follow_grooves(Grooves(scene))
     assert groove_life.status == code.OK
-    assert groove_life.criterion == CRITERIA.index(
-        "preload_fraction" if method == "fixed_position" else "ball_diameter_loss_um"
-    )
+    assert CRITERIA[groove_life.criterion] == criterion
     coarse = follow_grooves(Grooves(scene, EXACT_GROOVES._replace(cells=(32, 8))))
-    last, other = groove_life.times[-1], coarse.times[-1]
-    assert other == pytest.approx(last, rel=0.02)
+    assert coarse.times[-1] == pytest.approx(groove_life.times[-1], rel=0.02)
 
 
-def test_a_life_with_worn_grooves_and_its_file():
+def test_a_worn_life_ends_at_its_loss_and_bounds_its_errors():
     scene = scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))
     result = life(scene)
     v = result.values
     assert result.status == "ok"
-    assert v["loss_at_end"] == pytest.approx(0.3 * UM, rel=1e-4)
+    assert_allclose(v["loss_at_end"], 0.3 * UM, rtol=1e-4)
     assert v["history_equivalent_loss"][-1] == v["loss_at_end"]
     assert 0.0 < v["life_error_bound"] < 2e-3 * v["life"]
     assert 0.0 < v["life_error_estimate"] < 2e-2
-    # volumes, by the time integral of QV
-    time, qv = v["history_time"], v["history_qv"]
-    race, ball = 9 * 5e-6 / 6.6e9, 5e-6 / 6.6e9
-    for k in range(2):
-        by_qv = race * np.trapezoid(qv[:, k], time)
-        assert v["history_race_worn_volume"][-1, k] == pytest.approx(by_qv, rel=1e-3)
-    by_qv = ball * np.trapezoid(qv.sum(axis=1), time)
-    assert v["history_one_ball_worn_volume"][-1] == pytest.approx(by_qv, rel=1e-3)
     assert v["groove_depth"].shape == v["groove_pressure"].shape
     assert v["groove_depth"][-1].max() == v["history_deepest_groove"][-1].max()
 
 
-def test_auto_follows_the_grooves_where_the_loss_asks_for_it():
-    scene = scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.7))
-    auto = replace(scene, model=replace(scene.model, contact="auto"))
+def test_worn_volumes_are_the_time_integral_of_qv():
+    """By trapezoids over the few steps of the history: to 1 %."""
+    v = life(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))).values
+    time, qv = v["history_time"], v["history_qv"]
+    K_H = 5e-6 / 6.6e9
+    by_qv = K_H * np.trapezoid(qv, time, axis=0)
+    assert_allclose(v["history_race_worn_volume"][-1], 9 * by_qv, rtol=1e-2)
+    assert_allclose(v["history_one_ball_worn_volume"][-1], by_qv.sum(), rtol=1e-2)
+
+
+def with_contact(scene, contact):
+    return replace(scene, model=replace(scene.model, contact=contact))
+
+
+def test_auto_follows_the_grooves_where_the_loss_requires_it():
+    auto = with_contact(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.7)), "auto")
     assert wear_over_gap(auto) == pytest.approx(2.7, rel=0.02)  # 0.7 um over 0.26 um
     assert "history_approach_loss" in life(auto).values
-    little = replace(
-        auto, wear=replace(auto.wear, end_of_life=EndOfLife(ball_diameter_loss_um=0.02))
-    )
-    assert "history_approach_loss" not in life(little).values
-    # and there the Hertzian life is right
-    asked = replace(little, model=replace(little.model, contact="worn"))
-    assert life(asked).values["life"] == pytest.approx(life(little).values["life"], rel=0.1)
 
 
-def test_pressure_and_depth_end_a_life():
-    """At the values that a longer life has on the way."""
-    scene = scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))
-    v = life(scene).values
-    time = v["history_time"]
-    for name, history, limit in (
-        ("maximum_pressure_GPa", 1e-9 * v["history_maximum_pressure"], 1.1),
-        ("groove_depth_um", v["history_greatest_depth"] / UM, 0.1),
-    ):
-        wear = replace(scene.wear, end_of_life=EndOfLife(**{name: limit}))
-        ended = life(replace(scene, wear=wear))
-        assert CRITERIA[ended.values["end_criterion"]] == name
-        assert history.max() > limit > history[0]
-        expected = PchipInterpolator(history[: history.argmax()], time[: history.argmax()])(limit)
-        assert ended.values["life"] == pytest.approx(expected, rel=0.03)
-    hertz = replace(scene, model=replace(scene.model, contact="hertz"))
-    # contacts that stay Hertzian stay narrow
-    deep = replace(hertz.wear, end_of_life=EndOfLife(groove_depth_um=0.1))
-    sooner = life(replace(hertz, wear=deep)).values
-    assert CRITERIA[sooner["end_criterion"]] == "groove_depth_um"
-    assert sooner["life"] < np.interp(0.1e-6, v["history_greatest_depth"], time)
-    # auto follows them for it, however little wears
-    auto = replace(scene.model, contact="auto")
-    shallow = replace(scene.wear, end_of_life=EndOfLife(groove_depth_um=1e-3))
-    assert "groove_depth" in life(replace(scene, model=auto, wear=shallow)).values
+def test_auto_has_the_hertzian_life_where_little_wears():
+    """0.02 um: the life with grooves that are followed is another by 9 %, which is allowed."""
+    auto = with_contact(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.02)), "auto")
+    values = life(auto).values
+    assert "history_approach_loss" not in values
+    worn = life(with_contact(auto, "worn")).values
+    assert worn["life"] == pytest.approx(values["life"], rel=0.1)
 
 
-def test_a_pressure_that_is_there_from_the_start_ends_hertzian_lives_too():
+@pytest.fixture(scope="module")
+def history_to_03_um():
+    """Histories of a life that goes on to a loss of 0.3 um."""
+    return life(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))).values
+
+
+@pytest.mark.parametrize(
+    ("criterion", "limit", "history", "factor"),
+    [
+        ("maximum_pressure_GPa", 1.1, "history_maximum_pressure", 1e-9),
+        ("groove_depth_um", 0.1, "history_greatest_depth", 1e6),
+    ],
+)
+def test_pressure_and_depth_end_a_life_at_the_values_of_a_longer_one(
+    history_to_03_um, criterion, limit, history, factor
+):
+    """Within 3 %, of its few steps."""
+    values, time = factor * history_to_03_um[history], history_to_03_um["history_time"]
+    assert values.max() > limit > values[0]
+    rising = slice(values.argmax())
+    expected = PchipInterpolator(values[rising], time[rising])(limit)
+    ended = life(scene_of(end_of_life=EndOfLife(**{criterion: limit}))).values
+    assert CRITERIA[ended["end_criterion"]] == criterion
+    assert ended["life"] == pytest.approx(expected, rel=0.03)
+
+
+def test_a_hertzian_groove_is_deep_sooner(history_to_03_um):
+    """Contacts that stay Hertzian stay narrow, where worn ones widen."""
+    deep = scene_of(end_of_life=EndOfLife(groove_depth_um=0.1))
+    hertz = life(with_contact(deep, "hertz")).values
+    assert CRITERIA[hertz["end_criterion"]] == "groove_depth_um"
+    depths, time = (history_to_03_um[f"history_{name}"] for name in ("greatest_depth", "time"))
+    assert hertz["life"] < np.interp(0.1e-6, depths, time)
+
+
+def test_auto_follows_the_grooves_for_a_limit_on_their_depth():
+    """However little wears."""
+    shallow = scene_of(end_of_life=EndOfLife(groove_depth_um=1e-3))
+    assert "groove_depth" in life(with_contact(shallow, "auto")).values
+
+
+def test_a_pressure_exceeded_when_new_ends_hertzian_lives_too():
     scene = scene_of(end_of_life=EndOfLife(maximum_pressure_GPa=0.97))
-    v = life(replace(scene, model=replace(scene.model, contact="hertz"))).values
-    assert v["history_maximum_pressure"][0] == pytest.approx(0.980e9, rel=1e-3)
+    v = life(with_contact(scene, "hertz")).values
+    assert v["history_maximum_pressure"][0] > 0.97e9
     assert CRITERIA[v["end_criterion"]] == "maximum_pressure_GPa"
     assert v["life"] == 0.0
 
 
-def test_scenes_that_cannot_follow_grooves_are_refused():
-    scene = scene_of()
-    for changed in (
-        replace(scene, wear=replace(scene.wear, counts="ball")),
-        replace(scene, model=replace(scene.model, slip_over="line")),
-    ):
-        with pytest.raises(NotAvailable, match=r"model.contact: got worn"):
-            life(changed)
+@pytest.mark.parametrize("changes", [{"wear.counts": "ball"}, {"model.slip_over": "line"}])
+def test_scenes_that_cannot_follow_grooves_are_refused(changes):
+    with pytest.raises(NotAvailable, match=r"model.contact: got worn"):
+        life(scene_of().with_(changes))
 
 
 def test_a_criterion_met_at_the_start_gives_a_life_of_zero():
     scene = scene_of("fixed_position", end_of_life=EndOfLife(preload_fraction=0.999))
-    loose = replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=(0.5,)))
-    v = life(loose).values
-    assert v["life"] == 0.0
+    assert life(scene.with_({"wear.ball_diameter_loss_um": 0.5})).values["life"] == 0.0
 
 
-def test_wear_that_ends_otherwise_is_a_lower_bound():
+def test_grooves_that_wear_beyond_the_solver_end_without_a_criterion():
+    """In coarse steps and cells, to a skid ratio that is never reached."""
     scene = scene_of(end_of_life=EndOfLife(skid_ratio=0.9))
     course = Grooves(scene, EXACT_GROOVES._replace(step=2.0, cells=(24, 5)))
     groove_life = follow_grooves(course)

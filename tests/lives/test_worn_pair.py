@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from support import scene_file
 
 import bearingwear
@@ -21,56 +21,60 @@ FIXED = "operation.preload_method=fixed_position"
 RIGID = (FIXED, "arrangement.kind=rigid_pair")
 
 
-def life_of(*changes, contact="worn"):
+BALANCED_TO = 1e-5
+"""Force [N] to which a rotor on worn grooves is balanced."""
+
+
+def life_values(*changes, contact="worn"):
+    """Values of a life of gyro_s1 with its grooves followed, or with Hertzian ones."""
     scene = load_scene(scene_file("gyro_s1"), [f"model.contact={contact}", END, *changes])
     return life(replace(scene, cage=None)).values
 
 
-def test_a_soft_spring_is_a_constant_force():
-    single = life_of("operation.preload_method=constant_force")
+def test_a_pair_on_a_soft_spring_lives_as_under_a_constant_force():
+    """Within 0.1 %: the spring of 10 N/m gives way by the loss, and steps differ."""
+    single = life_values("operation.preload_method=constant_force")
     spring = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1e-5")
-    pair = life_of(*spring)
-    assert pair["life"] == pytest.approx(single["life"], rel=1e-3)
+    assert life_values(*spring)["life"] == pytest.approx(single["life"], rel=1e-3)
 
 
 def test_a_rigid_pair_with_a_load_balances_and_wears_the_loaded_side_more():
-    pair = life_of(*RIGID, "arrangement.external_axial_N=2.0")
+    pair = life_values(*RIGID, "arrangement.external_axial_N=2.0")
     assert pair["status"] == code.OK
-    first, two = pair["history_residual_preload"]
-    assert first - two == pytest.approx(np.full(first.size, 2.0), abs=1e-5)
+    first, second = pair["history_residual_preload"]
+    assert_allclose(first - second, 2.0, atol=BALANCED_TO)
     deepest = pair["history_deepest_groove"][:, -1]
     assert (deepest[0] > deepest[1]).all()
     # the rotor goes to the side that is worn more
     shift = pair["history_rotor_axial_shift"]
     assert shift[-1] > shift[0] > 0.0
-    k = pair["history_system_axial_stiffness"]
-    assert (k > 0.0).all() and k[-1] < k[0]
+    stiffness = pair["history_system_axial_stiffness"]
+    assert (stiffness > 0.0).all() and stiffness[-1] < stiffness[0]
 
 
 def test_bearings_that_differ_start_as_with_unworn_grooves():
     changes = (*RIGID, "arrangement.second={friction.ball_race: 0.05}")
-    pair, hertz = life_of(*changes), life_of(*changes, contact="hertz")
+    pair, hertz = life_values(*changes), life_values(*changes, contact="hertz")
     assert pair["status"] == code.OK
-    first, two = pair["history_residual_preload"]
-    assert first == pytest.approx(two, abs=1e-5)  # no load from outside
+    first, second = pair["history_residual_preload"]
+    assert_allclose(first, second, atol=BALANCED_TO)  # no load from outside
     for name in ("history_qv", "history_contact_load", "history_residual_preload"):
-        for k in range(2):
-            assert pair[name][k, 0] == pytest.approx(hertz[name][k, 0], rel=1e-5)
-    qv = pair["history_qv"]
-    assert qv[0, 0].sum() != pytest.approx(qv[1, 0].sum(), rel=1e-3)
+        assert_allclose(pair[name][:, 0], hertz[name][:, 0], rtol=1e-5, err_msg=name)
+    qv = pair["history_qv"][:, 0].sum(axis=-1)
+    assert abs(qv[0] / qv[1] - 1.0) > 1e-3  # of unlike friction
 
 
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 def test_a_network_warms_worn_grooves_as_it_warms_unworn_ones(method):
     """The start is the Hertzian one at its own temperatures; flows balance along the life."""
     changes = (f"operation.preload_method={method}", NETWORK)
-    worn, hertz = life_of(*changes), life_of(*changes, contact="hertz")
+    worn, hertz = life_values(*changes), life_values(*changes, contact="hertz")
     assert worn["status"] == hertz["status"] == code.OK
     for name in ("history_part_temperature", "history_residual_preload", "history_qv"):
         assert worn[name][0] == pytest.approx(hertz[name][0], rel=1e-7)
     assert worn["heat_flow_residual"] < 1e-6
-    cold = life_of(f"operation.preload_method={method}")
-    assert worn["history_part_temperature"][0].max() > 20.01
+    cold = life_values(f"operation.preload_method={method}")
+    assert worn["history_part_temperature"][0].max() > 20.01  # it warms itself
     assert worn["life"] != cold["life"]
     # warm balls and inner rings raise the preload at a fixed position, and with it the wear
     if method == "fixed_position":
@@ -79,11 +83,11 @@ def test_a_network_warms_worn_grooves_as_it_warms_unworn_ones(method):
 
 def test_temperatures_as_given_are_those_of_the_start():
     temperatures = "temperature={inner_ring_C: 25, outer_ring_C: 20, balls_C: 20, reference_C: 20}"
-    worn, hertz = life_of(FIXED, temperatures), life_of(FIXED, temperatures, contact="hertz")
+    worn = life_values(FIXED, temperatures)
+    hertz = life_values(FIXED, temperatures, contact="hertz")
     assert worn["status"] == code.OK
-    assert worn["history_residual_preload"][0] == pytest.approx(
-        hertz["history_residual_preload"][0], rel=1e-9
-    )
+    start = hertz["history_residual_preload"][0]
+    assert worn["history_residual_preload"][0] == pytest.approx(start, rel=1e-9)
 
 
 def test_a_pair_without_a_state_when_new_has_lifted_off():
@@ -118,5 +122,4 @@ def test_a_lightly_preloaded_pair_wears_to_its_criterion():
             limit, rel=1e-3
         )
         lives.append(groove_life.last.time)
-    assert lives[0] > 1.01 * lives[1]
-    assert lives[1] > 1.01 * lives[2]
+    assert lives[0] > 1.01 * lives[1] > 1.01**2 * lives[2]

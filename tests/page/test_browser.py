@@ -1,7 +1,7 @@
-"""The page in a browser: at a desk and on a phone, by day and by night, on paper.
+"""The page in a browser: on a large screen and a phone, light and dark, with and without a script.
 
-Chromium is asked through Playwright, the extra `page`; without them these tests are skipped, but
-for `make test-page`, where they fail. That also looks at the pages named in BEARINGWEAR_PAGES.
+Chromium is run by Playwright (the extra `page`). Without them these tests are skipped, except by
+`make test-page`, where they fail; it also tests the pages named in BEARINGWEAR_PAGES.
 """
 
 import json
@@ -9,6 +9,7 @@ import os
 import re
 import shutil
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -75,6 +76,7 @@ CONTRASTS = """() => {
 
 @pytest.fixture(scope="module")
 def browser():
+    """Yields Chromium."""
     from playwright.sync_api import sync_playwright
 
     assert CHROMIUM, "needs Chromium"
@@ -86,7 +88,7 @@ def browser():
 
 @pytest.fixture(params=["small study", *PAGES])
 def path(request):
-    """The page of a small study, and each that is given."""
+    """Returns the path of the page of a small study, and of each page in BEARINGWEAR_PAGES."""
     if request.param in PAGES:
         return Path(request.param).resolve()
     return request.getfixturevalue("whole_page")
@@ -94,7 +96,11 @@ def path(request):
 
 @pytest.fixture
 def opened(browser, path):
-    """Function (size, dark=, script=) -> the page, and what it told the console."""
+    """Yields a function that opens the page, and returns it and its console messages.
+
+    Requests of other files are among the messages. Its arguments are the size of the screen, the
+    colour scheme, and whether scripts run.
+    """
     contexts = []
 
     def show(size=DESK, scheme="light", script=True):
@@ -108,9 +114,10 @@ def opened(browser, path):
         messages = []
         page.on("console", lambda message: messages.append(message.text))
         page.on("pageerror", lambda error: messages.append(str(error)))
-        page.on("request", lambda one: messages.append(one.url) if "://" in one.url[5:] else None)
+        page.on("request", lambda request: messages.append(request.url))
         page.goto(path.as_uri())
-        return page, [line for line in messages if line != path.as_uri()]
+        page_requests = path.as_uri(), "data:"
+        return page, [line for line in messages if not line.startswith(page_requests)]
 
     yield show
     for context in contexts:
@@ -118,6 +125,7 @@ def opened(browser, path):
 
 
 def unfold(page):
+    """Opens all folded parts of a page."""
     page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
 
 
@@ -131,18 +139,21 @@ def test_no_element_is_cut_off_and_the_console_is_empty(opened, size):
     assert page.evaluate(TOO_WIDE) == [] and page.evaluate(TOO_NARROW) == []
 
 
-def test_a_cut_would_be_seen(opened):
+def test_an_element_beyond_the_edge_is_detected(opened):
     page, _ = opened(PHONE)
     page.evaluate("document.querySelector('h1').style.width = '500px'")
     assert any("beyond the edge: <h1" in text for text in page.evaluate(TOO_WIDE))
+
+
+def test_a_table_that_scrolls_without_a_cue_is_detected(opened):
     page, _ = opened(PHONE)
     page.evaluate("document.querySelector('.cue').style.display = 'none'")
     assert any(text.startswith("no cue") for text in page.evaluate(TOO_WIDE))
 
 
 @pytest.mark.parametrize("size", [DESK, PHONE])
-def test_the_first_screen_says_what_to_do(opened, size):
-    """Which bearing, what was asked, the answer, and the chart."""
+def test_the_first_screen_has_bearing_question_answer_and_chart(opened, size):
+    """On a phone at least the upper 60 pixels of the chart."""
     page, _ = opened(size)
     for selector in (".eyebrow", "h1", ".asked", ".chart .keys"):
         box = page.locator(selector).first.bounding_box()
@@ -156,14 +167,14 @@ def test_text_has_enough_contrast_in_both_schemes(opened, scheme):
     page, _ = opened(scheme=scheme)
     unfold(page)
     contrasts = page.evaluate(CONTRASTS)
-    assert len(contrasts) > 100
+    assert len(contrasts) > 100  # texts of the page
     assert [contrast for contrast in contrasts if contrast[0] < LEAST_CONTRAST] == []
     paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
-    dark = sum(map(int, re.findall(r"\d+", paper)[:3])) < 150
-    assert dark == (scheme == "dark")
+    is_dark = sum(map(int, re.findall(r"\d+", paper)[:3])) < 150  # of 765
+    assert is_dark == (scheme == "dark")
 
 
-def test_links_lead_somewhere(opened, path):
+def test_every_link_leads_to_a_file_or_an_element(opened, path):
     page, _ = opened()
     links = page.eval_on_selector_all("a", "links => links.map((one) => one.href)")
     assert links
@@ -172,85 +183,127 @@ def test_links_lead_somewhere(opened, path):
         assert Path(file).is_file() if not place else page.locator(f"#{place}").count() == 1, link
 
 
-def test_the_navigation_stays_and_unfolds(opened):
+def test_the_navigation_stays_at_the_top(opened):
     page, _ = opened()
     page.evaluate("scrollTo(0, 2000)")
     page.wait_for_function("scrollY > 1000")
     assert page.locator("nav").bounding_box()["y"] == 0.0
+
+
+def test_the_navigation_leads_to_a_folded_part(opened):
+    page, _ = opened()
     page.locator("nav a", has_text="Inputs").click()
     page.wait_for_timeout(100)
     place = page.locator("#scenes").bounding_box()["y"]
     assert 0.0 <= place < DESK[1]
 
 
-def test_the_slider_moves_the_cursor_of_all_charts(opened):
-    """Its stops are the preloads of the map and the recommended ones; charts say their values."""
+class Slider(NamedTuple):
+    """The slider of the preload, and the charts whose cursor it moves."""
+
+    control: Any  # with the input, the words and a button
+    input: Any
+    words: Any
+    charts: Any
+    values: Any  # of all lines of all charts
+    chart_data: list[dict]
+    stops: list[float]  # preloads [N]
+    stars: list[float]  # recommended preloads [N]
+
+
+@pytest.fixture
+def slider(opened):
+    """Returns the first slider of the page."""
     page, _ = opened()
-    box = page.locator(".slider").first
-    slider, shown = box.locator("input"), box.locator("output")
-    charts = page.locator(f".chart[data-group='{box.get_attribute('data-group')}']")
-    data = [
-        json.loads(item)
-        for item in charts.locator("svg[data-chart]").evaluate_all(
-            "all => all.map((one) => one.dataset.chart)"
-        )
-    ]
-    keys = charts.locator(".keys b")
-    before = keys.all_inner_texts()
-    stops = sorted({point[0] for line in data[0]["lines"] for point in line["points"]})
-    stars = [line["star"][0] for line in data[0]["lines"] if line["star"]]
-    assert set(stars) <= set(stops) and len(stops) > 2
-    for k in (0, len(stops) - 1, *(stops.index(star) for star in stars)):
-        slider.fill(str(k))
-        assert shown.inner_text().startswith(f"Values at {stops[k]:.4g} N")
-        assert ("recommended" in shown.inner_text()) == (stops[k] in stars)
-        texts = iter(keys.all_inner_texts())
-        for chart in data:
-            for line in chart["lines"]:
-                there = {point[0]: point[1] for point in line["points"]}
-                text = next(texts)
-                if stops[k] in there and there[stops[k]] is not None:
-                    assert float(text.split()[0]) == pytest.approx(
-                        there[stops[k]],
-                        rel=6e-3,  # shown with three digits
-                    )
-        assert all(
-            d.startswith("M")
-            for d in charts.locator(".cursor").evaluate_all(
-                "all => all.map((one) => one.getAttribute('d'))"
-            )
-        )
-    slider.focus()
-    slider.fill(str(len(stops) - 1))
-    page.keyboard.press("ArrowLeft")
-    assert shown.inner_text().startswith(f"Values at {stops[-2]:.4g} N")
-    if stars:
-        box.locator("button").click()
-        assert keys.all_inner_texts() == before
-    else:  # no preload is recommended to go back to
-        assert not box.locator("button").is_visible()
+    control = page.locator(".slider").first
+    charts = page.locator(f".chart[data-group='{control.get_attribute('data-group')}']")
+    texts = charts.locator("svg[data-chart]").evaluate_all(
+        "charts => charts.map((chart) => chart.dataset.chart)"
+    )
+    chart_data = [json.loads(text) for text in texts]
+    lines = chart_data[0]["lines"]
+    return Slider(
+        control=control,
+        input=control.locator("input"),
+        words=control.locator("output"),
+        charts=charts,
+        values=charts.locator(".keys b"),
+        chart_data=chart_data,
+        stops=sorted({point[0] for line in lines for point in line["points"]}),
+        stars=[line["star"][0] for line in lines if line["star"]],
+    )
 
 
-def test_a_chart_says_its_values_and_is_zoomed(opened):
+def test_the_slider_stops_at_the_preloads_of_the_map_and_the_recommended_ones(slider):
+    assert set(slider.stars) <= set(slider.stops) and len(slider.stops) > 2
+    for k, stop in enumerate(slider.stops):
+        slider.input.fill(str(k))
+        words = slider.words.inner_text()
+        assert words.startswith(f"Values at {stop:.4g} N")
+        assert ("recommended" in words) == (stop in slider.stars)
+
+
+def test_all_charts_state_their_values_at_the_slider_and_draw_a_cursor(slider):
+    """To three digits; a line without a point there has any value."""
+    for k in (0, len(slider.stops) - 1, *(slider.stops.index(star) for star in slider.stars)):
+        slider.input.fill(str(k))
+        texts = iter(slider.values.all_inner_texts())
+        for line in (line for chart in slider.chart_data for line in chart["lines"]):
+            text, value = next(texts), dict(line["points"]).get(slider.stops[k])
+            if value is not None:
+                # 5e-3 is half of the last digit of 1.00
+                assert float(text.split()[0]) == pytest.approx(value, rel=6e-3)
+        cursors = slider.charts.locator(".cursor").evaluate_all(
+            "cursors => cursors.map((cursor) => cursor.getAttribute('d'))"
+        )
+        assert all(path.startswith("M") for path in cursors)
+
+
+def test_an_arrow_key_moves_the_slider_by_one_stop(slider):
+    slider.input.focus()
+    slider.input.fill(str(len(slider.stops) - 1))
+    slider.input.press("ArrowLeft")
+    assert slider.words.inner_text().startswith(f"Values at {slider.stops[-2]:.4g} N")
+
+
+def test_a_button_shows_the_values_at_the_recommended_preloads_again(slider):
+    button = slider.control.locator("button")
+    if not slider.stars:  # no preload is recommended to go back to
+        assert not button.is_visible()
+        return
+    initial_values = slider.values.all_inner_texts()
+    slider.input.fill("0")
+    button.click()
+    assert slider.values.all_inner_texts() == initial_values
+
+
+def test_a_chart_states_the_values_at_the_mouse(opened):
     page, _ = opened()
     chart = page.locator(".chart").first
-    box = chart.locator(".field").bounding_box()
-    ticks = chart.locator(".grid text")
-    whole, keys = ticks.all_inner_texts(), chart.locator(".keys b").all_inner_texts()
-    middle = box["y"] + 0.5 * box["height"]
-    page.mouse.move(box["x"] + 0.97 * box["width"], middle)
-    assert chart.locator(".keys b").all_inner_texts() != keys
-    page.mouse.move(box["x"] + 0.3 * box["width"], middle)
+    field, values = chart.locator(".field").bounding_box(), chart.locator(".keys b")
+    initial_values = values.all_inner_texts()
+    middle_y = field["y"] + 0.5 * field["height"]
+    page.mouse.move(field["x"] + 0.97 * field["width"], middle_y)
+    assert values.all_inner_texts() != initial_values
+
+
+def test_a_chart_is_zoomed_by_dragging_and_reset_by_a_double_click(opened):
+    page, _ = opened()
+    chart = page.locator(".chart").first
+    field, ticks = chart.locator(".field").bounding_box(), chart.locator(".grid text")
+    initial_ticks = ticks.all_inner_texts()
+    middle_y = field["y"] + 0.5 * field["height"]
+    page.mouse.move(field["x"] + 0.3 * field["width"], middle_y)
     page.mouse.down()
-    page.mouse.move(box["x"] + 0.6 * box["width"], middle)
+    page.mouse.move(field["x"] + 0.6 * field["width"], middle_y)
     page.mouse.up()
-    assert ticks.all_inner_texts() != whole
-    page.mouse.dblclick(box["x"] + 0.5 * box["width"], middle)
-    assert ticks.all_inner_texts() == whole
+    assert ticks.all_inner_texts() != initial_ticks
+    page.mouse.dblclick(field["x"] + 0.5 * field["width"], middle_y)
+    assert ticks.all_inner_texts() == initial_ticks
 
 
-def test_the_script_draws_what_the_file_holds(opened):
-    """Without it the marks stand where it puts them, as shares of the field."""
+def test_the_script_draws_marks_where_the_file_has_them(opened):
+    """As shares of the field, to the tenth of a pixel that the file states."""
     places = """() => [...document.querySelectorAll(".chart")].map((chart) => {
       const field = chart.querySelector(".field");
       const [w, h] = ["width", "height"].map((name) => +field.getAttribute(name));
@@ -259,11 +312,12 @@ def test_the_script_draws_what_the_file_holds(opened):
         return [x / w, y / h];
       });
     })"""
-    drawn, plain = opened()[0].evaluate(places), opened(script=False)[0].evaluate(places)
-    assert len(drawn) == len(plain)
-    for node, other in zip(drawn, plain, strict=True):
-        for a, b in zip(node, other, strict=True):
-            assert a == pytest.approx(b, abs=2e-3)
+    page, _ = opened()
+    page_without_script, _ = opened(script=False)
+    by_script, in_file = page.evaluate(places), page_without_script.evaluate(places)
+    for script_marks, file_marks in zip(by_script, in_file, strict=True):
+        for script_place, file_place in zip(script_marks, file_marks, strict=True):
+            assert script_place == pytest.approx(file_place, abs=2e-3)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -282,7 +336,8 @@ def test_axe_finds_no_violation_of_its_rules(opened, size, scheme):
     ] == []
 
 
-def test_tables_are_sorted(opened):
+def test_a_click_on_a_head_sorts_a_table_by_its_column(opened):
+    """First in rising order, then in falling order."""
     page, _ = opened()
     unfold(page)
     table = page.locator("details table", has_text="against preload").first
@@ -293,16 +348,16 @@ def test_tables_are_sorted(opened):
         texts = table.locator(f"tbody tr > :nth-child({k + 1})").all_inner_texts()
         return [float(text) for text in texts if text != "–"]
 
-    before = lives()
+    initial_lives = lives()
     heading = table.locator("thead th").nth(k)
     heading.locator("button").click()
-    assert lives() == sorted(before) and heading.get_attribute("aria-sort") == "ascending"
+    assert lives() == sorted(initial_lives) and heading.get_attribute("aria-sort") == "ascending"
     heading.locator("button").click()
-    assert lives() == sorted(before, reverse=True)
+    assert lives() == sorted(initial_lives, reverse=True)
     assert heading.get_attribute("aria-sort") == "descending"
 
 
-def test_everything_is_there_without_the_script(opened):
+def test_tables_charts_and_sketch_are_visible_without_the_script(opened):
     page, messages = opened(script=False)
     assert messages == []
     assert not page.locator(".slider").first.is_visible()

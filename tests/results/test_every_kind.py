@@ -37,8 +37,8 @@ def run_command(*argv) -> None:
 
 
 @pytest.fixture(scope="module")
-def kinds(tmp_path_factory):
-    """A file of each kind, made by the commands."""
+def file_of(tmp_path_factory):
+    """A file of each kind, by its kind, made by the commands."""
     folder = tmp_path_factory.mktemp("kinds")
     files = {kind: folder / f"{kind.replace(' ', '_')}.nc" for kind in KINDS}
     run_command("solve", SCENE, "-o", files["steady case"])
@@ -56,9 +56,10 @@ def kinds(tmp_path_factory):
     cases = [folder / f"{case}.nc" for case in CASES]
     for case in cases:
         method, mu, loss = re.fullmatch(r"(\w+)-mu(.*)-loss(.*)", case.stem).groups()
-        at = [f"operation.preload_method={method}", f"friction.ball_race={mu}"]
-        run_command("solve", SCENE, "-o", case, *QUICK, *at, f"wear.ball_diameter_loss_um={loss}")
-    assert step("studies.grid.gather.study", files["study"], paths=cases) == 0
+        changes = [f"operation.preload_method={method}", f"friction.ball_race={mu}",
+                   f"wear.ball_diameter_loss_um={loss}"]  # fmt: skip
+        run_command("solve", SCENE, "-o", case, *QUICK, *changes)
+    assert step("studies.grid.gather.gathered_study", files["study"], paths=cases) == 0
     made_from = {"scene": SCENE, "study": files["study"]}
     assert step("studies.grid.life.study_life", files["wear life"], **made_from) == 0
     plan = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text(encoding="utf-8"))
@@ -98,13 +99,16 @@ def kinds(tmp_path_factory):
         ("trade study", "value", "most", 1600.0),
     ],
 )
-def test_show_has_the_main_numbers_of_each_kind(kinds, kind, name, column, value, capsys):
-    """For people in short lines without NaN, and for programs each under a key of its own."""
+def test_show_has_the_main_numbers_of_each_kind(file_of, kind, name, column, value, capsys):
+    """For people in short lines without NaN, and for programs each under a key of its own.
+
+    Computed numbers are regression values, which `bearingwear show FILE --csv` prints.
+    """
     capsys.readouterr()
-    assert main(["show", str(kinds[kind])]) == 0
+    assert main(["show", str(file_of[kind])]) == 0
     text, error = capsys.readouterr()
     assert error == "" and "nan" not in text and all(len(line) < 120 for line in text.split("\n"))
-    assert main(["show", str(kinds[kind]), "--csv"]) == 0
+    assert main(["show", str(file_of[kind]), "--csv"]) == 0
     facts_and_rows = [*csv.DictReader(io.StringIO(capsys.readouterr().out))]
     (shown,) = (
         row["value"] for row in facts_and_rows if (row["name"], row["column"]) == (name, column)
@@ -122,14 +126,14 @@ def test_show_has_the_main_numbers_of_each_kind(kinds, kind, name, column, value
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_file_comes_back_from_python(kinds, kind, tmp_path):
+def test_a_file_that_is_loaded_and_saved_is_the_same(file_of, kind, tmp_path):
     """Its codes are names in memory, and codes again in the file that is written."""
-    read = bearingwear.load(kinds[kind])
-    names = [n for n, c in read.coords.items() if "flag_meanings" in c.attrs]
-    assert all(read[name].dtype.kind == "U" for name in names)
-    assert names or kind in ("sweep", "trade study")
+    read = bearingwear.load(file_of[kind])
+    labelled = [name for name, coord in read.coords.items() if "flag_meanings" in coord.attrs]
+    assert all(read[name].dtype.kind == "U" for name in labelled)
+    assert labelled or kind in ("sweep", "trade study")
     bearingwear.save(read, tmp_path / "back.nc")
-    xr.testing.assert_identical(load(tmp_path / "back.nc"), load(kinds[kind]))
+    xr.testing.assert_identical(load(tmp_path / "back.nc"), load(file_of[kind]))
 
 
 def shown(capsys, *argv):
@@ -141,23 +145,26 @@ def shown(capsys, *argv):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_two_files_of_one_content_do_not_differ(kinds, kind, tmp_path, capsys):
+def test_two_files_of_one_content_do_not_differ(file_of, kind, tmp_path, capsys):
     """Every number of the sheet of one stands twice."""
     copy = tmp_path / "copy.nc"
-    shutil.copy(kinds[kind], copy)
-    sheet, rows = shown(capsys, kinds[kind], copy)
-    assert sheet["differences"] == 0 and sheet["A"] == str(kinds[kind])
+    shutil.copy(file_of[kind], copy)
+    sheet, rows = shown(capsys, file_of[kind], copy)
+    assert sheet["differences"] == 0 and sheet["A"] == str(file_of[kind])
     assert all(
         values.keys() == {"A", "B"} and values["A"] == values["B"] for values in rows.values()
     )
-    run_command("show", kinds[kind], "--json")
-    alone = json.loads(capsys.readouterr().out)["quantities"]
+    run_command("show", file_of[kind], "--json")
+    rows_of_one = json.loads(capsys.readouterr().out)["quantities"]
     axes = ("preload_method", "friction")  # name the points of a table
-    alone = [row for row in alone if row["block"] != "lives" or row["name"] not in axes]
-    numbers = sum(len(row["values"]) if "values" in row else 1 for row in alone)
-    assert len(rows) == numbers
+    counts = [
+        len(row["values"]) if "values" in row else 1
+        for row in rows_of_one
+        if row["block"] != "lives" or row["name"] not in axes
+    ]
+    assert len(rows) == sum(counts)
     if kind != "wear life":  # whose labels name the point of a table, too
-        run_command("show", kinds[kind], copy)
+        run_command("show", file_of[kind], copy)
         assert all(len(line) < 120 for line in capsys.readouterr().out.split("\n"))
 
 
@@ -169,46 +176,46 @@ def test_two_files_of_one_content_do_not_differ(kinds, kind, tmp_path, capsys):
         ("study", "total_qv", ("variable", "total_qv.most")),
     ],
 )
-def test_one_changed_number_is_shown_with_its_percentage(kinds, kind, name, key, tmp_path, capsys):
+def test_one_changed_number_is_shown_with_its_percentage(
+    file_of, kind, name, key, tmp_path, capsys
+):
     """The largest value of a variable is changed by a part in a thousand, in a copy."""
     copy = tmp_path / "copy.nc"
-    shutil.copy(kinds[kind], copy)
+    shutil.copy(file_of[kind], copy)
     with netCDF4.Dataset(copy, "a") as file:
         values = np.ma.filled(file[name][...], np.nan)
         file[name][...] = np.where(values == np.nanmax(values), 1.001 * values, values)
-    _, rows = shown(capsys, kinds[kind], copy)
+    _, rows = shown(capsys, file_of[kind], copy)
     assert rows[key]["difference, %"] == pytest.approx(0.1)
-    run_command("show", kinds[kind], copy)
+    run_command("show", file_of[kind], copy)
     assert re.search(r" \+0\.1$", capsys.readouterr().out, re.M)
 
 
-def test_keys_and_attributes_that_differ_stand_below(kinds, tmp_path, capsys):
-    other = tmp_path / "other.nc"
-    run_command(
-        "solve", SCENE, "-o", other, "--set", "operation.preload_N=9", "friction.ball_race=0.05"
-    )
-    with netCDF4.Dataset(other, "a") as file:
+def test_keys_and_attributes_that_differ_stand_below(file_of, tmp_path, capsys):
+    changed = tmp_path / "changed.nc"
+    changes = "operation.preload_N=9", "friction.ball_race=0.05"
+    run_command("solve", SCENE, "-o", changed, "--set", *changes)
+    with netCDF4.Dataset(changed, "a") as file:
         file.source_hash, file.mine = "0123456789abcdef", [1.0, 2.0]
-    sheet, rows = shown(capsys, kinds["steady case"], other)
+    sheet, rows = shown(capsys, file_of["steady case"], changed)
     below = "keys of the scene that differ"
-    assert {name for block, name in rows if block == below} == {
-        "operation.preload_N",
-        "friction.ball_race",
-    }
+    differing = {name for block, name in rows if block == below}
+    assert differing == {"operation.preload_N", "friction.ball_race"}
+    # 9 N against the scene's 7 N
     assert rows[below, "operation.preload_N"]["difference, %"] == pytest.approx(200.0 / 7.0)
     attributes = sheet["sentences"]["attributes that differ"]
     assert any("B 0123456789abcdef" in line for line in attributes)
     assert "mine: A –; B [1.0, 2.0]" in attributes
 
 
-def test_units_and_missing_numbers_of_two_files(kinds, tmp_path, capsys):
+def test_units_and_missing_numbers_of_two_files(file_of, tmp_path, capsys):
     """A quantity has one unit in both columns; what one lacks is missing there."""
     copy = tmp_path / "copy.nc"
-    shutil.copy(kinds["steady case"], copy)
+    shutil.copy(file_of["steady case"], copy)
     with netCDF4.Dataset(copy, "a") as file:
         file["maximum_pressure"][...] *= 0.01
         file["orbit_speed"][...] = np.nan
-    _, rows = shown(capsys, kinds["steady case"], copy)
+    _, rows = shown(capsys, file_of["steady case"], copy)
     (pressure,) = (v for (_, name), v in rows.items() if name == "maximum_pressure.inner")
     assert pressure["B"] == pytest.approx(0.01 * pressure["A"])
     assert pressure["difference, %"] == pytest.approx(-99.0)
@@ -224,15 +231,17 @@ def test_units_and_missing_numbers_of_two_files(kinds, tmp_path, capsys):
         ("study", None, "got a file that cannot be read"),
     ],
 )
-def test_what_is_not_shown_side_by_side(kinds, first, second, problem, tmp_path, capsys):
-    other = kinds[second] if second else tmp_path / "none.nc"
+def test_files_of_two_kinds_are_not_shown_side_by_side(
+    file_of, first, second, problem, tmp_path, capsys
+):
+    second_file = file_of[second] if second else tmp_path / "missing.nc"
     capsys.readouterr()
-    assert main(["show", str(kinds[first]), str(other)]) == 2
+    assert main(["show", str(file_of[first]), str(second_file)]) == 2
     error = only_line(capsys)
-    assert problem in error and str(other) in error
+    assert problem in error and str(second_file) in error
 
 
-def test_the_command_that_compared_says_what_to_type(capsys):
+def test_the_former_command_compare_says_what_to_type(capsys):
     assert main(["compare", "a.nc", "b.nc"]) == 2
     assert "bearingwear show A.nc B.nc" in only_line(capsys)
 
@@ -249,25 +258,35 @@ BEYOND_CF = (
 )
 
 
-def test_a_dynamic_life_is_drawn_and_tabulated(kinds, tmp_path, capsys):
+def test_a_dynamic_life_is_drawn_and_tabulated(file_of, tmp_path, capsys):
     figure, table = tmp_path / "x.svg", tmp_path / "x.md"
     draw, tabulate = "studies.lives.figures.wear_history", "studies.lives.tables.lives_table"
-    assert step(draw, figure, life=kinds["dynamic life"]) == 0
+    assert step(draw, figure, life=file_of["dynamic life"]) == 0
     text = figure.read_text(encoding="utf-8")
     assert "residual preload (N)" in text and "preload fraction" in text  # which ended it
-    assert step(tabulate, table, lives=[kinds["dynamic life"]]) == 0
+    assert step(tabulate, table, lives=[file_of["dynamic life"]]) == 0
     assert "| dynamic_life | " in table.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("kind", ["life", "dynamic case"])
+@pytest.mark.parametrize(
+    ("run", "argument"),
+    [("figures.wear_history", "life"), ("tables.lives_table", "lives")],
+)
+def test_only_a_dynamic_life_is_drawn_and_tabulated_as_one(
+    file_of, kind, run, argument, tmp_path, capsys
+):
+    path = file_of[kind]
     capsys.readouterr()
-    for kind in ("life", "dynamic case"):
-        for run, inputs in ((draw, {"life": kinds[kind]}), (tabulate, {"lives": [kinds[kind]]})):
-            assert step(run, tmp_path / "no.svg", **inputs) == 2
-            assert only_line(capsys).startswith(f"{kinds[kind]}: ")
+    given = {argument: [path] if argument == "lives" else path}
+    assert step(f"studies.lives.{run}", tmp_path / "no.svg", **given) == 2
+    assert only_line(capsys).startswith(f"{path}: ")
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if k not in NOT_DRAWN])
-def test_every_kind_is_drawn(kinds, kind, tmp_path, capsys):
+def test_every_kind_is_drawn(file_of, kind, tmp_path, capsys):
     copy = tmp_path / "a.nc"
-    shutil.copy(kinds[kind], copy)
+    shutil.copy(file_of[kind], copy)
     assert main(["plot", str(copy)]) == 0
     assert capsys.readouterr().out.endswith(f"{tmp_path / 'a.svg'}: written\n")
     text = (tmp_path / "a.svg").read_text(encoding="utf-8")
@@ -275,17 +294,17 @@ def test_every_kind_is_drawn(kinds, kind, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("kind", NOT_DRAWN)
-def test_files_without_a_figure_are_refused_in_one_line(kinds, kind, tmp_path, capsys):
+def test_files_without_a_figure_are_refused_in_one_line(file_of, kind, tmp_path, capsys):
     """Parts of a study of accuracy are no results of their own."""
     capsys.readouterr()
-    assert main(["plot", str(kinds[kind]), "-o", str(tmp_path / "a.svg")]) == 2
+    assert main(["plot", str(file_of[kind]), "-o", str(tmp_path / "a.svg")]) == 2
     assert re.fullmatch(r"got .*sweep.*, expected .*\n", capsys.readouterr().err)
 
 
 # the others are written as one of these
 @pytest.mark.long  # the checker takes seconds a file, and its set-up more
 @pytest.mark.parametrize("kind", ["dynamic case", "dynamic life", "study"])
-def test_result_files_follow_the_cf_conventions(kinds, kind, tmp_path, monkeypatch):
+def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeypatch):
     runner = pytest.importorskip(
         "compliance_checker.runner", reason="compliance-checker is not installed (extra cf)"
     )
@@ -298,7 +317,7 @@ def test_result_files_follow_the_cf_conventions(kinds, kind, tmp_path, monkeypat
     runner.CheckSuite.load_all_available_checkers()
     report = tmp_path / "report.json"
     runner.ComplianceChecker.run_checker(
-        str(kinds[kind]), ["cf:1.11"], 0, "strict", output_filename=str(report),
+        str(file_of[kind]), ["cf:1.11"], 0, "strict", output_filename=str(report),
         output_format="json_new",
     )  # fmt: skip
     (result,) = json.loads(report.read_text(encoding="utf-8")).values()

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import values
+from bearingwear.document.rows import variable_values
 from bearingwear.document.show import sheet
 from bearingwear.document.text import as_text
 from bearingwear.plotting.drawing import Figure, new_figure
@@ -19,7 +19,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 
 def sheet_of_a_map(file) -> Document:
     """What a study might show of its own file."""
-    longest = Row("longest", "h", (float(values(file, "life").max()),))
+    longest = Row("longest", "h", (float(variable_values(file, "life").max()),))
     return Document(("A map",), {}, (Block("", (), (longest,)),))
 
 
@@ -53,7 +53,7 @@ def path(tmp_path):
         ({}, {}, "result"),
     ],
 )  # fmt: skip
-def test_kind_of_file_and_dataset(variables, attrs, kind, tmp_path):
+def test_a_file_and_its_dataset_have_one_kind(variables, attrs, kind, tmp_path):
     dataset = xr.Dataset(variables, attrs=attrs)
     assert kind_of(dataset) == kind
     dataset.to_netcdf(tmp_path / "a.nc")
@@ -65,14 +65,23 @@ def test_a_study_shows_its_own_kind(path, monkeypatch):
     monkeypatch.setattr("bearingwear.document.show.sheet_of_a_map", sheet_of_a_map, raising=False)
     shown = as_text(sheet(path, {KIND: "bearingwear.document.show:sheet_of_a_map"}))
     assert re.match(r"A map\n\n  longest +h +3\n", shown)
-    # without it, it is shown like any other file
-    assert "longest" in as_text(sheet(path)) and "least" in as_text(sheet(path))
+
+
+def test_a_kind_that_no_study_shows_is_a_table_of_its_variables(path):
+    shown = as_text(sheet(path))
+    assert "longest" in shown and "least" in shown
 
 
 def test_a_study_draws_its_own_kind(path, tmp_path, monkeypatch):
     monkeypatch.setattr("bearingwear.plotting.plot.figure_of_a_map", figure_of_a_map, raising=False)
     plot(path, [tmp_path / "a.svg"], {KIND: "bearingwear.plotting.plot:figure_of_a_map"})
     assert (tmp_path / "a.svg").stat().st_size > 0
+
+
+def test_a_kind_that_no_study_draws_is_refused(path):
     with pytest.raises(CaseFileError, match=f"{KIND}, expected case, life"):
         figure_of(load(path), path, {"case": "no:such", "life": "no:such"})
+
+
+def test_the_kind_of_a_study_is_kept_in_memory(path):
     assert load(path).attrs["kind"] == KIND

@@ -16,7 +16,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.kernels.steady.thrust import BRANCH_NAMES
 from bearingwear.results import netcdf, variables
-from bearingwear.results.netcdf import CaseFileError, dataset, load, write_result
+from bearingwear.results.netcdf import CaseFileError, dataset_of_result, load, write_result
 from bearingwear.results.units import SCALES
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
@@ -30,28 +30,25 @@ SIZES |= {"groove_state": 2, "arc": 4, "band_place": 3, "phase": 3, "surface": 4
 
 
 def attributes() -> dict:
-    scene = load_scene(SCENE).to_dict()
-    phases = {"phases": "cold nominal hot"}
     return {
-        "scene": json.dumps(scene),
+        "scene": json.dumps(load_scene(SCENE).to_dict()),
         "fidelity": "steady",
         "modelled": '["all"]',
         "n": 3,
-    } | phases
+        "phases": "cold nominal hot",
+    }
 
 
-NONE = CRITERIA.index("none")
+NO_CRITERION = CRITERIA.index("none")
 
 
-def filled(table, sizes=None, leave_out=()) -> dict:
-    """A value for every variable of a table."""
+def random_values(table, sizes=SIZES) -> dict:
+    """A value for every variable of a table, but for those of a cage."""
     random = np.random.default_rng(1)
-    sizes = SIZES | (sizes or {})
     values = {}
     for name, variable in table.items():
-        if name not in leave_out and not name.startswith("cage_"):
-            shape = tuple(sizes[dim] for dim in variable.dims)
-            numbers = random.random(shape) + 0.5
+        if not name.startswith("cage_"):
+            numbers = random.random(tuple(sizes[dim] for dim in variable.dims)) + 0.5
             values[name] = numbers.astype(int) if variable.dtype[0] == "i" else numbers
     if any("time" in table[name].dims for name in values):
         values["time"] = 1e-4 * np.arange(float(sizes["time"]))
@@ -60,22 +57,23 @@ def filled(table, sizes=None, leave_out=()) -> dict:
 
 @pytest.fixture
 def case() -> Result:
-    return Result(filled(variables.CASE), attributes(), 0.25)
+    return Result(random_values(variables.CASE), attributes(), 0.25)
 
 
 @pytest.fixture
 def life() -> Result:
-    return Result(filled(variables.LIFE) | {"end_criterion": 1}, attributes(), 0.25)
+    return Result(random_values(variables.LIFE) | {"end_criterion": 1}, attributes(), 0.25)
 
 
 @pytest.fixture(params=["case", "life", "failed case", "failed life", "nine balls"])
 def result(request) -> Result:
     if request.param == "nine balls":
-        return Result(filled(variables.CASE, {"ball": 9}), attributes())
+        return Result(random_values(variables.CASE, SIZES | {"ball": 9}), attributes())
     if request.param == "failed case":
         return Result({"status": code.CONTACT_LOST, "ball_diameter_loss": [1e-7]}, attributes())
     if request.param == "failed life":
-        return Result({"status": code.NOT_CONVERGED, "end_criterion": NONE}, attributes())
+        values = {"status": code.NOT_CONVERGED, "end_criterion": NO_CRITERION}
+        return Result(values, attributes())
     return request.getfixturevalue(request.param)
 
 
@@ -84,26 +82,25 @@ def result(request) -> Result:
 
 def test_file_and_dataset_are_the_same(result, tmp_path):
     write_result(result, tmp_path / "x.nc")
-    read, made = load(tmp_path / "x.nc"), dataset(result)
-    assert made.attrs.pop("wall_time_s") == result.wall_time_s
-    xr.testing.assert_identical(read, made)
-    assert {n: v.dtype for n, v in read.variables.items()} == {
-        n: v.dtype for n, v in made.variables.items()
-    }
+    read, in_memory = load(tmp_path / "x.nc"), dataset_of_result(result)
+    assert in_memory.attrs.pop("wall_time_s") == result.wall_time_s
+    xr.testing.assert_identical(read, in_memory)
+    for name, variable in read.variables.items():
+        assert variable.dtype == in_memory.variables[name].dtype, name
 
 
 def test_changes_of_a_dataset_do_not_reach_others(case):
     """Datasets of like cases share their indexes, and nothing else."""
-    spoilt, other = dataset(case, by_name=True), dataset(case, by_name=True)
-    before = other.copy(deep=True)
-    spoilt["strip_position"][0] = 7.0
-    spoilt["race"].attrs["mine"] = 1
-    spoilt["race"] = ["first", "second"]
-    spoilt["qv"][...] = 0.0
-    assert other.identical(before) and dataset(case, by_name=True).identical(before)
+    changed, kept = dataset_of_result(case, by_name=True), dataset_of_result(case, by_name=True)
+    expected = kept.copy(deep=True)
+    changed["strip_position"][0] = 7.0
+    changed["race"].attrs["mine"] = 1
+    changed["race"] = ["first", "second"]
+    changed["qv"][...] = 0.0
+    assert kept.identical(expected) and dataset_of_result(case, by_name=True).identical(expected)
 
 
-def test_same_result_gives_same_bytes(result, tmp_path):
+def test_the_same_result_gives_the_same_bytes(result, tmp_path):
     write_result(result, tmp_path / "a.nc")
     if result.wall_time_s:
         time.sleep(1.1)  # were times of change stored, they would be whole seconds
@@ -112,7 +109,7 @@ def test_same_result_gives_same_bytes(result, tmp_path):
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
-def test_values_in_units_of_the_file(case, tmp_path):
+def test_a_file_has_angles_in_degrees_and_other_values_in_si_units(case, tmp_path):
     case.values["contact_angle"] = np.radians([[20.0, 19.0]])
     write_result(case, tmp_path / "x.nc")
     with netCDF4.Dataset(tmp_path / "x.nc") as file:
@@ -150,10 +147,11 @@ def test_case_file_follows_the_contract(case, tmp_path):
         assert file["race"].flag_meanings == "inner outer"
         assert file["axis"].flag_meanings == "axial tangential radial"
         assert file["ball"].represents == 9
-        assert file["strip_position"][0] == pytest.approx(-0.98)
+        assert file["strip_position"][0] == pytest.approx(-0.98)  # the middle of the first of 50
 
 
-def test_cf_rules(result, tmp_path):
+def test_every_variable_has_a_name_and_units_or_flags(result, tmp_path):
+    """As the CF conventions have it; coordinates have no fill value."""
     write_result(result, tmp_path / "x.nc")
     with netCDF4.Dataset(tmp_path / "x.nc") as file:
         for name, variable in file.variables.items():
@@ -184,14 +182,14 @@ def test_the_file_of_an_unsolved_case_contains_fill_values(tmp_path):
 def test_unnamed_values_are_refused(case):
     case.values["contact_laod"] = 1.0
     with pytest.raises(KeyError, match="contact_laod"):
-        dataset(case)
+        dataset_of_result(case)
 
 
 @pytest.mark.parametrize("shape", [(2,), (1, 2, 1), (1, 3)])
 def test_wrong_shape_is_refused(case, shape):
     case.values["contact_load"] = np.zeros(shape)
     with pytest.raises(ValueError, match=r"contact_load|contact_angle"):
-        dataset(case)
+        dataset_of_result(case)
 
 
 def test_long_histories_are_compressed(life, tmp_path, monkeypatch):
@@ -211,8 +209,9 @@ def test_flags_agree_with_the_model():
     assert set(STATUS_SENTENCES) == set(STATUS_NAMES)
 
 
-def test_table():
-    for name, variable in [*variables.CASE.items(), *variables.LIFE.items()]:
+@pytest.mark.parametrize("table", [variables.CASE, variables.LIFE], ids=["case", "life"])
+def test_the_table_of_variables_is_consistent(table):
+    for name, variable in table.items():
         assert variable.name == name and variable.long_name
         assert bool(variable.units) != bool(variable.flags)
         assert set(variable.dims) <= set(variables.COORDINATES)
@@ -221,38 +220,58 @@ def test_table():
         assert not variable.shown or variable.shown in SCALES
 
 
-# bad files
+# files that cannot be read
+
+
+def refused(reader, path, problem) -> None:
+    """In one line that names the file."""
+    with pytest.raises(CaseFileError, match=problem) as caught:
+        reader(path)
+    assert str(caught.value).startswith(f"{path}: got ") and "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("reader", [load, sheet])
-def test_bad_files(reader, case, tmp_path):
-    """Each in one line that names the file."""
-    write_result(case, tmp_path / "x.nc")
-    whole = (tmp_path / "x.nc").read_bytes()
-    xr.Dataset({"temperature": 3.0}).to_netcdf(tmp_path / "foreign.nc", engine="netcdf4")
+@pytest.mark.parametrize(
+    ("contents", "problem"),
+    [
+        (b"", "empty"),
+        (b"status: ok\n", "not written by"),
+        (b"\x89HDF\r\n\x1a\n" + b"\0" * 100, "damaged"),
+        (b"CDF\x01" + b"\0" * 28, "not written by"),
+    ],
+    ids=["empty", "text", "header of HDF5 alone", "classic netCDF"],
+)
+def test_a_file_with_other_contents_is_refused(reader, contents, problem, tmp_path):
+    path = tmp_path / "x.nc"
+    path.write_bytes(contents)
+    refused(reader, path, problem)
+
+
+@pytest.mark.parametrize("reader", [load, sheet])
+def test_a_missing_file_and_a_folder_are_refused(reader, tmp_path):
+    refused(reader, tmp_path / "missing.nc", "cannot be read")
     (tmp_path / "folder.nc").mkdir()
-    bad = {
-        "missing": (None, "cannot be read"),
-        "folder": (None, "got a folder, expected a result file$"),
-        "foreign": (None, "not written by"),
-        "empty": (b"", "empty"),
-        "text": (b"status: ok\n", "not written by"),
-        "header": (b"\x89HDF\r\n\x1a\n" + b"\0" * 100, "damaged"),
-        "classic": (b"CDF\x01" + b"\0" * 28, "not written by"),
-    }
-    for share in (0.05, 0.3, 0.6, 0.99):
-        bad[f"truncated_{share:g}"] = (whole[: int(share * len(whole))], "damaged")
-    for name, (contents, text) in bad.items():
-        path = tmp_path / f"{name}.nc"
-        if contents is not None:
-            path.write_bytes(contents)
-        with pytest.raises(CaseFileError, match=text) as caught:
-            reader(path)
-        assert str(caught.value).startswith(f"{path}: got ") and "\n" not in str(caught.value)
+    refused(reader, tmp_path / "folder.nc", "got a folder, expected a result file$")
 
 
 @pytest.mark.parametrize("reader", [load, sheet])
-def test_name_that_is_not_utf8(reader, case, tmp_path):
+def test_a_file_of_another_program_is_refused(reader, tmp_path):
+    xr.Dataset({"temperature": 3.0}).to_netcdf(tmp_path / "x.nc", engine="netcdf4")
+    refused(reader, tmp_path / "x.nc", "not written by")
+
+
+@pytest.mark.parametrize("reader", [load, sheet])
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.6, 0.99])
+def test_a_truncated_file_is_refused(reader, share, case, tmp_path):
+    path = tmp_path / "x.nc"
+    write_result(case, path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    refused(reader, path, "damaged")
+
+
+@pytest.mark.parametrize("reader", [load, sheet])
+def test_a_file_name_that_is_not_utf8_is_refused(reader, case, tmp_path):
     write_result(case, tmp_path / "a.nc")
     (tmp_path / "a.nc").rename(tmp_path / "\udcff.nc")
     with pytest.raises(CaseFileError, match="UTF-8"):
@@ -262,13 +281,13 @@ def test_name_that_is_not_utf8(reader, case, tmp_path):
 # writing
 
 
-def test_open_file_is_replaced(case, tmp_path):
+def test_an_open_file_is_replaced_and_not_changed(case, tmp_path):
     path = tmp_path / "x.nc"
     write_result(case, path)
-    with netCDF4.Dataset(path) as before:
+    with netCDF4.Dataset(path) as opened:
         case.values["total_qv"] = 42.0
         write_result(case, path)
-        assert before["total_qv"][...] != 42.0
+        assert opened["total_qv"][...] != 42.0
     assert float(load(path)["total_qv"]) == 42.0
 
 
@@ -299,11 +318,8 @@ def test_a_file_marked_read_only_stays(command, case, tmp_path):
     assert os.listdir(tmp_path) == ["x.nc"] and path.read_bytes() == b"kept"
 
 
-def test_folder_that_cannot_be_made(case, tmp_path):
+def test_a_folder_that_cannot_be_made_is_refused_in_one_line(case, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="cannot be written") as caught:
         write_result(case, tmp_path / "file" / "x.nc")
     assert "\n" not in str(caught.value)
-
-
-# the text of `bearingwear show`

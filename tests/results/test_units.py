@@ -70,20 +70,45 @@ def test_a_row_has_one_unit():
     np.testing.assert_allclose(unit.of(np.array([1.0, 2.0])), [1.0, 2.0])
 
 
-def test_digits_follow_the_error():
-    known = {
-        (0.8732, 0.0186): "0.87",
-        (109.6, 5.5): "110",
-        (0.12, 0.0): "0.12",
-        (9.97, 0.096): "10.0",
-    }
-    assert {pair: text_to_error(*pair) for pair in known} == known
-    texts = [Estimated.of(137.4, error).text for error in (0.053, 1e-9, 0.0, math.nan)]
-    assert texts == ["137.40", "137.4", "137", "137"]
-    inputs = [Estimated.of(value, 1e-9).text for value in (140.0, 7.0 + 1e-9, 137.4003)]
-    assert inputs == ["140", "7", "137.40"]
-    assert text_to_error(math.nan, 0.1) == "–" and text_to_error(0.1234, math.nan) == "0.123"
-    assert span(map(Rough, [0.627, 1.174])) == "0.63 to 1.2" and span([]) == "–"
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.8732, 0.0186, "0.87"),
+        (109.6, 5.5, "110"),
+        (0.12, 0.0, "0.12"),
+        (9.97, 0.096, "10.0"),
+        (math.nan, 0.1, "–"),
+        (0.1234, math.nan, "0.123"),
+    ],
+)
+def test_a_number_has_the_digits_that_its_error_leaves(value, error, text):
+    assert text_to_error(value, error) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (137.4, 0.053, "137.40"),
+        (137.4, 1e-9, "137.4"),
+        (137.4, 0.0, "137"),
+        (137.4, math.nan, "137"),
+        (140.0, 1e-9, "140"),
+        (7.0 + 1e-9, 1e-9, "7"),
+        (137.4003, 1e-9, "137.40"),
+    ],
+)
+def test_an_estimate_has_the_digits_of_its_error_and_an_input_those_it_was_given(
+    value, error, text
+):
+    assert Estimated.of(value, error).text == text
+
+
+def test_rough_numbers_and_their_span_have_two_digits():
+    assert span(map(Rough, [0.627, 1.174])) == "0.63 to 1.2"
+
+
+def test_the_span_of_nothing_is_a_dash():
+    assert span([]) == "–"
 
 
 def test_an_interval_of_small_numbers_is_not_zero():
@@ -99,8 +124,9 @@ def test_a_share_is_a_percentage():
 
 
 def test_rates_are_those_of_1000_hours():
-    """One micrometre an hour."""
-    assert display("m s-1", 1e-6 / 3600.0, shown="um/1000 h").text(1e-6 / 3600.0) == "1000"
+    """One micrometre an hour is 1000 um in 1000 h."""
+    rate = 1e-6 / 3600.0
+    assert display("m s-1", rate, shown="um/1000 h").text(rate) == "1000"
 
 
 @pytest.mark.parametrize(
@@ -109,17 +135,24 @@ def test_rates_are_those_of_1000_hours():
      (1.2e9, "1.2e+09"),
      (math.inf, "inf")],
 )  # fmt: skip
-def test_three_digits(value, text):
+def test_a_number_has_three_digits(value, text):
     assert digits(value) == text
 
 
-def test_units_in_print():
-    assert (
-        printed_unit("N/um") == "N/µm"
-        and printed_unit("um") == "µm"
-        and printed_unit("degree") == "°"
-    )
-    assert printed_unit("mm3/1000 h") == "mm³/1000\N{NO-BREAK SPACE}h"
-    assert printed_unit("uN m") == "µN\N{NO-BREAK SPACE}m"
+@pytest.mark.parametrize(
+    ("unit", "text"),
+    [
+        ("N/um", "N/µm"),
+        ("um", "µm"),
+        ("degree", "°"),
+        ("mm3/1000 h", "mm³/1000\N{NO-BREAK SPACE}h"),
+        ("uN m", "µN\N{NO-BREAK SPACE}m"),
+    ],
+)
+def test_units_are_printed_with_their_signs(unit, text):
+    assert printed_unit(unit) == text
+
+
+def test_a_label_has_the_unit_in_brackets_if_there_is_one():
     assert display("Pa", 2e9).label("pressure") == "pressure (GPa)"
     assert display("1").label("friction") == "friction"

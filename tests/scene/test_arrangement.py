@@ -6,7 +6,7 @@ import pickle
 import pytest
 from support import scene_file
 
-from bearingwear.scene.arrangement import held_by, one_bearing
+from bearingwear.scene.arrangement import single_bearing_scene, with_method
 from bearingwear.scene.read import SceneError, as_scene, load_scene
 
 FIXED = "operation.preload_method=fixed_position"
@@ -19,44 +19,57 @@ def read(*settings, name="gyro_s1"):
 
 
 def test_keys_of_the_second_bearing_change_it_alone():
-    """Keys may stand as one, or as blocks; what they leave alone is as in the first."""
-    flat = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}")
-    nested = read(
-        *RIGID, f"arrangement.second.{LOSS}=0.25", "arrangement.second.friction.ball_race=0.1"
-    )
-    assert flat == nested
-    first, second = flat.sides
+    """What they leave alone is as in the first."""
+    first, second = read(
+        *RIGID, f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}"
+    ).sides
     assert (first.friction.ball_race, second.friction.ball_race) == (0.08, 0.1)
     assert (first.wear.ball_diameter_loss_um, second.wear.ball_diameter_loss_um) == ((0,), (0.25,))
     assert first.pair is None and second.pair is None
     assert second.bearing == first.bearing
-    with_each_loss = read(
-        *RIGID, f"arrangement.second={{{LOSS}: [{', '.join(map(str, range(1, 10)))}]}}"
+
+
+def test_keys_of_the_second_bearing_may_stand_with_dots_or_as_blocks():
+    with_dots = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}")
+    as_blocks = read(
+        *RIGID, f"arrangement.second.{LOSS}=0.25", "arrangement.second.friction.ball_race=0.1"
     )
-    assert with_each_loss.sides[1].wear.ball_diameter_loss_um == tuple(range(1, 10))
+    assert with_dots == as_blocks
 
 
-def test_scene_of_a_pair_is_whole():
-    result = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25}}", "arrangement.span_mm=20")
-    assert as_scene(result.to_dict()) == result == as_scene(result)
-    assert pickle.loads(pickle.dumps(result)) == copy.deepcopy(result) == result
-    assert hash(result) == hash(as_scene(result.to_dict()))
-    assert hash(result) != hash(read(*RIGID))
-    assert result.sides[0].arrangement.span_mm == 20.0
+def test_the_second_bearing_may_have_a_loss_for_each_ball():
+    scene = read(*RIGID, f"arrangement.second={{{LOSS}: [1, 2, 3, 4, 5, 6, 7, 8, 9]}}")
+    assert scene.sides[1].wear.ball_diameter_loss_um == tuple(range(1, 10))
 
 
-def test_held_by_another_method():
+def test_a_scene_of_a_pair_is_a_value():
+    """Equal and hashed alike when read again, pickled or copied."""
+    scene = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25}}", "arrangement.span_mm=20")
+    assert as_scene(scene.to_dict()) == scene == as_scene(scene)
+    assert pickle.loads(pickle.dumps(scene)) == copy.deepcopy(scene) == scene
+    assert hash(scene) == hash(as_scene(scene.to_dict()))
+    assert hash(scene) != hash(read(*RIGID))
+    assert scene.sides[0].arrangement.span_mm == 20.0
+
+
+def test_a_rigid_pair_held_by_a_force_is_a_spring_pair():
     rigid = read(*RIGID, "arrangement.external_axial_N=2")
-    spring = held_by(rigid, "constant_force", 9.0)
+    spring = with_method(rigid, "constant_force", 9.0)
     assert spring.arrangement.kind == "spring_pair"
     assert spring.arrangement.external_axial_N == 2.0
     assert spring.operation.preload_N == 9.0
+
+
+def test_a_spring_pair_held_in_position_has_no_spring():
     soft = read("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=0.1")
-    assert held_by(soft, "fixed_position").arrangement.spring_stiffness_N_um == 0.0
-    assert held_by(read(), "fixed_position").arrangement is None
+    assert with_method(soft, "fixed_position").arrangement.spring_stiffness_N_um == 0.0
 
 
-def test_dynamic_cases_of_a_study_are_of_one_bearing():
-    assert one_bearing(read(), "x").pair is None
+def test_a_single_bearing_held_in_position_stays_single():
+    assert with_method(read(), "fixed_position").arrangement is None
+
+
+def test_a_pair_has_no_dynamic_cases_in_a_study():
+    assert single_bearing_scene(read(), "mine.yaml").pair is None
     with pytest.raises(SceneError, match="arrangement.kind: got rigid_pair"):
-        one_bearing(read(*RIGID), "mine.yaml")
+        single_bearing_scene(read(*RIGID), "mine.yaml")

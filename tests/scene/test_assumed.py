@@ -34,7 +34,8 @@ MARKED = {
     ],
 )
 def test_comments_mark_assumed_values(tmp_path, text, left_out):
-    """Of their line, of the line above, of a whole block; not of a key that is set anew."""
+    """On their line, on the line above, or of a whole block; not of keys that a file based on it
+    sets."""
     base, scene = tmp_path / "base.yaml", tmp_path / "mine.yaml"
     base.write_text(SCENE)
     scene.write_text(f"name: mine\nbased_on: base\nset:\n  {text}\n" if text else SCENE)

@@ -16,7 +16,7 @@ GOOD = GOOD.replace("model: {contact: paper}\n", "")
 
 
 def edited(*pairs: tuple[str, str]) -> str:
-    """The good scene with texts replaced, each found exactly once."""
+    """The good scene with texts replaced, of which each stands there once."""
     text = GOOD
     for old, new in pairs:
         assert text.count(old) == 1, old
@@ -24,12 +24,13 @@ def edited(*pairs: tuple[str, str]) -> str:
     return text
 
 
-def put(block: str, line: str) -> str:
+def with_line(block: str, line: str) -> str:
     """The good scene with a line added to a block."""
     return edited((f"\n{block}:\n", f"\n{block}:\n  {line}\n"))
 
 
-def bomb() -> str:
+def alias_bomb() -> str:
+    """A scene of few bytes whose aliases would make 9^9 texts."""
     lines = ["a: &a [x, x, x, x, x, x, x, x, x]"]
     for old, new in zip("abcdefgh", "bcdefghi", strict=True):
         lines.append(f"{new}: &{new} [" + ", ".join([f"*{old}"] * 9) + "]")
@@ -42,12 +43,14 @@ CAGE = GOOD[GOOD.index("cage:") : GOOD.index("operation:")]
 # name: (contents, key that must be named, further texts of the message)
 BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     # keys
-    "unknown key": (put("bearing", "ball_cuont: 9"), "bearing.ball_cuont", ("ball_count",)),
+    "unknown key": (with_line("bearing", "ball_cuont: 9"), "bearing.ball_cuont", ("ball_count",)),
     "key of an earlier version": (
-        put("wear", "ball_track: bands"), "wear.ball_track", ("no longer exists", "delete the key"),
+        with_line("wear", "ball_track: bands"), "wear.ball_track",
+        ("no longer exists", "delete the key"),
     ),
     "missing key": (edited(("  preload_N: 7.0\n", "")), "operation.preload_N", ("nothing",)),
-    "duplicate key": (put("bearing", "ball_count: 8"), "bearing.ball_count", ("second time",)),
+    "duplicate key": (
+        with_line("bearing", "ball_count: 8"), "bearing.ball_count", ("second time",)),
     "list as a key": (GOOD + "? [a, b]\n: 1\n", "", ("as a key",)),
     # types
     "NaN": (edited(("preload_N: 7.0", "preload_N: .nan")), "operation.preload_N", (".nan",)),
@@ -106,7 +109,7 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
         GOOD + "model: {history_points_per_turn: 50, simulated_turns: 1000000}\n",
         "model.history_points_per_turn", ("<= 1",)),
     "steady under radial load": (
-        put("operation", "radial_load_N: [0, 1]") + "model: {fidelity: steady}\n",
+        with_line("operation", "radial_load_N: [0, 1]") + "model: {fidelity: steady}\n",
         "model.fidelity", ("radial load",)),
     # names and texts
     "name with a path": (edited(("name: gyro_s1", "name: ../gyro_s1")), "name", ("a-z",)),
@@ -123,14 +126,14 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "huge": (GOOD + "# " + "x" * 1_000_000 + "\n", "", ("1000000 bytes",)),
     "long list": (
         edited((LOSS, "  ball_diameter_loss_um: [" + "1," * 400_000 + "1]\n")), "", ("5000 keys",)),
-    "alias bomb": (bomb(), "", ("anchor",)),
+    "alias bomb": (alias_bomb(), "", ("anchor",)),
     "tag": (edited(("preload_N: 7.0", "preload_N: !!float 7")), "", ("tag",)),
     "deep nesting": (GOOD + "x: " + "[" * 5000 + "]" * 5000 + "\n", "", ("nested blocks",)),
 }  # fmt: skip
 
 
-def refused(capsys, argv: list[str]) -> str:
-    """With what a command refuses its input: a line for each fault."""
+def refusal(capsys, argv: list[str]) -> str:
+    """What a command writes when it refuses its input: a line for each fault."""
     assert main(argv) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -148,7 +151,7 @@ def test_refuses_broken_scene(name, tmp_path, capsys):
     contents, key, texts = BROKEN[name]
     scene, output = tmp_path / "broken.yaml", tmp_path / "out" / "case.nc"
     scene.write_bytes(contents if isinstance(contents, bytes) else contents.encode())
-    line = refused(capsys, ["solve", str(scene), "-o", str(output)])
+    line = refusal(capsys, ["solve", str(scene), "-o", str(output)])
     assert line.startswith(f"{scene}: {key}")
     for text in texts:
         assert text in line, line
@@ -156,7 +159,8 @@ def test_refuses_broken_scene(name, tmp_path, capsys):
 
 
 def test_every_fault_has_its_line(tmp_path, capsys):
-    """The gravest first; a mistyped key is not missing too, and a missing one has an example."""
+    """In the order of the scene, missing keys last and with an example; a mistyped key is not
+    missing too."""
     scene = tmp_path / "broken.yaml"
     scene.write_text(
         edited(
@@ -166,7 +170,7 @@ def test_every_fault_has_its_line(tmp_path, capsys):
             ("brinell_hardness_GPa: 6.6, ", ""),
         )
     )
-    lines = refused(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")]).splitlines()
+    lines = refusal(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")]).splitlines()
     assert [line.partition(": ")[2].partition(":")[0] for line in lines] == [
         "bearing.ball_cout",
         "operation.preload_N",
@@ -174,8 +178,12 @@ def test_every_fault_has_its_line(tmp_path, capsys):
         "materials.bearing_steel.brinell_hardness_GPa",
     ]
     assert lines[-1].endswith("got nothing, expected a number from 0.001 to 100, such as 6.6")
+
+
+def test_of_many_faults_the_first_are_told(tmp_path, capsys):
+    scene = tmp_path / "broken.yaml"
     scene.write_text(GOOD + "".join(f"k{i}: 1\n" for i in range(99)))
-    lines = refused(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")])
+    lines = refusal(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")])
     assert lines.count("\n") == MOST_FAULTS
 
 
@@ -184,7 +192,7 @@ def test_every_fault_has_its_line(tmp_path, capsys):
 def test_other_commands_refuse_alike(command, name, tmp_path, capsys):
     scene, output = tmp_path / "broken.yaml", tmp_path / "life.nc"
     scene.write_text(BROKEN[name][0])
-    line = refused(
+    line = refusal(
         capsys, [command, str(scene), *(["-o", str(output)] if command == "life" else [])]
     )
     assert str(scene) in line and BROKEN[name][1] in line
@@ -201,18 +209,18 @@ OVERRIDES = {
 
 
 @pytest.mark.parametrize("override", OVERRIDES)
-def test_names_the_override_at_fault(override, tmp_path, capsys):
+def test_a_fault_of_an_override_is_named_by_its_option(override, tmp_path, capsys):
     key, text = OVERRIDES[override]
     output = tmp_path / "case.nc"
     scene = str(SCENES / "gyro_s1.yaml")
-    line = refused(capsys, ["solve", scene, "-o", str(output), "--set", override])
+    line = refusal(capsys, ["solve", scene, "-o", str(output), "--set", override])
     assert line.startswith(f"--set {key}: ") and text in line, line
     assert not output.exists()
 
 
 @pytest.mark.parametrize("override", ["operation.preload_N", "=3", "a..b=3", "a b=3"])
 def test_refuses_override_without_key(override, tmp_path, capsys):
-    line = refused(
+    line = refusal(
         capsys,
         ["solve", str(SCENES / "gyro_s1.yaml"), "-o", str(tmp_path / "x.nc"), "--set", override],
     )
@@ -222,13 +230,13 @@ def test_refuses_override_without_key(override, tmp_path, capsys):
 def test_refuses_override_given_twice(tmp_path, capsys):
     argv = ["check", str(SCENES / "gyro_s1.yaml")]
     argv += ["--set", "operation.preload_N=3", "--set", "operation.preload_N=4"]
-    assert "more than once" in refused(capsys, argv)
+    assert "more than once" in refusal(capsys, argv)
 
 
-def test_names_the_file_where_the_override_is_innocent(tmp_path, capsys):
+def test_a_fault_of_the_file_is_named_by_the_file_beside_an_override(tmp_path, capsys):
     scene = tmp_path / "broken.yaml"
     scene.write_text(BROKEN["too many balls"][0])
-    line = refused(capsys, ["check", str(scene), "--set", "operation.preload_N=3"])
+    line = refusal(capsys, ["check", str(scene), "--set", "operation.preload_N=3"])
     assert line.startswith(f"{scene}: bearing.ball_count: ")
 
 
@@ -241,20 +249,25 @@ def test_refuses_scene_that_is_no_file(command, what, tmp_path, capsys):
         "line break": str(tmp_path / "no\nfile.yaml"),
         "zero byte": "no\0file.yaml",
     }[what]
-    line = refused(capsys, [command, path, "-o", str(tmp_path / "x.nc")])
+    line = refusal(capsys, [command, path, "-o", str(tmp_path / "x.nc")])
     assert ("got a folder" if what == "folder" else "cannot be read") in line
     assert os.listdir(tmp_path) == []
 
 
-def test_life_needs_a_criterion(tmp_path, capsys):
+@pytest.mark.parametrize("text", ["", "  end_of_life: {}\n", "  end_of_life: {skid_ratio: null}\n"])
+def test_a_life_needs_a_criterion(text, tmp_path, capsys):
     scene, output = tmp_path / "endless.yaml", tmp_path / "life.nc"
     end = GOOD[GOOD.index("  end_of_life:") :]
-    for text in ("", "  end_of_life: {}\n", "  end_of_life: {skid_ratio: null}\n"):
-        scene.write_text(edited((end, text)))
-        line = refused(capsys, ["life", str(scene), "-o", str(output)])
-        assert line.startswith(f"{scene}: wear.end_of_life: ") and "preload_fraction" in line
+    scene.write_text(edited((end, text)))
+    line = refusal(capsys, ["life", str(scene), "-o", str(output)])
+    assert line.startswith(f"{scene}: wear.end_of_life: ") and "preload_fraction" in line
+    assert not output.exists()
+
+
+def test_a_share_of_no_preload_is_no_criterion(tmp_path, capsys):
+    scene, output = tmp_path / "endless.yaml", tmp_path / "life.nc"
     scene.write_text(edited(("preload_N: 7.0", "preload_N: 0")))
-    line = refused(capsys, ["life", str(scene), "-o", str(output)])
+    line = refusal(capsys, ["life", str(scene), "-o", str(output)])
     assert line.startswith(f"{scene}: wear.end_of_life.preload_fraction: ")
     assert not output.exists()
 

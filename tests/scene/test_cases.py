@@ -27,7 +27,7 @@ def test_a_case_is_the_scene_with_keys_changed(scene):
     assert all(case.cases is None for case in scene.in_cases.values())
 
 
-def test_a_scene_of_cases_is_a_value(scene, tmp_path):
+def test_a_scene_with_cases_is_a_value(scene, tmp_path):
     assert scene_from_dict(scene.to_dict()) == scene
     assert pickle.loads(pickle.dumps(scene)) == scene
     assert hash(scene) == hash(scene.with_({}))
@@ -57,12 +57,17 @@ def test_wrong_cases_are_refused_in_one_line(changes, problem):
         scene_from_dict(plain | {"cases": changes})
 
 
-def test_a_case_is_solved_by_its_name(scene, tmp_path, capsys):
+@pytest.mark.parametrize("case", ["cold", "nominal"])
+def test_a_case_is_solved_by_its_name(scene, case, tmp_path, capsys):
+    """The sheet has its shaft torque [uN m]."""
     bearingwear.save(scene, tmp_path / "a.yaml")
-    for case in ("cold", "nominal"):
-        assert main(["solve", str(tmp_path / "a.yaml"), "--case", case, "--json"]) == 0
-        output = capsys.readouterr().out
-        result = bearingwear.solve(scene.in_cases[case])
-        assert f"{float(result.shaft_torque) * 1e6:.6f}"[:6] in output
+    assert main(["solve", str(tmp_path / "a.yaml"), "--case", case, "--json"]) == 0
+    output = capsys.readouterr().out
+    result = bearingwear.solve(scene.in_cases[case])
+    assert f"{float(result.shaft_torque) * 1e6:.6f}"[:6] in output
+
+
+def test_a_case_that_a_scene_has_not_is_refused_in_one_line(scene, tmp_path, capsys):
+    bearingwear.save(scene, tmp_path / "a.yaml")
     assert main(["solve", str(tmp_path / "a.yaml"), "--case", "warm"]) == 2
     assert capsys.readouterr().err == "--case: got warm, expected nominal, cold, hot\n"

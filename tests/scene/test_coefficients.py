@@ -25,7 +25,7 @@ from bearingwear.solvers.bearing.films import Films
 coefficients_page = benchmark("coefficients_page")
 
 
-def test_a_cubic_millimetre_per_newton_metre():
+def test_printed_wear_becomes_square_metres_per_newton():
     """1 mm3/(N m) = (1e-3 m)^3/(N m) = 1e-9 m2/N."""
     assert_allclose(M2_PER_N, (1e-3) ** 3, rtol=1e-15)
     # PTFE, 6e-4 mm3/(N m) by its authors
@@ -41,7 +41,7 @@ def test_the_page_is_that_of_the_table():
 
 
 @pytest.mark.parametrize("name", MEASURED_WEAR)
-def test_each_row_has_a_source_and_a_number(name):
+def test_each_row_has_a_source_and_its_ends_in_order(name):
     row = MEASURED_WEAR[name]
     assert row.url.startswith("https://") and row.source and row.conditions
     # what was opened; nothing is known by recollection alone
@@ -72,7 +72,8 @@ def test_coefficients_without_a_source_are_listed_as_assumed(surface, name, mate
 
 
 @pytest.mark.parametrize("lubrication, balls", [*RUBBING, ("oil", STEEL), ("grease", NITRIDE)])
-def test_a_scene_takes_a_lubrication_with_its_spread(lubrication, balls):
+def test_a_scene_has_the_coefficients_of_its_lubrication_with_their_spread(lubrication, balls):
+    """Within 3 %, as files and lines have two digits."""
     coefficients = RUBBING[NEAREST.get(lubrication, lubrication), balls]
     assert set(coefficients.rows) <= MEASURED_WEAR.keys()
     text, assumptions = scene_text(
@@ -99,7 +100,7 @@ def test_a_scene_takes_a_lubrication_with_its_spread(lubrication, balls):
 
 
 def test_a_scene_without_a_lubrication_states_its_assumed_wear():
-    """K_s/H is that of the scene, and the line names the option that replaces it."""
+    """7.6e-16 m2/N, in the scene and in a line that names the option which replaces it."""
     text, lines = scene_text("a", None, None, {}, designation="7008C")
     (line,) = [line for line in lines if line.startswith("lubrication: ")]
     assert "assumed" in line and 7.6e-16 in numbers_in(line) and "--lubrication" in line
@@ -107,7 +108,8 @@ def test_a_scene_without_a_lubrication_states_its_assumed_wear():
     assert_allclose(steel.wear_coefficient / (1e9 * steel.brinell_hardness_GPa), 7.6e-16, rtol=0.01)
 
 
-def test_ninety_percent_lie_between_the_rows():
+def test_the_spread_has_ninety_percent_between_the_measured_ends():
+    """The normal distribution has 5 % above 1.6449 standard deviations."""
     mos2 = RUBBING["mos2", STEEL].wear
     ends = [mos2.median * mos2.factor ** (sign * 1.6449) for sign in (-1, 1)]
     assert_allclose(ends, MOS2_WEAR, rtol=1e-6)
@@ -117,11 +119,16 @@ def test_a_lubrication_without_measured_coefficients_is_refused():
     speed = {"operation.shaft_speed_rpm": 9000.0}
     with pytest.raises(SceneError, match="--ball-material: got silicon_nitride, expected bearing"):
         scene_text("a", 40, 68, speed, "silicon_nitride", lubrication="dry")
+
+
+def test_a_friction_beside_that_of_a_film_is_refused():
+    given = {"operation.shaft_speed_rpm": 9000.0, "friction.ball_race": 0.1}
     with pytest.raises(SceneError, match="--friction: got 0.1; only allowed"):
-        scene_text("a", 40, 68, speed | {"friction.ball_race": 0.1}, lubrication="mos2")
+        scene_text("a", 40, 68, given, lubrication="mos2")
 
 
-def test_the_scene_with_a_film_takes_the_pair():
+def test_the_projects_scene_with_a_film_wears_as_its_measured_rows_say():
+    """Its film the geometric mean of two tests in vacuum, its substrate dry steel."""
     scene = load_scene(ROOT / "config/scenes/mos2_gyro.yaml")
     race = Films.of(scene).race
     measured = MEASURED_WEAR["bearing_in_vacuum"].wear[1], MEASURED_WEAR["two_discs"].wear[1]

@@ -59,15 +59,24 @@ def test_spaces_dashes_and_small_letters_make_no_difference(text):
     assert designation_of(text) == designation_of("7008C")
 
 
-def test_suffixes_give_angle_and_class():
-    angles = {"": None, "C": 15, "FB": 18, "FE": 18, "AC": 25, "A5": 25, "AD": 25, "E": 25, "A": 30,
-              "B": 40}  # fmt: skip
-    assert set(angles) == {"", *ANGLES}
-    for suffix, angle in angles.items():
-        designation = designation_of(f"7210{suffix}")
-        assert designation.angle == angle and bool(designation.angle_rule) == (suffix in ("E", "A"))
-    for group in CLEARANCES:
-        assert designation_of(f"6210{group}").clearance == group
+SUFFIXES = {"": None, "C": 15, "FB": 18, "FE": 18, "AC": 25, "A5": 25, "AD": 25, "E": 25, "A": 30,
+            "B": 40}  # fmt: skip
+
+
+def test_every_suffix_of_an_angle_is_tested():
+    assert set(SUFFIXES) == {"", *ANGLES}
+
+
+@pytest.mark.parametrize(("suffix", "angle"), SUFFIXES.items())
+def test_a_suffix_gives_the_contact_angle(suffix, angle):
+    """E and A are not every maker's, so why the angle is assumed is told."""
+    designation = designation_of(f"7210{suffix}")
+    assert designation.angle == angle and bool(designation.angle_rule) == (suffix in ("E", "A"))
+
+
+@pytest.mark.parametrize("group", CLEARANCES)
+def test_a_suffix_gives_the_clearance_group(group):
+    assert designation_of(f"6210{group}").clearance == group
 
 
 @pytest.mark.parametrize(
@@ -115,17 +124,14 @@ def test_suffixes_give_angle_and_class():
         ("608ZZ", "608", "", "", "", "ZZ"),
     ],
 )
-def test_designations_of_other_makers(text, name, balls, pair, load, ignored):
-    """What is not used is said, the rest is as without it."""
+def test_the_letters_of_makers_are_understood(text, name, balls, pair, load, ignored):
+    """Each has a line on what it means; without them it is the designation alone."""
     designation = designation_of(text)
     letters = designation.letters
     parts = letters.ball_letters, letters.pair, letters.load, letters.ignored
-    assert (designation.name, *parts) == (
-        name, balls, pair, load, ignored
-    )  # fmt: skip
+    assert (designation.name, *parts) == (name, balls, pair, load, ignored)
     assert letters.ball_material == ("silicon_nitride" if balls else None)
-    parts = (balls, letters.small_balls, pair, load, ignored)
-    assert len(letters.meanings()) == sum(map(bool, parts))
+    assert len(letters.explanations()) == sum(map(bool, (*parts, letters.small_balls)))
     assert designation._replace(letters=Letters()) == designation_of(name)
 
 
@@ -137,7 +143,7 @@ def test_designations_of_other_makers(text, name, balls, pair, load, ignored):
         ("KH6020C", 17, False), ("SM6026C", 17, False), ("6005", None, True),
     ],
 )  # fmt: skip
-def test_spindle_bearings_with_numbers_of_deep_groove_ones(text, angle, deep_groove):
+def test_spindle_bearings_numbered_like_deep_groove_ones_have_an_angle(text, angle, deep_groove):
     designation = designation_of(text)
     assert (designation.angle, designation.deep_groove) == (angle, deep_groove)
     size = designation_of("70" + re.search(r"60(\d\d)", text)[1])
@@ -157,19 +163,24 @@ def test_ceramic_balls_reach_the_scene():
 
 @pytest.mark.parametrize(
     ("text", "letters"),
-    [("HS7008-C-T-P4S", "HS"), ("XC71910E", "XC"), ("HCSS7008-C", "HCSS"), ("RS7008D-C", None),
-     ("RS7008-C", "RS"), ("B7008-C", ""), ("HCB7008-C", ""), ("HC6204", ""), ("S7008-C", "")],
-)  # fmt: skip
-def test_small_balls_of_a_high_speed_series_are_no_cage(text, letters):
-    """The program does not know them, and says so."""
-    if letters is None:
-        with pytest.raises(SceneError):
-            designation_of(text)
-        return
+    [("HS7008-C-T-P4S", "HS"), ("XC71910E", "XC"), ("HCSS7008-C", "HCSS"), ("RS7008-C", "RS")],
+)
+def test_letters_of_a_high_speed_series_ask_for_the_size_of_its_small_balls(text, letters):
+    """The program does not know it."""
     of_text = designation_of(text).letters
-    assert of_text.small_balls == letters
-    assert ("--ball-diameter" in " ".join(of_text.meanings())) == bool(letters)
-    assert not letters or letters not in of_text.ignored.split()
+    assert of_text.small_balls == letters and letters not in of_text.ignored.split()
+    assert "--ball-diameter" in " ".join(of_text.explanations())
+
+
+@pytest.mark.parametrize("text", ["B7008-C", "HCB7008-C", "HC6204", "S7008-C"])
+def test_letters_of_other_series_mean_no_small_balls(text):
+    of_text = designation_of(text).letters
+    assert of_text.small_balls == "" and "--ball-diameter" not in " ".join(of_text.explanations())
+
+
+def test_letters_of_small_balls_before_an_unknown_one_are_refused():
+    with pytest.raises(SceneError):
+        designation_of("RS7008D-C")
 
 
 @pytest.mark.parametrize(
@@ -188,7 +199,7 @@ def test_small_balls_of_a_high_speed_series_are_no_cage(text, letters):
         ("7010CDBELP4", {}, "light,"),
     ],
 )
-def test_maker_and_class_of_preload(text, option, preload):
+def test_the_preload_is_that_of_the_makers_class(text, option, preload):
     written, _ = scene_text("a", None, None, {}, designation=text, **option)
     (line,) = re.findall("preload_N: .*", written)
     assert preload in line
@@ -222,11 +233,11 @@ def test_designations_of_gmn_have_its_balls(text, balls, ball, preload):
         ("40BER19S", 25.0, None, ""),
     ],
 )
-def test_the_robust_series_of_nsk(text, angle, balls, pair):
-    """The size of the series 70 or 719 with the bore in mm; S, H and X are materials."""
+def test_the_robust_series_of_nsk_has_the_sizes_of_70_and_719(text, angle, balls, pair):
+    """With the bore in mm; S, H and X are materials."""
     size = size_of(text, None, None)
-    same = designation_of("71908" if "19" in text else "7008")
-    assert (size.bore, size.outside, size.width) == (same.bore, same.outside, same.width)
+    iso = designation_of("71908" if "19" in text else "7008")
+    assert (size.bore, size.outside, size.width) == (iso.bore, iso.outside, iso.width)
     assert size.angle == angle and size.letters.ball_material == balls
     assert size.letters.pair == pair
 
@@ -275,9 +286,15 @@ def test_a_digit_of_snfa_is_the_angle():
         size_of("SNFA EX 20 7CE2", None, None)
 
 
-def test_another_makers_name():
+def test_the_name_of_a_maker_without_a_catalogue_here_changes_nothing():
     assert size_of("FAG B7008-C", None, None) == size_of("B7008-C", None, None)
+
+
+def test_a_size_that_the_makers_catalogue_lacks_is_the_standard_one():
     assert isinstance(size_of("NSK 6204", None, None), Designation)
+
+
+def test_two_makers_are_refused():
     with pytest.raises(SceneError, match="--maker: got SNFA, expected NSK"):
         size_of("NSK 7010C", None, None, maker="SNFA")
 

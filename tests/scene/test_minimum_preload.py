@@ -23,36 +23,41 @@ def least(scene):
     return minimum_preload(data["bearing"], data["operation"])
 
 
-def test_gmn_prints_it_at_the_largest_speed():
-    """715 N at 30 000 r/min (catalogue, p. 32); a quarter of it at half the speed."""
+def test_gmn_minimum_preload_grows_with_the_square_of_the_relative_speed():
+    """715 N at the largest speed, 30 000 r/min (catalogue, p. 32)."""
     assert least(bearingwear.new(**GMN, speed=30000.0)).load == pytest.approx(715.0)
     assert least(bearingwear.new(**GMN, speed=15000.0)).load == pytest.approx(715.0 / 4.0)
     turned = bearingwear.new(**GMN, speed=15000.0).with_({"operation.outer_speed_rpm": -15000.0})
     assert least(turned).load == pytest.approx(715.0)
 
 
-def test_factors_of_skf_grow_with_the_size():
+@pytest.mark.parametrize("series", ["72", "73"])
+@pytest.mark.parametrize("suffix", ["AC", "B"])
+def test_factors_of_skf_grow_with_the_size(series, suffix):
     """A wrong place of the tables would stand out: bearings of one series, by their size."""
-    factors = skf_factors()
-    for series in ("72", "73"):
-        for suffix in ("AC", "B"):
-            own = [f for name, f in sorted(factors.items())
-                   if name.startswith(series) and name.endswith(suffix)]  # fmt: skip
-            assert own == sorted(own) and len(own) >= 8
-            assert all(1.0 < b / a < 3.5 for a, b in zip(own, own[1:], strict=False))
+    factors = [factor for name, factor in sorted(skf_factors().items())
+               if name.startswith(series) and name.endswith(suffix)]  # fmt: skip
+    assert factors == sorted(factors) and len(factors) >= 8
+    assert all(1.0 < b / a < 3.5 for a, b in zip(factors, factors[1:], strict=False))
 
 
-def test_skf_prints_a_factor():
-    """A (n/1000)^2 kN, with A = 0.00584 for a 7210 AC."""
-    scene = bearingwear.new(designation="7210AC", preload=100.0, speed=5000.0)
-    assert least(scene).load == pytest.approx(1e3 * 0.00584 * 25.0)
+@pytest.fixture(scope="module")
+def skf_7210():
+    return bearingwear.new(designation="7210AC", preload=100.0, speed=5000.0)
+
+
+def test_skf_minimum_preload_is_its_factor_times_the_square_of_the_speed(skf_7210):
+    """A (n/1000)^2 kN, with A = 0.00584 for a 7210 AC in SKF's table."""
+    assert least(skf_7210).load == pytest.approx(1e3 * 0.00584 * 5.0**2)
+
+
+@pytest.mark.parametrize(("speed", "load"), [(5000.0, 146), (14000.0, 1140)])
+def test_the_line_of_skf_tells_load_speed_factor_and_preload(skf_7210, speed, load):
+    scene = skf_7210.with_({"operation.shaft_speed_rpm": speed})
     (line,) = minimum_preload_lines(scene.plain)
-    assert "SKF" in line and "7210AC" in line
-    _, _, numbers = line.partition("7210AC: ")
-    assert [146, 5000, 0.00584] == numbers_in(numbers)[:3] and numbers_in(numbers)[-1] == 100
-    fast = scene.with_({"operation.shaft_speed_rpm": 14000.0})
-    _, _, numbers = minimum_preload_lines(fast.plain)[0].partition("7210AC: ")
-    assert numbers_in(numbers)[:2] == [1140, 14000]
+    maker, _, numbers = line.partition("7210AC: ")
+    assert "SKF" in maker
+    assert numbers_in(numbers)[:3] == [load, speed, 0.00584] and numbers_in(numbers)[-1] == 100
 
 
 @pytest.mark.parametrize("designation", ["7214ACB", "7205 ACCBM", "7310AC", "7217BECBP"])
@@ -64,10 +69,13 @@ def test_a_factor_that_is_missing_is_named(designation):
     assert least(scene) is None
 
 
-@pytest.mark.parametrize("known", [{"designation": "7010C", "maker": "NSK"}, {"designation": "608"},
-                                   {"bore": 40.0, "outside": 68.0}])  # fmt: skip
-def test_no_line_without_a_known_minimum_preload(known):
-    assert minimum_preload_lines(bearingwear.new(**known, preload=50.0).plain) == []
+@pytest.mark.parametrize(
+    "bearing",
+    [{"designation": "7010C", "maker": "NSK"}, {"designation": "608"},
+     {"bore": 40.0, "outside": 68.0}],
+)  # fmt: skip
+def test_no_line_without_a_known_minimum_preload(bearing):
+    assert minimum_preload_lines(bearingwear.new(**bearing, preload=50.0).plain) == []
 
 
 LAUNCHED = """
@@ -97,15 +105,19 @@ def test_the_minimum_preload_is_on_the_sheet(command, tmp_path, capsys, monkeypa
     capsys.readouterr()
     assert main(command.split()) == 0
     (line,) = minimum_preload_lines(load_scene(Path("a.yaml")).plain)
+    # a quarter of the catalogue's 715 N at half its speed, and the preload of the scene
     assert numbers_in(line.partition("E: ")[2]) == [179, 15000, 715, 30000, 140]
     assert line in " ".join(capsys.readouterr().out.split())
 
 
 def test_the_minimum_preload_is_on_the_line_of_the_bearing():
-    """At the largest speed of the cases; a study's scene has no preload of its own."""
+    """Without a preload of the scene too, as in studies."""
     data = bearingwear.new(**GMN, speed=15000.0).to_dict()
     del data["operation"]["preload_N"]
     assert "GMN minimum preload 179 N at 15000 r/min" in bearing_line(data)
+
+
+def test_the_minimum_preload_is_that_of_the_fastest_case():
     fast = bearingwear.new(**GMN, speed=15000.0).with_(
         {"cases": {"slow": {"operation.shaft_speed_rpm": 1500.0},
                    "fast": {"operation.shaft_speed_rpm": 30000.0}}}

@@ -12,25 +12,32 @@ def bearings():
     return benchmark("paper_bearings")
 
 
-def test_the_scene_is_found_again(bearings, scene):
-    """gyro_s1 was chosen among them: with its own values, the search comes back to its angle."""
-    without_cage = replace(scene("gyro_s1"), cage=None)
-    angle = without_cage.bearing.contact_angle_deg
-    (result,) = bearings.angles_with_loss(without_cage, [angle - 2.0, angle + 2.0])
-    assert result == pytest.approx(angle, abs=0.5)
-    bearing = bearings.candidate(bearings.with_angle(without_cage, result))
+@pytest.fixture
+def gyro(scene):
+    """One of the bearings that match, and which the scene gyro_s1 was chosen to be."""
+    return replace(scene("gyro_s1"), cage=None)
+
+
+def test_the_search_finds_the_angle_of_a_bearing_that_matches(bearings, gyro):
+    """Within half a degree, as the scene has the angle rounded."""
+    angle = gyro.bearing.contact_angle_deg
+    (found,) = bearings.angles_with_loss(gyro, [angle - 2.0, angle + 2.0])
+    assert found == pytest.approx(angle, abs=0.5)
+    bearing = bearings.candidate(bearings.with_angle(gyro, found))
     assert bearing.failed == "" and len(bearing.drags) > 0 and np.isfinite(bearing.lives_h).all()
-    steep = bearings.candidate(bearings.with_angle(without_cage, 45.0))
-    assert steep.failed != ""
 
 
-def test_an_angle_without_a_state(bearings, scene, monkeypatch):
-    """The loss changes its sign twice, the first time where no state is found."""
+def test_a_steep_angle_fails_a_statement_of_the_paper(bearings, gyro):
+    assert bearings.candidate(bearings.with_angle(gyro, 45.0)).failed != ""
 
-    def loss(turned):
-        angle = turned.bearing.contact_angle_deg
-        miss = 0.01 * (angle - 14.0) * (26.0 - angle)
-        return np.nan if 10.0 < angle < 20.0 else bearings.PRELOAD_LOSS + miss
+
+def test_the_search_passes_over_angles_without_a_state(bearings, scene, monkeypatch):
+    """The loss is that of the paper at 14 and 26 degrees, of which only the second has states."""
+
+    def loss(scene):
+        angle = scene.bearing.contact_angle_deg
+        difference = 0.01 * (angle - 14.0) * (26.0 - angle)
+        return np.nan if 10.0 < angle < 20.0 else bearings.PRELOAD_LOSS + difference
 
     monkeypatch.setattr(bearings, "preload_loss", loss)
     assert bearings.angles_with_loss(scene(), [10.0, 20.0, 30.0]) == pytest.approx([26.0])

@@ -26,22 +26,30 @@ def scene():
     return load_scene(scene_file("gyro_s1")).with_({"cases": CASES, "duty": DUTY})
 
 
-def test_times_of_a_cycle(scene):
+def test_a_cycle_takes_the_hours_and_the_starts_of_its_phases(scene):
+    """7.5 h, and two starts of 20 s with their stops of 60 s."""
     duty = scene.duty
-    assert duty.cycle_s == 7.5 * 3600.0 + 2.0 * 80.0
-    assert [duty.case_of(name) for name in duty.phases] == ["idle", "nominal", "hot"]
+    assert duty.cycle_s == 7.5 * 3600.0 + 2.0 * (20.0 + 60.0)
     assert sum(map(duty.phase_s, duty.phases.values())) == duty.cycle_s
 
 
-def test_a_scene_with_a_duty_is_a_value(scene, tmp_path):
+def test_a_phase_is_in_the_case_of_its_name_or_the_one_it_names(scene):
+    duty = scene.duty
+    assert [duty.case_of(name) for name in duty.phases] == ["idle", "nominal", "hot"]
+
+
+def test_a_scene_with_a_duty_survives_files_and_pickling(scene, tmp_path):
     assert scene_from_dict(scene.to_dict()) == scene
     assert pickle.loads(pickle.dumps(scene)) == scene
-    assert hash(scene) == hash(scene.with_({})) != hash(scene.with_({"duty.start_s": 21.0}))
     bearingwear.save(scene, tmp_path / "duty.yaml")
     assert load_scene(tmp_path / "duty.yaml") == scene
 
 
-def test_a_case_of_it_is_one_condition(scene):
+def test_the_hash_of_a_scene_depends_on_its_duty(scene):
+    assert hash(scene) == hash(scene.with_({})) != hash(scene.with_({"duty.start_s": 21.0}))
+
+
+def test_a_case_has_no_duty_of_its_own(scene):
     assert all(case.duty is None for case in scene.in_cases.values())
     assert scene.in_cases["nominal"] == load_scene(scene_file("gyro_s1"))
 
@@ -81,5 +89,5 @@ def test_wrong_duties_are_refused_in_one_line(scene, changes, problem):
 
 
 def test_cases_that_no_phase_names_may_change_anything(scene):
-    other = scene.with_({"cases.fewer": {"bearing.ball_count": 8}})
-    assert other.in_cases["fewer"].bearing.ball_count == 8
+    with_case = scene.with_({"cases.fewer": {"bearing.ball_count": 8}})
+    assert with_case.in_cases["fewer"].bearing.ball_count == 8

@@ -55,21 +55,15 @@ def plan(**changes: Any) -> dict[str, Any]:
 
 def test_data_become_records():
     sweep = {"title": "One", "from": "steady", "set": {"a.b": 1}, "along": [1, 2]}
-    plan_record = record(
-        Plan, plan(sweeps={"one": sweep}, factor=2, aim=3, sampling={"samples": 8.0})
-    )
-    assert plan_record.sampling == Sampling(samples=8) and isinstance(
-        plan_record.sampling.samples, int
-    )
-    assert plan_record.sweeps["one"].base == "steady" and plan_record.sweeps["one"].settings == {
-        "a.b": 1
-    }
-    assert plan_record.sweeps["one"].along == Axis((1.0, 2.0))
-    assert (
-        plan_record.scenes == ("a",)
-        and isinstance(plan_record.factor, float)
-        and plan_record.aim == 3.0
-    )
+    read = record(Plan, plan(sweeps={"one": sweep}, factor=2, aim=3, sampling={"samples": 8.0}))
+    assert read.sampling == Sampling(samples=8) and isinstance(read.sampling.samples, int)
+    (sweep_record,) = read.sweeps.values()
+    assert sweep_record.base == "steady" and sweep_record.settings == {"a.b": 1}
+    assert sweep_record.along == Axis((1.0, 2.0))
+    assert read.scenes == ("a",) and isinstance(read.factor, float) and read.aim == 3.0
+
+
+def test_nothing_is_the_same_as_the_default():
     assert record(Plan, plan(sampling=None, factor=None)) == record(Plan, plan())
 
 
@@ -115,11 +109,19 @@ def test_files_may_hold_anchors(tmp_path):
         "  two: {title: y, set: {<<: *set, a.b: 3}}\n"
     )
     assert read_record(Plan, path).sweeps["two"].settings == {"a.b": 3, "a.c": 2}
-    path.write_text("- a\n")
-    with pytest.raises(SceneError, match="got a list of 1, expected a block of keys"):
-        read_record(Plan, path)
-    path.write_text("scenes: &a [*a]\n")
-    with pytest.raises(SceneError, match="got more than 20 nested blocks"):
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("- a\n", "got a list of 1, expected a block of keys"),
+        ("scenes: &a [*a]\n", "got more than 20 nested blocks"),
+    ],
+)
+def test_files_that_hold_no_record_are_refused(text, problem, tmp_path):
+    path = tmp_path / "plan.yaml"
+    path.write_text(text)
+    with pytest.raises(SceneError, match=problem):
         read_record(Plan, path)
 
 

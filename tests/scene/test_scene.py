@@ -43,18 +43,24 @@ def plain(scene) -> dict:
 # the scenes that come with the project
 
 
-def test_scenes_of_the_project_are_the_same_when_read_again():
-    wrong = []
-    for path in SCENES:
-        scene = config.load_scene(path)
-        plain = scene.to_dict()
-        again = config.scene_from_dict(json.loads(json.dumps(plain)))
-        alike = config.as_scene(scene) == config.as_scene(path) == config.as_scene(plain) == scene
-        named = scene.name == path.stem and "assumed" in scene.description
-        named = named and scene.name in repr(scene)
-        if not (again == scene and list(again.to_dict()) == list(plain) and alike and named):
-            wrong.append(path.stem)
-    assert len(SCENES) > 10 and not wrong
+def test_there_are_scenes_of_the_project():
+    assert len(SCENES) > 10
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_a_scene_of_the_project_is_the_same_when_read_again(path):
+    scene = config.load_scene(path)
+    plain = scene.to_dict()
+    again = config.scene_from_dict(json.loads(json.dumps(plain)))
+    assert again == scene and list(again.to_dict()) == list(plain)
+    assert config.as_scene(scene) == config.as_scene(path) == config.as_scene(plain) == scene
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_a_scene_of_the_project_has_the_name_of_its_file_and_says_what_is_assumed(path):
+    scene = config.load_scene(path)
+    assert scene.name == path.stem and scene.name in repr(scene)
+    assert "assumed" in scene.description
 
 
 @pytest.mark.parametrize("key", ["cage", "lubricant", "wear", "model"])
@@ -72,10 +78,10 @@ def test_numpy_values_are_taken(plain):
     assert scene.wear.ball_diameter_loss_um[8] == pytest.approx(0.2)
 
 
-def test_input_dict_is_left_alone(plain):
-    before = copy.deepcopy(plain)
+def test_plain_data_are_left_alone(plain):
+    unchanged = copy.deepcopy(plain)
     config.scene_from_dict(plain)
-    assert plain == before
+    assert plain == unchanged
 
 
 def test_equal_losses_are_one_loss(plain):
@@ -88,36 +94,44 @@ def test_equal_losses_are_one_loss(plain):
 # the objects
 
 
-def test_scene_is_frozen_and_hashable(scene):
+def test_a_scene_cannot_be_changed(scene):
     with pytest.raises(dataclasses.FrozenInstanceError):
-        scene.name = "other"
+        scene.name = "another"
     with pytest.raises(TypeError):
         scene.materials["bearing_steel"] = None
+
+
+def test_equal_scenes_have_one_hash(scene):
     assert hash(scene) == hash(config.load_scene(S1))
+
+
+def test_a_scene_survives_pickling_and_copying(scene):
     assert pickle.loads(pickle.dumps(scene)) == copy.deepcopy(scene) == scene
 
 
-def test_scene_built_in_python_is_checked(scene):
+def test_a_scene_built_in_python_is_checked(scene):
     with pytest.raises(SceneError, match="bearing.ball_count: got 30 balls"):
         dataclasses.replace(scene, bearing=dataclasses.replace(scene.bearing, ball_count=30))
-    slow = dataclasses.replace(scene.operation, shaft_speed_rpm=-1.0)
+    backwards = dataclasses.replace(scene.operation, shaft_speed_rpm=-1.0)
     with pytest.raises(SceneError, match="operation.shaft_speed_rpm: got -1.0"):
-        config.as_scene(dataclasses.replace(scene, operation=slow))
+        config.as_scene(dataclasses.replace(scene, operation=backwards))
 
 
-def test_balls_that_touch_fit():
-    for count in (3, 7, 11, 24, 100):
-        pitch = 2.0 / np.sin(np.pi / count)
-        assert module.most_balls(2.0, pitch) == count
-        assert module.most_balls(2.0, pitch * (1 - 1e-6)) == count - 1
+@pytest.mark.parametrize("count", [3, 7, 11, 24, 100])
+def test_balls_that_just_touch_fit_on_the_pitch_circle(count):
+    """Centres of balls that touch are a diameter apart: D = d_m sin(pi/Z)."""
+    diameter = 2.0
+    pitch_diameter = diameter / np.sin(np.pi / count)
+    assert module.most_balls(diameter, pitch_diameter) == count
+    assert module.most_balls(diameter, pitch_diameter * (1 - 1e-6)) == count - 1
 
 
-def test_error_survives_pickling():
+def test_an_error_survives_pickling():
     error = pickle.loads(pickle.dumps(SceneError("a.b", "got 1, expected 2", ("c",), "f.yaml")))
     assert str(error) == "f.yaml: a.b: got 1, expected 2" and error.involved == ("c",)
 
 
-def test_dict_that_contains_itself(plain):
+def test_plain_data_that_contain_themselves_are_refused(plain):
     plain["bearing"]["ball_count"] = plain
     with pytest.raises(SceneError, match="nested blocks"):
         config.scene_from_dict(plain)
@@ -146,7 +160,8 @@ def test_overrides_are_read_as_yaml():
 
 
 @pytest.mark.parametrize("indent", [None, 2, "\t"])
-def test_json_is_a_scene(indent, plain, tmp_path):
+def test_json_is_read_as_a_scene(indent, plain, tmp_path):
+    """With a number and a text that JSON writes in another way than YAML."""
     plain["friction"]["slip_regularisation_m_s"] = 5e-06
     plain["description"] = 'assumed: "\u03bc/2" \\ 5'
     path = tmp_path / "scene.yaml"
@@ -162,13 +177,18 @@ def test_json_is_a_scene(indent, plain, tmp_path):
     "text, value",
     [("7", 7), ("-7", -7), ("7.", 7.0), (".5", 0.5), ("1.0e-5", 1e-5), ("1.5E+3", 1500.0),
      ("0.1", 0.1), ("true", True), ("~", None), ("'7'", "7"), ("1e-5", 1e-5), ("5e-06", 5e-6),
-     ("1E3", 1e3), ("1.0e5", 1e5), (".5e1", 5.0), ("-1e+2", -100.0), ("e5", "e5"), ("1e", "1e"),
-     ("010", "010"), ("0x10", "0x10"), ("1_000", "1_000"), ("1:30", "1:30"), ("yes", "yes"),
-     ("2018-01-01", "2018-01-01"), ("=", "=")],
+     ("1E3", 1e3), ("1.0e5", 1e5), (".5e1", 5.0), ("-1e+2", -100.0)],
 )  # fmt: skip
-def test_plain_scalars(text, value):
+def test_yaml_has_the_numbers_that_people_write(text, value):
     read = data_of(f"x: {text}", "scene")["x"]
     assert read == value and type(read) is type(value)
+
+
+@pytest.mark.parametrize(
+    "text", ["e5", "1e", "010", "0x10", "1_000", "1:30", "yes", "2018-01-01", "="]
+)
+def test_yaml_keeps_what_looks_like_another_type_as_text(text):
+    assert data_of(f"x: {text}", "scene")["x"] == text
 
 
 @pytest.mark.parametrize("value", [1e-5, 3e-12, 1.5e22, 1e16, 0.1, 7.0, -2.5e-7])
@@ -177,7 +197,7 @@ def test_written_numbers_are_read_as_numbers(value):
     assert data_of(yaml_number(value), "scene") == value
 
 
-def test_byte_order_mark_is_taken(tmp_path):
+def test_a_byte_order_mark_is_taken(tmp_path):
     path = tmp_path / "bom.yaml"
     path.write_bytes(b"\xef\xbb\xbf" + S1.read_bytes())
     assert config.load_scene(path) == config.load_scene(S1)
@@ -196,19 +216,19 @@ def blocks(part: dict, path: str = ""):
             yield from blocks(part[word], f"{path}.x")
 
 
-def test_schema_allows_no_unknown_key():
+def test_the_schema_allows_no_unknown_key():
     with_keys = [(path, part) for path, part in blocks(schema()) if "properties" in part]
     assert len(with_keys) > 10
     for path, part in with_keys:
         assert part["additionalProperties"] is False, path
 
 
-def test_defaults_decided_by_the_accuracy_are_those_of_the_standard():
-    decided = {
+def test_defaults_decided_by_the_accuracy_are_those_of_standard_accuracy():
+    by_accuracy = {
         path for path, part in keys(file_part(Scene)) if part.key.default_by == "model.accuracy"
     }
     standard = STANDARD.keys("ellipse")
-    assert decided == set(standard)
+    assert by_accuracy == set(standard)
     for path, value in standard.items():
         assert module.key_of_scene(path).default == value
 
@@ -231,14 +251,16 @@ def test_wear_of_a_cage_takes_finer_steps(changes, expected):
     assert config.as_scene(gyro) == gyro
 
 
-def test_plain_validators_agree(plain):
-    """The same schema, read by `jsonschema` alone, takes the project's scenes."""
-    validator = jsonschema.Draft202012Validator(schema())
-    validator.validate(plain)
-    based_on = jsonschema.Draft202012Validator(schema(config.BasedOn))
-    for path in SCENES:
-        data = yaml.safe_load(path.read_text())
-        (based_on if "based_on" in data else validator).validate(data)
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_the_schema_alone_accepts_the_scenes_of_the_project(path):
+    """As editors read it, without this program."""
+    data = yaml.safe_load(path.read_text())
+    record = config.BasedOn if "based_on" in data else Scene
+    jsonschema.Draft202012Validator(schema(record)).validate(data)
+
+
+def test_the_schema_alone_accepts_a_scene_as_plain_data(plain):
+    jsonschema.Draft202012Validator(schema()).validate(plain)
 
 
 def test_key_list_is_up_to_date():
@@ -251,8 +273,8 @@ def test_key_list_is_up_to_date():
     ("text", "orientation"),
     [("O", "back_to_back"), ("DB", "back_to_back"), ("X", "face_to_face"), ("DF", "face_to_face")],
 )
-def test_letters_of_an_arrangement(text, orientation, plain):
-    """Makers' letters are the same scene, in the schema too."""
+def test_makers_letters_of_an_orientation_are_the_same_scene(text, orientation, plain):
+    """In the schema too."""
     kind = PAIRS[plain["operation"]["preload_method"]]
     data = plain | {"arrangement": {"kind": kind, "orientation": text}}
     jsonschema.Draft202012Validator(schema()).validate(data)

@@ -1,4 +1,4 @@
-"""The regularisation of friction that a scene has by default, against the slip that it has."""
+"""The regularisation of friction that a scene has by default, and the slip that it follows."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def spindle():
     return checked_scene(SPINDLE)
 
 
-def random_scene(draw: np.random.Generator):
+def random_slow_scene(draw: np.random.Generator):
     """A bearing of `new` at 0.1 to 100 r/min, with any preload, friction and outer speed."""
     bore = draw.choice([4.0, 10.0, 25.0, 40.0, 100.0])
     text, _ = scene_text(
@@ -45,11 +45,14 @@ def random_scene(draw: np.random.Generator):
     )
 
 
-def test_slow_scenes_keep_coulombs_torque():
-    """Right within 0.1 %, which a regularisation ten times smaller says; no warning."""
+def test_the_default_regularisation_keeps_coulombs_torque_in_slow_scenes():
+    """Right within 0.1 %, which a regularisation ten times smaller says; no warning.
+
+    The allowed error is 0.01 % with balls that slide as much everywhere (docs/verification.md).
+    """
     draw = np.random.default_rng(5)
     for _ in range(40):
-        scene = random_scene(draw)
+        scene = random_slow_scene(draw)
         result = solve(scene)
         assert result.values["status"] == 0 and "slip_rounded" not in result.attrs["warnings"]
         v_r = scene.friction.slip_regularisation_m_s
@@ -58,10 +61,11 @@ def test_slow_scenes_keep_coulombs_torque():
         assert abs(result.values["shaft_torque"] / finer["shaft_torque"] - 1.0) < 1e-3
 
 
-def test_the_estimated_slip_is_that_of_the_solve():
+def test_the_estimated_slip_is_near_that_of_the_solve():
+    """Between that and 1.8 times it; 1.04 to 1.61 in these scenes. It may be that rough."""
     draw = np.random.default_rng(6)
     for _ in range(20):
-        scene = random_scene(draw)
+        scene = random_slow_scene(draw)
         values = solve(scene).values
         load = scene.bearing.ball_count * values["contact_load"].sum()
         assert 1.0 < mean_slip(scene) / (values["total_qv"] / load) < 1.8
@@ -85,27 +89,34 @@ def test_the_default_regularisation_follows_the_speed_of_variants_and_cases(spin
     assert v_r == slow.friction.slip_regularisation_m_s < STANDARD
 
 
-def test_a_given_regularisation_is_kept(spindle, tmp_path):
-    """Even if it is what the default was where it was given."""
-    for v_r in (STANDARD, 1e-3, 1e-6):
-        scene = spindle.with_({KEY: v_r})
-        for slow in (
-            scene.with_({SPEED: 60.0}),
-            scene.with_({"operation.preload_N": 50.0}).with_({SPEED: 60.0, "model.strips": 30}),
-            scene.with_({"friction.ball_race": 0.1, SPEED: 60.0}),
-            scene.with_({"cases": {"slow": {SPEED: 60.0}}}).in_cases["slow"],
-            scene_from_dict(scene.to_dict()).with_({SPEED: 60.0}),
-        ):
-            assert slow.friction.slip_regularisation_m_s == v_r
-        file = tmp_path / "given.yaml"
-        given_there = f"friction:\n  slip_regularisation_m_s: {v_r:f}"
-        file.write_text(SPINDLE.replace("\nfriction:", "\n" + given_there, 1), encoding="utf-8")
-        loaded = load_scene(file, [f"{SPEED}=60"])
-        assert loaded.friction.slip_regularisation_m_s == v_r
+# the first is also what the default is at the speed of the spindle
+GIVEN = pytest.mark.parametrize("given", [STANDARD, 1e-3, 1e-6])
 
 
-def test_a_written_scene_keeps_following(spindle, tmp_path):
-    for scene in (spindle, spindle.with_({KEY: STANDARD})):
-        bearingwear.save(scene, tmp_path / "a.yaml")
-        result = load_scene(tmp_path / "a.yaml").with_({SPEED: 60.0}).friction
-        assert result == scene.with_({SPEED: 60.0}).friction
+@GIVEN
+def test_a_given_regularisation_is_kept_when_a_scene_is_changed(spindle, given):
+    scene = spindle.with_({KEY: given})
+    for slow in (
+        scene.with_({SPEED: 60.0}),
+        scene.with_({"operation.preload_N": 50.0}).with_({SPEED: 60.0, "model.strips": 30}),
+        scene.with_({"friction.ball_race": 0.1, SPEED: 60.0}),
+        scene.with_({"cases": {"slow": {SPEED: 60.0}}}).in_cases["slow"],
+        scene_from_dict(scene.to_dict()).with_({SPEED: 60.0}),
+    ):
+        assert slow.friction.slip_regularisation_m_s == given
+
+
+@GIVEN
+def test_a_regularisation_given_in_a_file_is_kept(given, tmp_path):
+    file = tmp_path / "given.yaml"
+    block = f"\nfriction:\n  slip_regularisation_m_s: {given:f}"
+    file.write_text(SPINDLE.replace("\nfriction:", block, 1), encoding="utf-8")
+    assert load_scene(file, [f"{SPEED}=60"]).friction.slip_regularisation_m_s == given
+
+
+@pytest.mark.parametrize("changes", [{}, {KEY: STANDARD}], ids=["default", "given"])
+def test_a_written_scene_remembers_whether_its_regularisation_was_given(spindle, changes, tmp_path):
+    scene = spindle.with_(changes)
+    bearingwear.save(scene, tmp_path / "a.yaml")
+    slow = load_scene(tmp_path / "a.yaml").with_({SPEED: 60.0})
+    assert slow.friction == scene.with_({SPEED: 60.0}).friction

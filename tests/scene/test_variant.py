@@ -23,13 +23,17 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_variants_are_what_set_makes():
+@pytest.mark.parametrize("kind", ["path", "plain data", "scene"])
+def test_a_variant_is_the_scene_that_the_option_set_makes(kind):
+    given = {"path": S1, "plain data": load_scene(S1).to_dict(), "scene": load_scene(S1)}[kind]
     changes = {"operation.preload_N": 9, "model.strips": 20, "friction.ball_race": 1e-5}
     texts = ["operation.preload_N=9", "model.strips=20", "friction.ball_race=1e-5"]
-    scene = load_scene(S1, texts)
+    assert variant(given, changes) == load_scene(S1, texts)
+
+
+def test_a_variant_leaves_its_plain_data_alone():
     plain = load_scene(S1).to_dict()
-    assert variant(S1, changes) == variant(plain, changes) == scene
-    assert variant(load_scene(S1), changes) == scene
+    variant(plain, {"operation.preload_N": 9})
     assert plain == load_scene(S1).to_dict()
 
 
@@ -50,37 +54,53 @@ def test_new_values_of_a_checked_scene_are_those_of_its_file(changes):
     assert scene == expected and scene.json == expected.json
 
 
-def test_a_faulty_change_is_named_in_its_error():
-    with pytest.raises(SceneError, match="^--set bearing.ball_count: got 30 balls"):
-        variant(S1, {"bearing.ball_count": 30})
-    with pytest.raises(SceneError, match="^--set bearing.ball_count.x: got a key under bearing.b"):
-        variant(S1, {"bearing.ball_count.x": 30})
-    with pytest.raises(SceneError, match="^--set friction.mu: got an unknown key"):
-        variant(S1, {"friction.mu": None})
+@pytest.mark.parametrize(
+    ("key", "value", "problem"),
+    [
+        ("bearing.ball_count", 30, "got 30 balls"),
+        ("bearing.ball_count.x", 30, "got a key under bearing.b"),
+        ("friction.mu", None, "got an unknown key"),
+    ],
+)
+def test_a_faulty_change_is_named_in_its_error(key, value, problem):
+    with pytest.raises(SceneError, match=f"^--set {key}: {problem}"):
+        variant(S1, {key: value})
 
 
 def test_null_leaves_an_entry_out():
     scene = variant(S1, {"uncertainty.preload_N": None, "cage": None, "materials.phenolic": None})
     assert "preload_N" not in scene.uncertainty and "phenolic" not in scene.materials
     assert "ball_race" in scene.uncertainty and scene.cage is None
+
+
+def test_null_for_a_required_key_is_refused():
     with pytest.raises(SceneError, match="cage.restitution: got nothing"):
         variant(S1, {"cage.restitution": None})
 
 
-def test_file_based_on_another(folder):
-    fast = write(folder, "fast", "based_on: gyro_s1\nset: {operation.shaft_speed_rpm: 4e4}\n")
-    both = write(
-        folder, "Both", "description: assumed\nbased_on: fast\nset: {operation: {preload_N: 9}}\n"
-    )
+@pytest.fixture
+def fast(folder):
+    """A file based on gyro_s1."""
+    return write(folder, "fast", "based_on: gyro_s1\nset: {operation.shaft_speed_rpm: 4e4}\n")
+
+
+def test_a_file_based_on_another_has_its_other_values(fast):
     scene, base = load_scene(fast), load_scene(S1)
     assert scene.operation.shaft_speed_rpm == 40000 and scene.name == "fast"
     assert scene.description == base.description and scene.cage == base.cage
-    with pytest.raises(SceneError, match="Both.yaml: operation.shaft_speed_rpm: got nothing"):
-        load_scene(both)
-    write(folder, "Both", "based_on: fast\nset: {operation.preload_N: 9}\n")
-    assert load_scene(both, ["friction.cage=0"]).operation.preload_N == 9
-    files = [both, fast, folder / "gyro_s1.yaml"]
-    assert scene_files(both) == list(map(str, files))
+
+
+def test_a_file_may_be_based_on_one_that_is_based_on_another(folder, fast):
+    faster = write(folder, "faster", "based_on: fast\nset: {operation.preload_N: 9}\n")
+    operation = load_scene(faster, ["friction.cage=0"]).operation
+    assert (operation.preload_N, operation.shaft_speed_rpm) == (9, 40000)
+    assert scene_files(faster) == [str(path) for path in (faster, fast, folder / "gyro_s1.yaml")]
+
+
+def test_a_block_under_set_replaces_the_whole_block(folder, fast):
+    part = write(folder, "part", "based_on: fast\nset: {operation: {preload_N: 9}}\n")
+    with pytest.raises(SceneError, match="part.yaml: operation.shaft_speed_rpm: got nothing"):
+        load_scene(part)
 
 
 @pytest.mark.parametrize(
@@ -93,7 +113,7 @@ def test_file_based_on_another(folder):
         ("based_on: gyro_s1\nset: {a..b: 30}\n", "set: got 'a..b', expected keys"),
     ],
 )
-def test_broken_file_based_on_another(text, problem, folder):
+def test_a_broken_file_based_on_another_is_refused(text, problem, folder):
     path = write(folder, "broken", text)
     with pytest.raises(SceneError) as caught:
         load_scene(path)

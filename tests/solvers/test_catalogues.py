@@ -24,19 +24,29 @@ ODD_ROWS = {
 two pitch circles that are not half way between bore and outside, and single numbers."""
 
 
+ROWS_OF_GMN = 269
+"""Bearings in benchmarks/catalogue/gmn.csv."""
+
+
 def test_every_row_of_gmn_agrees_with_the_others():
     """Sizes, balls, ratings, speeds, preloads, rigidities; those that do not are known by name."""
     checked = benchmark("gmn_rows").Checked()
-    assert len(checked.rows) == 269
+    assert len(checked.rows) == ROWS_OF_GMN
     assert set(checked.all_failures()) == ODD_ROWS
 
 
-def test_checks_of_rows_find_misread_digits():
-    """All wrong sizes, most wrong balls, and about half of the others or more (page: all rows)."""
-    rows = benchmark("gmn_rows")
-    assert list(rows.wrong_digits("1200")) == [
+def test_wrong_digits_are_all_that_may_be_misread_for_the_leading_two():
+    assert list(benchmark("gmn_rows").wrong_digits("1200")) == [
         *(f"{k}200" for k in "023456789"), *(f"1{k}00" for k in "013456789")
     ]  # fmt: skip
+
+
+def test_checks_of_rows_find_misread_digits():
+    """Nine of ten wrong sizes, and four of ten others at least, of every 25th row.
+
+    The page has the shares of all rows.
+    """
+    rows = benchmark("gmn_rows")
     shares = rows.shares_found(every=25)
     assert set(shares) == set(rows.COLUMNS) and min(shares.values()) > 0.4
     assert min(shares[name] for name in ("bore_mm", "outside_mm", "width_mm", "pitch_mm")) > 0.9
@@ -46,10 +56,12 @@ def test_rows_are_read_from_the_text_of_the_catalogue():
     """Two rows as the text has them, the second with a digit that is not that of the table."""
     rows = benchmark("gmn_rows")
     name, numbers = "KH 6007 E TA", rows.numbers()["KH 6007 E TA"]
-    before, after = ([f"{numbers[c]:g}" for c in some] for some in (rows.BEFORE, rows.AFTER))
+    before, after = (
+        [f"{numbers[column]:g}" for column in columns] for columns in (rows.BEFORE, rows.AFTER)
+    )
     text = "\n".join([name, *before, "1.5", "0.3", *after, name])
     assert name not in rows.differences_from_text(text)
-    assert len(rows.differences_from_text(text)) == 268
+    assert len(rows.differences_from_text(text)) == ROWS_OF_GMN - 1  # which are not in it
     assert name in rows.differences_from_text(text.replace("0.3\n", "0.3\n9"))
 
 
@@ -78,7 +90,7 @@ def groups(catalogues):
     ],
 )
 def test_each_group_of_comparisons_keeps_its_limit(groups, name, source, count):
-    """Every row is judged, and the mean square of all."""
+    """Every row is judged, and the mean square of all; none is left out of the count."""
     (group,) = [item for item in groups if (item.name, item.source) == (name, source)]
     assert len(group.rows) == count
     misprints = ["KH 61903 E M, axial rigidity"] if name.endswith("KH") else []
@@ -88,7 +100,10 @@ def test_each_group_of_comparisons_keeps_its_limit(groups, name, source, count):
 
 
 def test_all_torques_of_the_maker_are_compared(groups, catalogues):
-    """Sixteen bearings, each as a pair and as a quad, differ by 14 % from one coefficient."""
+    """Sixteen bearings, each as a pair and as a quad, differ by 14.0 % from one coefficient.
+
+    A regression value, which the page quotes.
+    """
     (torque,) = [group for group in groups if group.fails]
     assert torque.name == "low-speed torque, one coefficient"
     printed = catalogues.makers.printed_rows(catalogues.makers.PRINTED / "snfa_ball_screw.csv")
@@ -98,15 +113,20 @@ def test_all_torques_of_the_maker_are_compared(groups, catalogues):
     assert catalogues.makers.torque_sentences(torque.rows) in page
 
 
-def test_no_group_without_a_test(groups, catalogues):
-    assert len(groups) == 14 and sum(len(group.rows) for group in groups) == 1336
+def test_the_first_screen_counts_all_groups_and_values(groups, catalogues):
+    assert len(groups) == 14  # those of the test above, of which each has its number of rows
+    values = sum(len(group.rows) for group in groups)
     kept = sum(not group.fails for group in groups)
     first_screen = catalogues.PAGE.read_text("utf-8").partition("<!-- totals")[0]
-    assert re.search(rf"\b{kept} of 14 comparisons\b.* 1336 values", first_screen)
+    counts = rf"\b{kept} of {len(groups)} comparisons\b.* {values} values"
+    assert re.search(counts, first_screen)
 
 
 def test_grooves_of_the_ratings_meet_the_rigidities(catalogues, groups):
-    """Nothing is fitted to a row; a groove factor of 0.52 would not do."""
+    """On the mean to 2, 0.5 and 0.5 % for S, SM and KH; nothing is fitted to a row.
+
+    With a groove factor of 0.52, SM and KH would be 15 % off.
+    """
     gmn = [group for group in groups if group.source == "GMN"]
     assert catalogues.makers.gmn_sentences(gmn) in catalogues.PAGE.read_text("utf-8")
     for group, mean in zip(gmn, (0.02, 0.005, 0.005), strict=True):
@@ -115,8 +135,8 @@ def test_grooves_of_the_ratings_meet_the_rigidities(catalogues, groups):
     assert all(np.mean([row.difference for row in closed[s]]) > 0.15 for s in ("SM", "KH"))
 
 
-def test_starting_torque_is_of_one_pair(catalogues):
-    """In mN m: 24 um times 267 N are the 6.4 mN m that were measured."""
+def test_the_arm_of_the_starting_torque_is_that_of_the_measured_pair(catalogues):
+    """24 um times 267 N are the 6.4 mN m that were measured."""
     assert 1e-3 * catalogues.MEASURED_ARM * 267.0 == pytest.approx(6.4, abs=0.05)
     assert catalogues.starting_torque_sentence() in catalogues.PAGE.read_text("utf-8")
 
@@ -138,6 +158,7 @@ def test_the_page_has_these_totals(catalogues, groups):
 
 
 def test_misprinted_catalogue_rows_are_not_kept(catalogues):
+    """Five rows, whose numbers break the rule of all others."""
     rows = catalogues.makers.misprint_rows()
     assert len(rows) == 5 and not any(row.kept for row in rows)
 
@@ -161,14 +182,16 @@ def test_a_solve_and_a_plain_program_have_the_same_rigidity(catalogues, designat
     assert catalogues.makers.plain_rigidity(scene) == pytest.approx(axial, rel=3e-4)
 
 
-def test_speed_of_rigid_pairs():
-    """What the page says: p v knows no class, heat does, and neither is the maker's rule."""
+def test_speed_of_rigid_pairs_by_pv_and_by_heat():
+    """What the page says of shares of the speed under a spring, to its digits: p v knows no class
+    of preload, heat does, and neither is the maker's rule of 0.85 and 0.55."""
     limits = benchmark("speed_limits")
     entry = limits.entry_of("NSK", "7010C")[0]
     pv, heat = limits.severity(entry, "constant_force", entry.preloads["EL"], entry.speed_grease)
-    by_pv, by_heat = (
-        [limits.share(entry, entry.preloads[name], which, limit) for name in ("EL", "H")]
-        for which, limit in ((limits.PV, pv), (limits.HEAT, heat))
-    )
-    assert by_pv == pytest.approx([0.70, 0.70], abs=0.1)
-    assert by_heat[0] == pytest.approx(0.53, abs=0.06) and by_heat[1] < 0.6 * by_heat[0]
+
+    def shares(quantity, limit):
+        return [limits.share(entry, entry.preloads[name], quantity, limit) for name in ("EL", "H")]
+
+    assert shares(limits.PV, pv) == pytest.approx([0.70, 0.70], abs=0.1)
+    light, heavy = shares(limits.HEAT, heat)
+    assert light == pytest.approx(0.53, abs=0.06) and heavy < 0.6 * light

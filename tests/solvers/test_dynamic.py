@@ -46,7 +46,7 @@ def started(scene):
         HERTZ | {"model.strips": 48, "model.points_across": 24},
     ],
 )
-def test_returns_to_the_steady_state(scene, changes):
+def test_disturbed_balls_return_to_the_steady_state(scene, changes):
     """Balls without a cage come back to the steady motion and its QV, at its slowest rate.
 
     They are disturbed by 3 % in spin and 50 rad/s in gyroscopic rotation.
@@ -57,13 +57,14 @@ def test_returns_to_the_steady_state(scene, changes):
     slow_time = 1.0 / decay_rates[0]
     disturbed = case.u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0]
     motion = DynamicSystem.of(dataclasses.replace(s, cage=None), disturbed)
-    first_ball = []  # after each slow time
+    first_ball = []  # after each slow time; 14 leave e^-14, a millionth, of the disturbance
     for _ in range(14):
         assert motion.advance(slow_time, 1e-5).status == OK
         first_ball.append(motion.balls[0, :4].copy())
     assert_allclose(motion.balls[:, :4], np.tile(case.u, (9, 1)), atol=1e-4 * np.abs(case.u).max())
 
-    # at last along the slow eigenvector: a factor e in each of three slow times
+    # at last along the slow eigenvector: a factor e in each of the three slow times from the sixth,
+    # when faster motions have gone, to the ninth, well before the end
     distance = np.abs(np.array(first_ball) - first_ball[-1]).max(axis=1)
     assert_allclose(np.log(distance[5] / distance[8]), 3.0, rtol=0.02)
 
@@ -76,9 +77,10 @@ def test_returns_to_the_steady_state(scene, changes):
 @pytest.mark.parametrize(
     ("contact", "method", "counts", "lowest", "highest"),
     [
+        # of third order
         ("paper", ROSENBROCK, (8, 16, 32, 64), 2.7, 3.3),
         ("hertz", ROSENBROCK, (8, 16, 32, 64), 2.7, 3.3),
-        # Fehlberg's fourth-order result has so small a leading error that the fifth order shows.
+        # Fehlberg's fourth-order result has so small a leading error that the fifth order shows
         ("paper", RUNGE_KUTTA, (32, 64, 128), 3.9, 5.1),
     ],
 )
@@ -103,15 +105,15 @@ def test_order_of_convergence(scene, contact, method, counts, lowest, highest):
 
 @pytest.mark.parametrize("contact", ["paper", "hertz"])
 def test_integrators_agree_with_scipy(scene, contact):
-    """A quarter of a turn under radial load, from the same start: QV of every contact to 1e-4."""
+    """A quarter of a turn under radial load, from the same start: QV to their tolerance of 1e-4."""
     s = scene("gyro_s1", {"operation.radial_load_N": [0.0, 2.0], "model.contact": contact})
-    result = {}
+    qv_by_method = {}
     for name, method in METHODS.items():
         motion = started(s)
         assert motion.advance(0.25 * motion.turn, 1e-4, method).status == OK
-        result[name] = motion.qv.copy()
+        qv_by_method[name] = motion.qv.copy()
     reference = started(s)
-    n = BALL * 9
+    states = BALL * 9
 
     def rate(time, y):
         reference.time, reference.y[:] = time, y
@@ -121,11 +123,11 @@ def test_integrators_agree_with_scipy(scene, contact):
     # The integrals feed back on nothing: integrating them with the states costs little.
     path = solve_ivp(
         rate, (0.0, 0.25 * reference.turn), reference.y, method="LSODA", rtol=1e-9,
-        atol=np.r_[np.full(n, 1e-6), np.full(reference.y.size - n, 1e-13)],
+        atol=np.r_[np.full(states, 1e-6), np.full(reference.y.size - states, 1e-13)],
     )  # fmt: skip
     assert path.success
     exact = path.y[reference.layout.qv : reference.layout.pockets, -1].reshape(-1, 2)
-    for name, qv in result.items():
+    for name, qv in qv_by_method.items():
         assert_allclose(qv, exact, rtol=1e-4, err_msg=name)
 
 
@@ -143,8 +145,8 @@ def test_integrators_agree_with_scipy(scene, contact):
         HERTZ | {"operation.radial_load_N": [1.0, 2.0], "operation.rotating_load_N": 1.0},
     ],
 )
-def test_energy_account(scene, changes):
-    """What shaft and loads supply is found again, to 1e-5 of the heat over six turns."""
+def test_energy_that_shaft_and_loads_supply_is_accounted_for(scene, changes):
+    """To 1e-5 of the heat over six turns."""
     motion = started(scene("gyro_s1", changes))
     before = motion.energy()
     assert motion.advance(6 * motion.turn, 3e-5).status == OK
@@ -163,9 +165,12 @@ def test_static_load_distribution_as_speed_goes_to_zero(scene):
     s = scene("gyro_s1", {"operation.shaft_speed_rpm": 1.0, "operation.radial_load_N": [0.0, 3.0]})
     motion = started(s)
     motion.rates()
-    g, n = motion.bearing.g, 9
+    n = 9
     rows, delta = np.empty((n, PACKED)), np.zeros(3)
     psi = motion.balls[:, 4].copy()
-    force = np.array([7.0, 0.0, 3.0])
-    race_equilibrium(g, motion.bearing.D, np.zeros((n, 6)), psi, force, 0.0, 0, delta, rows)
-    assert_allclose(motion.buffers.balls.Q[:, 0], rows[:, 5], rtol=1e-6)
+    force = np.array([7.0, 0.0, 3.0])  # preload and radial load [N]
+    race_equilibrium(
+        motion.bearing.g, motion.bearing.D, np.zeros((n, 6)), psi, force, 0.0, 0, delta, rows
+    )
+    inner_load = rows[:, 5]
+    assert_allclose(motion.buffers.balls.Q[:, 0], inner_load, rtol=1e-6)

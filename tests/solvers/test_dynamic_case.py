@@ -33,7 +33,7 @@ BALLS, TURN = 9, 0.002
 TURNS = 40  # of accuracy standard
 
 
-def made_up(scene, restart=None, progress=None):
+def invented_solution(scene, restart=None, progress=None):
     """What the solver returns, with any numbers; a run that goes on counts on from the last."""
     start = 0.0 if restart is None else restart["time"]
     count = np.zeros(12) if restart is None else restart["state"]
@@ -71,7 +71,7 @@ def made_up(scene, restart=None, progress=None):
 
 @pytest.fixture
 def solver(monkeypatch):
-    monkeypatch.setattr(dynamic_run, "solve_dynamic", made_up)
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", invented_solution)
 
 
 def solve(output, *more) -> int:
@@ -88,17 +88,16 @@ def case(solver, tmp_path):
 # the file
 
 
-def test_python_and_command_agree(case):
+def test_python_returns_the_dataset_of_the_command(case):
     result = bearingwear.solve(S1, fidelity="dynamic")
     assert result.attrs.pop("wall_time_s") > 0.0
     read = bearingwear.load(case)
     xr.testing.assert_identical(result, read)
-    assert {n: v.dtype for n, v in result.variables.items()} == {
-        n: v.dtype for n, v in read.variables.items()
-    }
+    for name in result.variables:
+        assert result[name].dtype == read[name].dtype, name
 
 
-def test_histories(case):
+def test_histories_have_their_dimensions_units_and_numbers(case):
     both, each, direction = ("time", "ball", "race"), ("time", "ball"), ("time", "direction")
     contract = {
         "contact_load": (both, "N"), "slip": (both, "m s-1"), "contact_qv": (both, "W"),
@@ -110,10 +109,10 @@ def test_histories(case):
         "cage_pocket_wear_rate": (("time",), "m3 s-1"),
         "cage_land_wear_rate": (("time",), "m3 s-1"),
     }  # fmt: skip
-    values, _ = made_up(load_scene(S1))
+    values, _ = invented_solution(load_scene(S1))
     with netCDF4.Dataset(case) as file:
-        result = {n.removeprefix("history_") for n in file.variables if n.startswith("history_")}
-        assert result == set(contract)
+        histories = [name for name in file.variables if name.startswith("history_")]
+        assert sorted(histories) == sorted(f"history_{name}" for name in contract)
         for name, (dims, units) in contract.items():
             variable = file[f"history_{name}"]
             assert variable.dimensions == dims and variable.units == units, name
@@ -122,10 +121,11 @@ def test_histories(case):
             assert variable.cell_methods == ("time: mean" if mean else "time: point")
             scale = 180.0 / np.pi if units == "degree" else 1.0
             np.testing.assert_allclose(variable[...], scale * values[f"history_{name}"], rtol=1e-6)
-        moment = file["time"]
-        assert moment.dtype == np.float64 and moment.units == "s"
-        assert not {"_FillValue", "standard_name"} & set(moment.ncattrs())
-        assert moment.size == 20 * TURNS and moment[-1] == pytest.approx(TURNS * TURN)
+        time = file["time"]
+        assert time.dtype == np.float64 and time.units == "s"
+        assert not {"_FillValue", "standard_name"} & set(time.ncattrs())
+        # 20 points a turn, as the scene has it
+        assert time.size == 20 * TURNS and time[-1] == pytest.approx(TURNS * TURN)
         assert file["direction"].flag_meanings == "axial Y Z"
         assert file["edge"].flag_meanings == "at_negative_x at_positive_x"
 
@@ -141,18 +141,20 @@ def test_averaged_variables_have_cell_methods(case, tmp_path):
         assert not any("cell_methods" in v.ncattrs() for v in file.variables.values())
 
 
-def test_no_histories(solver, tmp_path):
+def test_without_points_a_turn_the_file_has_no_histories(solver, tmp_path):
     assert solve(tmp_path / "x.nc", "--set", "model.history_points_per_turn=0") == 0
     dataset = load(tmp_path / "x.nc")
     assert "time" not in dataset.variables and "final_state" in dataset
     assert not any(str(name).startswith("history_") for name in dataset.variables)
 
 
-def test_failed_case(monkeypatch, solver, tmp_path, capsys):
-    def failed(scene, **_):
+def test_an_unsolved_dynamic_case_is_no_start(monkeypatch, solver, tmp_path, capsys):
+    """The command names its status, and so does a run that would go on from its file."""
+
+    def unsolved(scene, **_):
         return {"status": code.CONTACT_LOST}, {"residual": "not solved"}
 
-    monkeypatch.setattr(dynamic_run, "solve_dynamic", failed)
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", unsolved)
     assert solve(tmp_path / "x.nc") == 3
     assert "contact_lost" in capsys.readouterr().err
     with pytest.raises(CaseFileError, match="status contact_lost, expected status ok"):
@@ -162,7 +164,8 @@ def test_failed_case(monkeypatch, solver, tmp_path, capsys):
 # progress
 
 
-def test_progress_is_one_line_each(solver, tmp_path, capsys):
+def test_each_progress_is_one_line(solver, tmp_path, capsys):
+    """A line break within it is shown as `?`."""
     assert solve(tmp_path / "x.nc", "--set", "operation.gravity_m_s2=[0,0,-9.81]") == 0
     assert capsys.readouterr().err.splitlines() == [
         f"{S1}: turn 10 of 20, simulated 0.02 s?in 1 s",
@@ -170,28 +173,28 @@ def test_progress_is_one_line_each(solver, tmp_path, capsys):
     ]
 
 
-def test_nobody_reads_about_progress(solver, tmp_path, monkeypatch):
-    class Closed:
+def test_a_run_goes_on_where_nobody_reads_its_progress(solver, tmp_path, monkeypatch):
+    class ClosedPipe:
         def write(self, text):
             raise BrokenPipeError
 
-    monkeypatch.setattr(sys, "stderr", Closed())
+    monkeypatch.setattr(sys, "stderr", ClosedPipe())
     assert solve(tmp_path / "x.nc") == 0
     assert int(load(tmp_path / "x.nc")["status"]) == code.OK
 
 
 def test_the_remaining_time_follows_the_recent_rate(monkeypatch):
-    """Turns that come to cost ten times as much: the first ones do not flatter the rest."""
+    """Of 100 turns 30 take 0.5 s each, the others 5 s: the first do not flatter the rest."""
     now, lines = [0.0], []
     monkeypatch.setattr(time_run, "clock", SimpleNamespace(monotonic=lambda: now[0]))
     report = time_run._Progress(lines.append, turns=100.0, turn=2e-3)
     for turn in range(1, 61):
         now[0] += 0.5 if turn <= 30 else 5.0
         report(float(turn), None)
-    matches = [re.search(r"about (\d+) s left", line) for line in lines]
-    assert all(matches) and "at most" not in "".join(lines)
-    assert int(matches[0][1]) == pytest.approx(0.5 * 94, abs=1.0)  # after the first six turns
-    assert int(matches[-1][1]) == pytest.approx(5.0 * 40, abs=1.0)
+    left = [int(re.search(r"about (\d+) s left", line)[1]) for line in lines]
+    assert "at most" not in "".join(lines)
+    assert left[0] == pytest.approx(0.5 * 94, abs=1.0)  # after the first six turns
+    assert left[-1] == pytest.approx(5.0 * 40, abs=1.0)
 
 
 # going on from a state
@@ -227,7 +230,7 @@ def refused(capsys, argv) -> str:
         ("name=other", "name"),
     ],
 )
-def test_restart_of_another_scene(setting, key, case, tmp_path, capsys):
+def test_a_restart_of_another_scene_is_refused(setting, key, case, tmp_path, capsys):
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic"]
     line = refused(capsys, [*argv, "--restart", str(case), "--set", setting])
     assert (
@@ -241,20 +244,22 @@ def test_restart_of_another_scene(setting, key, case, tmp_path, capsys):
     "setting",
     ["wear.counts=ball", "model.strips=20"],
 )
-def test_restart_with_other_wear_and_model(setting, case, tmp_path):
+def test_a_restart_may_change_wear_and_model(setting, case, tmp_path):
     assert solve(tmp_path / "x.nc", "--restart", str(case), "--set", setting) == 0
 
 
-def test_restart_of_a_steady_scene(case, tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("options", "fidelity"), [([], "steady"), (["--fidelity", "race_control"], "race_control")]
+)
+def test_a_restart_by_another_model_is_refused(options, fidelity, case, tmp_path, capsys):
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--restart", str(case)]
-    for more, fidelity in (([], "steady"), (["--fidelity", "race_control"], "race_control")):
-        line = refused(capsys, [*argv, *more])
-        assert line.startswith("--restart: got a scene solved with fidelity " + fidelity)
+    line = refused(capsys, [*argv, *options])
+    assert line.startswith("--restart: got a scene solved with fidelity " + fidelity)
     with pytest.raises(NotAvailable, match="restart: got a scene"):
-        bearingwear.solve(S1, restart=case)
+        bearingwear.solve(S1, restart=case, fidelity=fidelity)
 
 
-def test_restart_of_a_file_that_is_no_dynamic_case(solver, tmp_path, capsys):
+def test_a_restart_of_a_file_that_is_no_dynamic_case_is_refused(solver, tmp_path, capsys):
     steady, life, text = tmp_path / "steady.nc", tmp_path / "life.nc", tmp_path / "text.nc"
     assert main(["solve", str(S1), "-o", str(steady)]) == 0
     assert main(["life", str(S1), "-o", str(life)]) == 0
@@ -280,15 +285,12 @@ def test_restart_of_a_file_that_is_no_dynamic_case(solver, tmp_path, capsys):
         (lambda file: file["final_state"].__setitem__(3, np.nan), "without a final state"),
     ],
 )
-def test_restart_of_a_file_that_was_changed(change, problem, case):
+def test_a_restart_of_a_file_that_was_changed_is_refused(change, problem, case):
     with netCDF4.Dataset(case, "a") as file:
         change(file)
     with pytest.raises(CaseFileError, match=problem) as caught:
         restart_from(case, load_scene(S1))
     assert str(caught.value).startswith(f"{case}: got ") and "\n" not in str(caught.value)
-
-
-# show
 
 
 # which model
@@ -379,7 +381,7 @@ def test_no_life_by_race_control_where_the_steady_model_solves(changes):
         choice_for_life(scene, "race_control")
 
 
-def test_averaged_turns():
+def test_half_of_a_run_is_averaged_but_20_turns_at_most():
     assert load_scene(S1).model.averaged_turns == 20.0
     assert load_scene(S1, ["model.simulated_turns=3"]).model.averaged_turns == 1.5
     assert load_scene(S1, ["model.evaluated_turns=4"]).model.averaged_turns == 4.0
@@ -388,7 +390,7 @@ def test_averaged_turns():
 # the solver itself
 
 
-def test_interrupt_in_nested_blocks():
+def test_an_interrupt_ends_nested_blocks_and_restores_the_handler():
     """Those of `solve` and of a dynamic run, from Python."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     with pytest.raises(KeyboardInterrupt), Interrupt(), Interrupt():
@@ -398,7 +400,7 @@ def test_interrupt_in_nested_blocks():
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-IMPATIENT = """
+RUN_WITH_FREQUENT_REPORTS = """
 from bearingwear.__main__ import run_program
 from bearingwear.solvers.dynamic import windows
 
@@ -407,13 +409,13 @@ raise SystemExit(run_program())
 """
 
 
-def test_interrupt_of_a_real_run(tmp_path):
-    """Ctrl-C in the midst of a run that would take hours."""
+def test_ctrl_c_ends_a_run_that_would_take_hours(tmp_path):
+    """With its line and exit status, and without a file."""
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic"]
     argv += ["--set", "model.simulated_turns=1000000", "model.history_points_per_turn=0"]
     argv += ["--set", "operation.rotating_load_N=1"]
     run = subprocess.Popen(
-        [sys.executable, "-c", IMPATIENT, *argv],
+        [sys.executable, "-c", RUN_WITH_FREQUENT_REPORTS, *argv],
         cwd=ROOT,
         stderr=subprocess.PIPE,
         text=True,
@@ -438,9 +440,10 @@ def test_interrupt_of_a_real_run(tmp_path):
 
 def test_stiffness_is_that_of_the_bearing_without_its_cage():
     """A ball that its pocket holds tightly is no stiffer against the race."""
-    run = ["model.simulated_turns=3", "model.history_points_per_turn=0", "friction.cage=0.0"]
-    result = {}
-    for clearance in (0.15, 1e-4):
-        changes = [f"cage.pocket_clearance_mm={clearance}", *run]
-        result[clearance] = dynamic_run.solve_dynamic(load_scene(S1, changes))[0]["axial_stiffness"]
-    assert result[1e-4] == pytest.approx(result[0.15], rel=1e-2)
+    short = ["model.simulated_turns=3", "model.history_points_per_turn=0", "friction.cage=0.0"]
+
+    def stiffness(clearance_mm):
+        changes = [f"cage.pocket_clearance_mm={clearance_mm}", *short]
+        return dynamic_run.solve_dynamic(load_scene(S1, changes))[0]["axial_stiffness"]
+
+    assert stiffness(1e-4) == pytest.approx(stiffness(0.15), rel=1e-2)

@@ -48,7 +48,7 @@ POSITION = {"operation.preload_method": "fixed_position"}
 RUNNING_IN = {f"{STEEL}.running_in": {"wear_coefficient": 5e-5, "depth_um": 0.02}}
 
 
-def through(result):
+def wear_through_times(result):
     """Times at which the films of the races are worn through [s]."""
     return result.values["race_film_worn_through"]
 
@@ -71,11 +71,12 @@ def test_each_contact_has_the_coefficient_of_its_mean_pressure(scene, fidelity):
     values = solve(scene("gyro_s1", FILM | POSITION), fidelity).values
     peak = values["maximum_pressure"]
     assert peak[0, 0] != pytest.approx(peak[0, 1], rel=1e-2)
-    expected = S_0 / (2 / 3 * peak) + ALPHA_S
-    assert_allclose(values["friction_coefficient"], expected, rtol=1e-12)
+    sheared = S_0 / (2 / 3 * peak)  # the mean pressure of an ellipse is 2/3 of its peak
+    assert_allclose(values["friction_coefficient"], sheared + ALPHA_S, rtol=1e-12)
+    # heat over QV is more: the film is sheared at the edge too, where slip is large and pressure
+    # small; by how much depends on the slip, at most a quarter here
     ratio = values["friction_heat"] / values["qv"]
-    even = expected - ALPHA_S  # sheared at the edge too, where slip is large and pressure small
-    assert np.all(ratio > expected) and np.all(ratio < ALPHA_S + 1.25 * even)
+    assert np.all(ratio > sheared + ALPHA_S) and np.all(ratio < ALPHA_S + 1.25 * sheared)
 
 
 @pytest.mark.parametrize("contact", ["hertz", "paper"])
@@ -103,8 +104,8 @@ def test_a_life_with_one_coefficient_is_the_limit_without_shear_strength(scene):
 
 
 @pytest.fixture(scope="module", params=[FILM, HERTZ], ids=["film", "plain"])
-def solved(scene, request):
-    """A balance with drag, its place and motion."""
+def solved_balance(scene, request):
+    """A solved balance with drag: its problem, seat, and unknowns."""
     changes = request.param | {"lubricant.drag_density_kg_m3": 300.0, "model.quadrature": "gauss"}
     problem = ThrustProblem.of(scene("gyro_s1", changes))
     case = problem.solve(problem.g.D0)
@@ -117,24 +118,23 @@ def solved(scene, request):
 
 @pytest.mark.parametrize("race", ["law_i", "law_o"])
 @pytest.mark.parametrize("name", ["S", "mu"])
-def test_the_check_rejects_another_friction_law(solved, race, name):
+def test_the_check_rejects_another_friction_law(solved_balance, race, name):
     """It has its own formula for mu: with a law 1 % off at one race, the balance is lost."""
-    p, seat, u = solved
+    p, seat, u = solved_balance
     op = p.bearing.op
     law = getattr(op, race)
     if not law.S:
         name = "mu"
 
-    def left(op):
+    def residual(op):
         return friction_check(p.bearing.g, p.bearing.D, op, seat.state, u[:4], p.rule, True)[0]
 
-    assert left(op) < 1e-9
-    other = law._replace(**{name: getattr(law, name) * (1.0 + 1e-2) + 1e-6})
-    assert left(op._replace(**{race: other})) > 1e-6
+    assert residual(op) < 1e-9
+    changed = law._replace(**{name: getattr(law, name) * (1.0 + 1e-2) + 1e-6})
+    assert residual(op._replace(**{race: changed})) > 1e-6
 
 
-def test_in_time_as_steady(scene):
-    """Thrust alone, marched from the steady state: the same friction of the same loads."""
+def test_a_march_of_thrust_alone_has_the_friction_of_the_steady_state(scene):
     many = {"model.strips": 100, "model.points_across": 32}  # the two do not take the same points
     march = {"model.dynamic_solution": "march", "model.simulated_turns": 2} | many
     marching = scene(
@@ -142,24 +142,24 @@ def test_in_time_as_steady(scene):
     ).without_cage
     steady, dynamic = (solve(marching, fidelity).values for fidelity in ("steady", "dynamic"))
     for name in ("friction_coefficient", "qv", "friction_heat"):
-        both = np.broadcast_to(steady[name], dynamic[name].shape)
-        assert_allclose(dynamic[name], both, rtol=1e-6)
+        expected = np.broadcast_to(steady[name], dynamic[name].shape)
+        assert_allclose(dynamic[name], expected, rtol=1e-6, err_msg=name)
 
 
 # films that wear through
 
 
-def test_a_film_like_what_lies_below_changes_nothing(scene):
+@pytest.mark.parametrize("changes", [{}, POSITION, {"wear.counts": "ball"}])
+def test_a_film_like_what_lies_below_changes_nothing(scene, changes):
     """The same K and friction: two integrators of the life, of which one stops at films."""
     alike = COULOMB | {
         "friction.film.thickness_um": 0.1, "friction.film.wear_coefficient": 5e-6,
         "friction.film.bare_ball_race": 0.08,
     }  # fmt: skip
-    for more in ({}, POSITION, {"wear.counts": "ball"}):
-        filmed, plain = (life(scene("gyro_s1", c | more)).values for c in (alike, HERTZ))
-        assert filmed["end_criterion"] == plain["end_criterion"]
-        assert_allclose(filmed["life"], plain["life"], rtol=2e-4)
-        assert np.nanmax(filmed["life_error_bound"] / filmed["life"]) < 1e-3
+    filmed, plain = (life(scene("gyro_s1", film | changes)).values for film in (alike, HERTZ))
+    assert filmed["end_criterion"] == plain["end_criterion"]
+    assert_allclose(filmed["life"], plain["life"], rtol=2e-4)  # within their bounds
+    assert np.nanmax(filmed["life_error_bound"] / filmed["life"]) < 1e-3
 
 
 def test_time_to_wear_through_is_thickness_over_rate(scene):
@@ -168,7 +168,7 @@ def test_time_to_wear_through_is_thickness_over_rate(scene):
     state = solver_of(filmed).at(0.0)
     rate = state["loss_per_wear"][1] * 1e-6 / 6.6e9
     first, later = np.argsort(-rate)
-    result = through(life(filmed))
+    result = wear_through_times(life(filmed))
     assert result[first] == pytest.approx(1e-11 / rate[first], rel=1e-6)
     # then one track is bare, and the other slips as it did not before
     after = solver_of(filmed).at(1e-11, (first == 0, first == 1))["loss_per_wear"][1] * 1e-6 / 6.6e9
@@ -183,17 +183,20 @@ def test_volume_of_a_film_balances(scene):
     time = v["history_time"]
     R_i, R_o = solve(scene("gyro_s1", THIN)).values["contact_track_radius"][0]
     for k, R in enumerate((R_i, R_o)):
-        filmed = time <= through(result)[k]
-        filmed[np.argmax(time >= through(result)[k]) + 1 :] = False  # not the state after
+        filmed = time <= wear_through_times(result)[k]
+        filmed[np.argmax(time >= wear_through_times(result)[k]) + 1 :] = (
+            False  # not the state after
+        )
         t, a = time[filmed], v["history_semi_major_axis"][filmed, k]
         qv = v["history_qv"][filmed, k]
         worn = 9 * 1e-6 / 6.6e9 * np.trapezoid(qv, t)
-        assert worn == pytest.approx(4.0 * math.pi * R * a.mean() * 0.05e-6, rel=3e-3)
+        # 0.3 %: trapezoids over the few states, and the mean width of the track
+        assert_allclose(worn, 4.0 * math.pi * R * a.mean() * 0.05e-6, rtol=3e-3)
         assert_allclose(v["history_race_wear_rate"][filmed, k], 9 * 1e-6 / 6.6e9 * qv, rtol=1e-12)
         assert v["history_race_film"][filmed, k][-1] == pytest.approx(0.0, abs=1e-15)
 
 
-def test_worn_through_friction_and_wear_are_those_below(scene):
+def test_friction_and_wear_of_a_worn_through_film_are_those_of_what_lies_below(scene):
     v = life(scene("gyro_s1", THIN)).values
     mu, rate, qv = (
         v[f"history_{name}"] for name in ("friction_coefficient", "race_wear_rate", "qv")
@@ -212,9 +215,10 @@ def test_criterion_ends_the_life_when_a_track_is_bare(scene):
     result = life(scene("gyro_s1", THIN | {"wear.end_of_life.film_worn_share": 0.5}))
     v = result.values
     assert CRITERIA[v["end_criterion"]] == "film_worn_share"
-    assert v["life"] == np.nanmin(through(result)) == v["history_time"][-1]
+    times = wear_through_times(result)
+    assert v["life"] == np.nanmin(times) == v["history_time"][-1]
     assert v["history_film_worn_share"][-1].max() == 1.0
-    assert np.isnan(np.nanmax(through(result))) or np.isnan(through(result)).any()
+    assert np.isnan(times).any()  # the other track still has its film
 
 
 def test_film_of_the_balls_covers_both_contacts(scene):
@@ -258,38 +262,43 @@ def test_parts_wear_as_their_own_film_then_their_partners_then_as_themselves(sce
 # in closed form
 
 
-def even(scene, **changes):
-    """A march with slip that stays as it is: rates go by K_s/H alone."""
-    per_wear = np.array([[2.0e6, 3.0e6], [4.0e7, 5.0e7]])  # [m Pa/s]
+LOSS_PER_WEAR = np.array([[2.0e6, 3.0e6], [4.0e7, 5.0e7]])
+"""Losses of the ball and of the races at inner and outer contact, over K_s/H [m Pa/s]."""
 
-    class Even:
+
+def life_at_constant_slip(scene):
+    """A life whose slip stays as it is: its rates go by K_s/H alone."""
+
+    class ConstantSlip:
         solves = 0
 
         def __call__(self, conditions):
-            values = {"ball_diameter_loss": conditions[0].loss, "loss_per_wear": per_wear}
+            values = {"ball_diameter_loss": conditions[0].loss, "loss_per_wear": LOSS_PER_WEAR}
             values |= {"qv": np.array([1e-2, 2e-2]), "semi_major_axis": np.array([1e-4, 1e-4])}
             return (State(code.OK, values | {"residual_preload": 7.0}),)
 
     end = EndOfLife(ball_diameter_loss_um=0.7)
     scene = with_end(replace(scene, model=replace(scene.model, tolerance=1e-8)), end)
-    return surface_life(scene, Even()), per_wear
+    return surface_life(scene, ConstantSlip())
 
 
 def test_running_in_in_closed_form(scene):
     """dd/dt = c (K + (K_0 - K) e^(-d/h)):  K c t = h ln((K e^(d/h) + K_0 - K)/K_0)."""
-    path, per_wear = even(scene("gyro_s1", HERTZ | RUNNING_IN))
+    path = life_at_constant_slip(scene("gyro_s1", HERTZ | RUNNING_IN))
     K, K_0, h = 5e-6, 5e-5, 0.02e-6
     t = path.times[-1]
-    depth = h * np.log((np.exp(K * per_wear[1] / 6.6e9 * t / h) * K_0 - (K_0 - K)) / K)
-    per_ball = 0.5 * per_wear[0].sum() / 6.6e9
+    depth = h * np.log((np.exp(K * LOSS_PER_WEAR[1] / 6.6e9 * t / h) * K_0 - (K_0 - K)) / K)
+    per_ball = 0.5 * LOSS_PER_WEAR[0].sum() / 6.6e9
     ball = 2.0 * h * np.log((np.exp(K * per_ball * t / h) * K_0 - (K_0 - K)) / K)
-    assert depth.sum() + ball == pytest.approx(0.7e-6, rel=1e-6)
-    assert path.status == code.OK and path.states[-1].loss == pytest.approx(0.7e-6, rel=1e-8)
+    assert_allclose(depth.sum() + ball, 0.7e-6, rtol=1e-6)
+    assert path.status == code.OK
+    assert_allclose(path.states[-1].loss, 0.7e-6, rtol=1e-8)
 
 
 def test_wear_through_in_closed_form(scene):
     """Three spans of constant rates: both filmed, the outer bare, both bare."""
-    path, per_wear = even(scene("gyro_s1", THIN))
+    per_wear = LOSS_PER_WEAR
+    path = life_at_constant_slip(scene("gyro_s1", THIN))
     K_f, K, h = 1e-6 / 6.6e9, 5e-6 / 6.6e9, 0.05e-6
     t_i, t_o = h / (K_f * per_wear[1])
     assert t_o < t_i
@@ -306,10 +315,19 @@ def test_wear_through_in_closed_form(scene):
 # what is said
 
 
-def test_warned_where_the_friction_of_a_worn_film_is_kept(scene):
-    kept = THIN | {"friction.film.bare_ball_race": None}
-    ids = {warning["id"] for warning in warnings_in(life(scene("gyro_s1", kept)).attrs)}
-    assert "film_worn" in ids
-    for changes in (THIN, kept | {"wear.end_of_life.film_worn_share": 0.5}, FILM):
-        result = life(scene("gyro_s1", changes))
-        assert "film_worn" not in {item["id"] for item in warnings_in(result.attrs)}
+KEPT = THIN | {"friction.film.bare_ball_race": None}
+"""A film whose friction stays when it is worn through, because no other is stated."""
+
+
+@pytest.mark.parametrize(
+    ("changes", "is_warned"),
+    [
+        pytest.param(KEPT, True, id="kept"),
+        pytest.param(THIN, False, id="friction of the bare race"),
+        pytest.param(KEPT | {"wear.end_of_life.film_worn_share": 0.5}, False, id="ends the life"),
+        pytest.param(FILM, False, id="endless film"),
+    ],
+)
+def test_friction_kept_after_its_film_is_warned_of(scene, changes, is_warned):
+    ids = {warning["id"] for warning in warnings_in(life(scene("gyro_s1", changes)).attrs)}
+    assert ("film_worn" in ids) == is_warned

@@ -15,47 +15,51 @@ from workflow.studies.robustness.draw import drawn_scene, with_values
 from workflow.studies.robustness.run import solved_values, violations
 
 SOURCE = Path(__file__).with_name("found_at_random.yaml")
-FOUND = data_of(text_of(SOURCE), SOURCE.name)
+ONCE_FAILED = data_of(text_of(SOURCE), SOURCE.name)
+"""Each says why it is kept, what was drawn or changed, and the status that it must end with."""
 BASE = load_scene(ROOT / "config" / "scenes" / "gyro_s1.yaml").to_dict()
 
 
-def changed(changes):
+def base_with(changes):
     """The scene with other keys, without its cage, which would not fit each, and its limits."""
     data = with_values(BASE, changes)
     data["cage"] = data["wear"]["end_of_life"] = None
     return scene_from_dict(data)
 
 
-@pytest.mark.parametrize("found", FOUND, ids=lambda found: found["why"].replace(" ", "-"))
-def test_ends_as_it_should(found):
-    scene = drawn_scene(BASE, found["draw"]) if "draw" in found else changed(found["changes"])
-    values = solved_values(scene, found["fidelity"])
-    status, expected = STATUS_NAMES[values["status"]], found["status"]
+@pytest.mark.parametrize("case", ONCE_FAILED, ids=lambda case: case["why"].replace(" ", "-"))
+def test_a_scene_that_once_failed_ends_with_its_status(case):
+    scene = drawn_scene(BASE, case["draw"]) if "draw" in case else base_with(case["changes"])
+    values = solved_values(scene, case["fidelity"])
+    status, expected = STATUS_NAMES[values["status"]], case["status"]
     assert status in (expected if isinstance(expected, list) else [expected])
     if status == "ok":
-        assert violations(scene, found["fidelity"], values) == []
-    if "states" in found:
-        assert values["steady_state_count"] == found["states"]
+        assert violations(scene, case["fidelity"], values) == []
+    if "states" in case:
+        assert values["steady_state_count"] == case["states"]
 
 
-def test_the_steady_solver_takes_its_ways_out(monkeypatch):
-    """What it does where Newton fails, counted with the kernels as plain Python."""
-    cases, taken = [result for result in FOUND if "paths" in result], Counter()
+def test_the_steady_solver_takes_its_ways_out_where_newton_fails(monkeypatch):
+    """Each of its functions for that is called by the cases that list it under `paths`.
+
+    The kernels run as plain Python, so that their calls can be counted.
+    """
+    cases, calls = [case for case in ONCE_FAILED if "paths" in case], Counter()
 
     def counted(name, kernel):
         def call(*args):
-            taken[name] += 1
+            calls[name] += 1
             return in_python(kernel)(*args)
 
         return call
 
-    in_python.cache_clear()  # what was made before counts nothing
+    in_python.cache_clear()  # functions made before this test would count nothing
     for name in {name for case in cases for name in case["paths"]}:
         monkeypatch.setattr(solver, name, counted(name, getattr(solver, name)))
     monkeypatch.setattr(thrust_problem, "thrust_case", in_python(thrust_problem.thrust_case))
     for case in cases:
-        taken.clear()
+        calls.clear()
         values = solved_values(drawn_scene(BASE, case["draw"]), "steady")
-        assert STATUS_NAMES[values["status"]] == case["status"]
-        assert sorted(taken) == sorted(case["paths"]), case["why"]
-    in_python.cache_clear()
+        assert STATUS_NAMES[values["status"]] == case["status"], case["why"]
+        assert sorted(calls) == sorted(case["paths"]), case["why"]
+    in_python.cache_clear()  # and those of this test count for it alone

@@ -29,6 +29,7 @@ NAMES = (
 
 
 def numbers(case):
+    """Numbers of one of the CASES by name, each a flat list; the life of a steady one."""
     name, method, mu, loss, fidelity = CASES[case]
     scene = load_scene(
         SCENES / f"{name}.yaml",
@@ -46,11 +47,12 @@ def numbers(case):
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_golden(case):
+def test_numbers_are_those_of_the_golden_file(case):
+    """To what solves of other machines differ by, 1e-9."""
     golden = json.loads(GOLDEN.read_text())[case]
-    result = numbers(case)
-    assert result.keys() == golden.keys()
-    for name, value in result.items():
+    computed = numbers(case)
+    assert computed.keys() == golden.keys()
+    for name, value in computed.items():
         scale = np.abs(golden[name]).max()
         assert_allclose(value, golden[name], rtol=1e-9, atol=1e-9 * scale, err_msg=name)
 

@@ -24,8 +24,8 @@ def plain():
     return benchmark("plain_scipy")
 
 
-def both(plain, scene, name, method, mu, loss, drag):
-    """The same case as a kernel problem and for the plain program."""
+def scene_and_plain_inputs(plain, scene, name, method, mu, loss, drag):
+    """A scene, and the bearing and operation of the plain program that it stands for."""
     s = scene(
         name,
         {
@@ -60,8 +60,8 @@ def both(plain, scene, name, method, mu, loss, drag):
         ("gyro_s3", "constant_force", 0.05, 0.6, 100.0),
     ],
 )
-def test_steady(plain, scene, name, method, mu, loss, drag):
-    s, bearing, operation = both(plain, scene, name, method, mu, loss, drag)
+def test_steady_states_agree_with_the_plain_program(plain, scene, name, method, mu, loss, drag):
+    s, bearing, operation = scene_and_plain_inputs(plain, scene, name, method, mu, loss, drag)
     problem = ThrustProblem.of(s)
     case = problem.solve(problem.g.D0 - loss * 1e-6)
     assert case.status == code.OK
@@ -79,8 +79,8 @@ def test_steady(plain, scene, name, method, mu, loss, drag):
 
 @pytest.mark.parametrize(("law", "control"), [(OUTER_CONTROL, 1), (INNER_CONTROL, 0)])
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
-def test_race_control(plain, scene, law, control, method):
-    s, bearing, operation = both(plain, scene, "gyro_s1", method, 0.08, 0.3, 0.0)
+def test_race_control_agrees_with_the_plain_program(plain, scene, law, control, method):
+    s, bearing, operation = scene_and_plain_inputs(plain, scene, "gyro_s1", method, 0.08, 0.3, 0.0)
     problem = RaceControlProblem.of(s)
     balance = problem.balance(np.array([law]))
     ref = plain.race_control(bearing, operation, control=control)
@@ -98,9 +98,11 @@ def test_race_control(plain, scene, law, control, method):
         ((7.0, 0.0, 12.0), 0.0, 1180.0),  # the far balls leave the inner race
     ],
 )
-def test_loaded_bearing(plain, scene, force, tilt, Omega):
-    """Nine balls under axial and radial load and tilt, standing and orbiting at a given rate."""
-    s, bearing, _ = both(plain, scene, "gyro_s1", "constant_force", 0.08, 0.0, 0.0)
+def test_a_loaded_bearing_agrees_with_the_plain_program(plain, scene, force, tilt, Omega):
+    """Nine balls under axial and radial load [N] and tilt [rad], at rest or orbiting [rad/s]."""
+    s, bearing, _ = scene_and_plain_inputs(
+        plain, scene, "gyro_s1", "constant_force", 0.08, 0.0, 0.0
+    )
     g = parameters.geometry(s)
     # The tilt lever is the locus of the inner groove centres in both.
     displacement, load = plain.loaded_equilibrium(bearing, force, Omega=Omega, tilt=tilt)[:2]
@@ -124,8 +126,8 @@ def test_loaded_bearing(plain, scene, force, tilt, Omega):
         (0.5, 6.0, 4.50359182),
     ],
 )
-def test_fixed_position_under_radial_load(scene, loss, radial, axial):
-    """Axial sum of the contact forces of gyro_s1 orbiting at 1200 rad/s, from another program."""
+def test_a_fixed_position_under_radial_load_agrees_with_another_program(scene, loss, radial, axial):
+    """Axial sum [N] of the contact forces of gyro_s1 orbiting at 1200 rad/s, to its nine digits."""
     g = parameters.geometry(scene("gyro_s1"))
     n = g.n_balls
     loads = np.column_stack([np.zeros(n), np.full(n, 1200.0), *np.zeros((4, n))])

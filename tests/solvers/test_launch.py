@@ -35,20 +35,20 @@ CASES = json.loads(Path(__file__).with_name("launch_cases.json").read_text())["c
 SPRING = {"arrangement.kind": "spring_pair", "operation.preload_method": "constant_force"}
 
 
-def scene_of(given, **operation):
-    """A scene of one of the cases."""
-    material = {"youngs_modulus_GPa": given["youngs_modulus_GPa"], "density_kg_m3": 7800.0}
-    material |= {"poisson_ratio": given["poisson"], "brinell_hardness_GPa": 7.0}
+def scene_of(inputs):
+    """The scene of the inputs of one of the cases."""
+    material = {"youngs_modulus_GPa": inputs["youngs_modulus_GPa"], "density_kg_m3": 7800.0}
+    material |= {"poisson_ratio": inputs["poisson"], "brinell_hardness_GPa": 7.0}
     return scene_from_dict(
         {
             "name": "launch",
             "bearing": {
-                "ball_count": given["balls"],
-                "ball_diameter_mm": given["ball_diameter_mm"],
-                "pitch_diameter_mm": given["pitch_diameter_mm"],
-                "contact_angle_deg": given["contact_angle_deg"],
-                "inner_groove_factor": given["groove_radius_ratio_inner"],
-                "outer_groove_factor": given["groove_radius_ratio_outer"],
+                "ball_count": inputs["balls"],
+                "ball_diameter_mm": inputs["ball_diameter_mm"],
+                "pitch_diameter_mm": inputs["pitch_diameter_mm"],
+                "contact_angle_deg": inputs["contact_angle_deg"],
+                "inner_groove_factor": inputs["groove_radius_ratio_inner"],
+                "outer_groove_factor": inputs["groove_radius_ratio_outer"],
                 "ball_material": "steel",
                 "race_material": "steel",
             },
@@ -56,16 +56,15 @@ def scene_of(given, **operation):
             "operation": {
                 "shaft_speed_rpm": 1000.0,
                 "preload_method": "fixed_position",
-                "preload_N": given["preload_N"],
-            }
-            | operation,
+                "preload_N": inputs["preload_N"],
+            },
             "friction": {"ball_race": 0.1},
             "arrangement": {
                 "kind": "rigid_pair",
-                "orientation": {"DB": "back_to_back"}.get(given["arrangement"], "face_to_face"),
-                "rotor_mass_kg": given["rotor_mass_kg"],
-                "span_mm": given["ball_plane_span_mm"],
-                "rotor_offset_mm": given["cm_offset_mm"],
+                "orientation": {"DB": "back_to_back"}.get(inputs["arrangement"], "face_to_face"),
+                "rotor_mass_kg": inputs["rotor_mass_kg"],
+                "span_mm": inputs["ball_plane_span_mm"],
+                "rotor_offset_mm": inputs["cm_offset_mm"],
             },
         }
     )
@@ -77,8 +76,8 @@ def pair():
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
-def test_a_program_written_apart(case):
-    """Allowed 1e-3; found 1e-6."""
+def test_a_rotor_under_loads_agrees_with_a_program_written_apart(case):
+    """To the seven digits of its file."""
     inputs, near = case["inputs"], {"rel": 1e-6, "abs": 1e-9}
     rest = RotorAtRest.of(scene_of(inputs))
     loaded = rest.under(inputs["axial_load_N"], inputs["radial_load_N"])
@@ -87,7 +86,7 @@ def test_a_program_written_apart(case):
     assert 1e6 * loaded.across == pytest.approx(case["rotor"]["uy_um"], **near)
     assert 1e6 * abs(loaded.tilt) == pytest.approx(case["rotor"]["tilt_z_urad"], **near)
     for k, bearing in enumerate(loaded.bearings, 1):
-        other = case[f"bearing{k}"]
+        expected = case[f"bearing{k}"]
         values = {
             "axial_N": bearing.axial,
             "radial_N": bearing.radial,
@@ -99,7 +98,7 @@ def test_a_program_written_apart(case):
             "axial_gap_um": 1e6 * bearing.gap,
         }
         for name, value in values.items():
-            assert value == pytest.approx(other[name], **near), (k, name)
+            assert value == pytest.approx(expected[name], **near), (k, name)
     assert rest.axial_rotor.opening_force == pytest.approx(case["gapping_N"], rel=1e-6)
 
 
@@ -108,11 +107,11 @@ def test_random_rotors_by_plain_scipy():
     plain, compared = benchmark("plain_launch"), 0
     rng = np.random.default_rng(35)
     for _ in range(6):
-        off, left = plain.difference(*plain.random_scene(rng))
-        if left < plain.BALANCED:
-            assert off < plain.BALANCED  # it is no nearer to the solution itself
+        difference, residual = plain.difference(*plain.random_scene(rng))
+        if residual < plain.BALANCED:
+            assert difference < plain.BALANCED  # it is no nearer to the solution itself
             compared += 1
-    assert compared >= 5
+    assert compared >= 5  # or the test says little
 
 
 def test_a_fixed_angle_opens_at_the_power_of_three_halves(pair):
@@ -122,16 +121,23 @@ def test_a_fixed_angle_opens_at_the_power_of_three_halves(pair):
         for F in (1e-6, 1e-3, 75.0)
     ]
     assert ratios[0] == pytest.approx(2.0 * math.sqrt(2.0), rel=1e-5)
-    assert ratios[0] < ratios[1] < ratios[2] == pytest.approx(3.0522, rel=1e-4)
+    opening_N = CASES[0]["gapping_N"]  # of the program written apart, at 75 N
+    assert ratios[0] < ratios[1] < ratios[2] == pytest.approx(opening_N / 75.0, rel=1e-4)
     # as the lift-off of `solve`, whose contacts have the curvature at their own angle
     assert RestingPair.of(pair).lift_off == pytest.approx(75.0 * ratios[2], rel=1e-4)
 
 
-@pytest.mark.parametrize("way", [{}, SPRING | {"arrangement.spring_stiffness_N_um": 1.0}])
-def test_opening_and_denting_are_where_the_solve_has_them(pair, way):
-    rest = RotorAtRest.of(pair.with_(way))
+@pytest.mark.parametrize(
+    ("changes", "senses"),
+    [({}, [-1.0, 1.0]), (SPRING | {"arrangement.spring_stiffness_N_um": 1.0}, [-1.0])],
+    ids=["rigid", "spring"],
+)
+def test_a_gap_opens_just_beyond_the_opening_force_and_a_dent_at_the_denting_force(
+    pair, changes, senses
+):
+    """Pushed the other way, the spring follows and no gap opens."""
+    rest = RotorAtRest.of(pair.with_(changes))
     opening, denting = rest.axial_rotor.opening_force, rest.denting_force(4.2e9)
-    senses = [-1.0] if way else [-1.0, 1.0]
     for sense in senses:
         assert rest.under(sense * opening * (1.0 - 1e-6)).gap == 0.0
         assert rest.under(sense * opening * (1.0 + 1e-6)).gap > 0.0
@@ -148,49 +154,61 @@ def test_a_spring_bottoms_on_its_stop(pair):
     first, second = stopped.bearings
     assert stopped.slide == pytest.approx(-20e-6) and stopped.on_stop == pytest.approx(425.0)
     assert not first.load.any() and second.axial == pytest.approx(500.0, rel=1e-12)
-    moved = RotorAtRest.of(pair).under(-500.0)
-    assert stopped.shift == pytest.approx(moved.shift - 20e-6, abs=1e-12)
-    assert first.gap == pytest.approx(moved.bearings[0].gap + 20e-6, abs=1e-12)
+    rigid = RotorAtRest.of(pair).under(-500.0)
+    assert stopped.shift == pytest.approx(rigid.shift - 20e-6, abs=1e-12)
+    assert first.gap == pytest.approx(rigid.bearings[0].gap + 20e-6, abs=1e-12)
 
 
 def test_frequencies_are_those_of_the_stiffness_at_rest(pair):
-    """That of `solve` differs by the turn of tilted ball loads, and by speed."""
-    a = pair.arrangement
+    """To 0.1 %, and that of tilting to 0.5 %: a stiffness matrix leaves out the turn of tilted
+    ball loads."""
     K = RestingPair.of(pair).bearing.stiffness_matrix(75.0)
-    frequencies = natural_frequencies(a, np.array([K, K]), 2.0 * K[0, 0])
-    frequencies = RotorAtRest.of(pair).frequencies(a)
-    assert frequencies[:2] == pytest.approx(frequencies[:2], rel=1e-3)
-    assert frequencies[2] == pytest.approx(frequencies[2], rel=5e-3)
-    moved = pair.with_({"arrangement.rotor_offset_mm": 10.0})
-    off = RotorAtRest.of(moved).frequencies(moved.arrangement)
-    assert (
-        off[0] == pytest.approx(frequencies[0])
-        and off[1] < frequencies[1]
-        and off[2] > frequencies[2]
-    )
+    expected = natural_frequencies(pair.arrangement, np.array([K, K]), 2.0 * K[0, 0])
+    axial, radial, tilting = RotorAtRest.of(pair).frequencies(pair.arrangement)
+    assert [axial, radial] == pytest.approx(expected[:2], rel=1e-3)
+    assert tilting == pytest.approx(expected[2], rel=5e-3)
+
+
+def test_an_offset_rotor_has_frequencies_further_apart(pair):
+    offset = pair.with_({"arrangement.rotor_offset_mm": 10.0})
+    axial, low, high = RotorAtRest.of(pair).frequencies(pair.arrangement)
+    offset_axial, offset_low, offset_high = RotorAtRest.of(offset).frequencies(offset.arrangement)
+    assert offset_axial == pytest.approx(axial)
+    assert offset_low < low < high < offset_high
+
+
+RANDOM = {
+    "launch.axial_density_g2_Hz": 0.1, "launch.amplification": 20.0, "launch.duration_s": 0.0,
+}  # fmt: skip
+
+
+def three_sigma(launch):
+    """Three times Miles' sqrt(pi/2 f Q PSD) of RANDOM [g]."""
+    return 3.0 * math.sqrt(0.5 * math.pi * launch.frequencies[0] * 20.0 * 0.1)
 
 
 def test_miles_equation(pair):
-    """sqrt(pi/2 f Q PSD) by hand, at the own frequency; three sigma of no duration."""
+    """Of a random load of no duration, three sigma at the axial frequency."""
     assert miles(0.1, 100.0, 10.0) == pytest.approx(math.sqrt(50.0 * math.pi))
-    random = pair.with_(
-        {"launch.axial_density_g2_Hz": 0.1, "launch.amplification": 20.0, "launch.duration_s": 0.0}
-    )
-    launch = launch_result(random)
-    by_hand = 3.0 * math.sqrt(0.5 * math.pi * launch.frequencies[0] * 20.0 * 0.1)
-    assert launch.axial_g == pytest.approx(by_hand, rel=1e-12)
-    lasting = launch_result(random.with_({"launch.duration_s": 120.0}))
-    factor = math.sqrt(2.0 * math.log(120.0 * launch.frequencies[0]))
-    assert lasting.random["axial"].three_sigma_g == pytest.approx(by_hand, rel=1e-12)
-    assert lasting.axial_g == pytest.approx(by_hand * factor / 3.0, rel=1e-12)
+    launch = launch_result(pair.with_(RANDOM))
+    assert launch.axial_g == pytest.approx(three_sigma(launch), rel=1e-12)
+    static = launch_result(pair.with_({"launch.axial_g": three_sigma(launch)}))
+    assert launch.gap == pytest.approx(static.gap, rel=1e-9, abs=0.0) and static.gap > 0.0
+
+
+def test_a_random_load_that_lasts_has_its_expected_peak(pair):
+    """sqrt(2 ln(f t)) sigma, more than three."""
+    launch = launch_result(pair.with_(RANDOM))
+    lasting = launch_result(pair.with_(RANDOM | {"launch.duration_s": 120.0}))
+    sigmas = math.sqrt(2.0 * math.log(120.0 * launch.frequencies[0]))
+    assert lasting.random["axial"].three_sigma_g == pytest.approx(three_sigma(launch), rel=1e-12)
+    assert lasting.axial_g == pytest.approx(three_sigma(launch) * sigmas / 3.0, rel=1e-12)
     assert lasting.pressure_share > launch.pressure_share
-    plain = launch_result(pair.with_({"launch.axial_g": by_hand}))
-    assert plain.gap == pytest.approx(launch.gap, rel=1e-12) and plain.gap > 0.0
 
 
-def test_the_largest_expected_of_a_narrow_band_response():
-    """4.58 sigma in 120 s at 300 Hz; the mean of the largest of drawn Rayleigh amplitudes."""
-    assert expected_peak(300.0, 120.0) == pytest.approx(4.58, abs=0.005)
+def test_the_expected_peak_of_a_narrow_band_response():
+    """In 120 s at 300 Hz; and the mean of the largest of 400 times 3000 Rayleigh amplitudes."""
+    assert expected_peak(300.0, 120.0) == pytest.approx(math.sqrt(2.0 * math.log(36000.0)))
     assert expected_peak(300.0, 0.0) == 0.0 and expected_peak(0.5, 1.0) == 0.0
     draws = np.random.default_rng(7).rayleigh(size=(400, 3000)).max(axis=1)
     # the mean lies above by Euler's constant over the factor
@@ -207,6 +225,7 @@ def test_carts_on_a_shaker_saw_more_than_three_sigma():
     hard = ratios.pop("hard, 160 N")
     assert np.all(abs(hard / factor - 1.0) < 0.1)
     assert abs(hard.mean() / factor - 1.0) < 0.05
+    # what docs/launch.md says of soft preloads: 2.3 to 3.9 times the load of three sigma
     soft = np.concatenate(list(ratios.values()))
     assert 2.3 < soft.min() and soft.max() < 3.95
 
@@ -230,24 +249,34 @@ def test_a_bearing_pushed_through_its_gap_has_not_kept_contact(pair):
     assert not any("no gap" in line for line in heading)
 
 
-def test_a_soft_pair_that_gaps_is_warned_of_higher_loads(pair):
-    """Not a hard pair, nor a soft one that stays loaded; in recommendations as on the sheet."""
-    soft = SPRING | {"arrangement.spring_stiffness_N_um": 0.9, "launch.axial_density_g2_Hz": 0.1}
-    for changes, is_told in (
-        (soft, True),
-        (soft | {"launch.axial_density_g2_Hz": 1e-7}, False),
-        ({"launch.axial_g": 100.0}, False),
-    ):
-        scene = pair.with_(changes)
-        launches = {"new": launch_result(scene)}
-        heading = launch_document(scene, launches).heading
-        assert (SOFT_PAIR_GAPS in heading) == is_told
-        assert any(SOFT_PAIR_GAPS in line for line in machine_answers(scene)["said"]) == is_told
-    rows = {row.name: row.values[0] for row in launch_document(pair.with_(soft), {
-        "new": launch_result(pair.with_(soft))}).blocks[1].rows}  # fmt: skip
-    assert rows["axial_largest_g"] / rows["axial_three_sigma_g"] == pytest.approx(
-        rows["axial_expected_peak"] / 3.0
-    )
+SOFT_AND_SHAKEN = SPRING | {
+    "arrangement.spring_stiffness_N_um": 0.9,
+    "launch.axial_density_g2_Hz": 0.1,
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "is_warned"),
+    [
+        pytest.param(SOFT_AND_SHAKEN, True, id="gaps"),
+        pytest.param(SOFT_AND_SHAKEN | {"launch.axial_density_g2_Hz": 1e-7}, False, id="loaded"),
+        pytest.param({"launch.axial_g": 100.0}, False, id="hard pair"),
+    ],
+)
+def test_a_soft_pair_that_gaps_is_warned_of_higher_loads(pair, changes, is_warned):
+    """In recommendations as on the sheet."""
+    scene = pair.with_(changes)
+    heading = launch_document(scene, {"new": launch_result(scene)}).heading
+    assert (SOFT_PAIR_GAPS in heading) == is_warned
+    assert any(SOFT_PAIR_GAPS in line for line in machine_answers(scene)["said"]) == is_warned
+
+
+def test_the_sheet_of_a_random_launch_has_three_sigma_and_the_expected_peak(pair):
+    scene = pair.with_(SOFT_AND_SHAKEN)
+    _, random_block, *_ = launch_document(scene, {"new": launch_result(scene)}).blocks
+    values = {row.name: row.values[0] for row in random_block.rows}
+    sigmas = 3.0 * values["axial_largest_g"] / values["axial_three_sigma_g"]
+    assert sigmas == pytest.approx(values["axial_expected_peak"])
 
 
 def test_warmth_changes_what_a_rigid_pair_holds(pair):
@@ -258,13 +287,19 @@ def test_warmth_changes_what_a_rigid_pair_holds(pair):
 
 
 def test_values_that_launch_requirements_limit(pair):
+    """Numbers of launch_cases.json: force of opening over 3 kg, gap, pressure over 4.2 GPa."""
     assert launch_values(bearingwear.example()) == {}
     launch = launch_values(pair.with_({"launch.axial_g": 100.0, "launch.radial_g": 20.0}))
     assert launch["opening_acceleration"] == pytest.approx(228.9157064 / 3.0, rel=1e-7)
     assert launch["launch_gap"] == pytest.approx(31.98130314e-6, rel=1e-6)
     assert launch["launch_pressure_share"] == pytest.approx(1859.437676 / 4200.0, rel=1e-6)
-    lost = launch_values(pair.with_(SPRING | {"launch.axial_g": 100.0}))
-    assert lost["launch_gap"] == 1.0 and lost["opening_acceleration"] < 3.0 * GRAVITY
+
+
+def test_a_spring_without_a_stop_loses_its_rotor_at_launch(pair):
+    """A gap of 1 m stands for one without a bound. The spring holds 3 kg with 75 N."""
+    values = launch_values(pair.with_(SPRING | {"launch.axial_g": 100.0}))
+    assert values["launch_gap"] == 1.0
+    assert values["opening_acceleration"] == pytest.approx(75.0 / 3.0)
 
 
 def test_a_launch_is_judged_new_and_worn(pair):
@@ -278,9 +313,9 @@ def test_a_launch_is_judged_new_and_worn(pair):
     assert launch["denting_acceleration"] == pytest.approx(
         GRAVITY * min(new.denting_g, worn.denting_g), rel=1e-12
     )
-    assert launch["launch_gap"] == pytest.approx(worn.gap, rel=1e-12)
-    early = launch_values(scene.with_({"launch.after_wear_um": 0.0}), [(0.0,), (0.5e-6,)])
-    assert early == launch_values(scene)
+    assert launch["launch_gap"] == worn.gap
+    when_new = launch_values(scene.with_({"launch.after_wear_um": 0.0}), [(0.0,), (0.5e-6,)])
+    assert when_new == launch_values(scene)
 
 
 def test_a_launch_is_checked_new_and_worn(pair):
@@ -297,10 +332,15 @@ def test_a_launch_is_checked_new_and_worn(pair):
     assert sheet.blocks[0].columns == ("new", "worn")
     assert any(line.endswith(", worn") for line in sheet.heading)
     assert list(launched_by_wear(scene.with_({"wear.end_of_life": None}))) == ["new"]
-    early = launched_by_wear(scene.with_({"launch.after_wear_um": 0.2}))
-    new, after_wear = early
+
+
+def test_a_launch_after_some_wear_is_checked_new_and_with_it(pair):
+    scene = pair.with_({"launch.axial_g": 100.0, "launch.after_wear_um": 0.2})
+    launches = launched_by_wear(scene)
+    new, after_wear = launches
     assert new == "new" and numbers_in(after_wear) == [0.2]
-    assert by_hand < early[after_wear].opening_g < launches["new"].opening_g
+    fully_worn = launch_result(scene.with_({"wear.ball_diameter_loss_um": 0.5})).opening_g
+    assert fully_worn < launches[after_wear].opening_g < launches["new"].opening_g
 
 
 def test_a_required_acceleration_at_launch_holds_worn():
@@ -319,19 +359,26 @@ def test_a_required_acceleration_at_launch_holds_worn():
          "wear.ball_diameter_loss_um": 1e6 * float(point["loss_at_end"])}
     )  # fmt: skip
     assert launch_result(worn).opening_g == pytest.approx(30.0, rel=0.01)
+    # new, the bearing would hold half as much again
     assert launch_result(worn.with_({"wear.ball_diameter_loss_um": 0.0})).opening_g > 45.0
     deciding = json.loads(point.attrs[DECIDING])[method]
     assert deciding["opening_acceleration"]["wear"] == AT_END_OF_LIFE
     assert deciding["denting_acceleration"]["wear"] == NEW
 
 
-def test_missing_keys_of_a_launch_are_refused_in_one_line(pair, tmp_path, capsys):
-    for key in ("rotor_mass_kg", "span_mm"):
-        without = pair.with_({f"arrangement.{key}": None, "launch.radial_g": 10.0})
-        with pytest.raises(SceneError, match=rf"^a.yaml: arrangement.{key}: got nothing"):
-            check_launch(without, "a.yaml")
+@pytest.mark.parametrize("key", ["rotor_mass_kg", "span_mm"])
+def test_missing_keys_of_a_launch_are_refused_in_one_line(pair, key):
+    without = pair.with_({f"arrangement.{key}": None, "launch.radial_g": 10.0})
+    with pytest.raises(SceneError, match=rf"^a.yaml: arrangement.{key}: got nothing"):
+        check_launch(without, "a.yaml")
+
+
+def test_an_acceleration_and_a_density_along_one_axis_contradict_each_other(pair):
     with pytest.raises(SceneError, match="launch.axial_g: got 3 with axial_density_g2_Hz"):
         pair.with_({"launch.axial_g": 3.0, "launch.axial_density_g2_Hz": 0.1})
+
+
+def test_a_gap_required_without_a_launch_is_refused_in_one_line(pair, tmp_path, capsys):
     scene, lives = tmp_path / "pair.yaml", {"wear.end_of_life.preload_fraction": 0.5}
     bearingwear.save(pair.with_(lives), scene)
     assert main(["recommend", str(scene), "--gap-um", "0"]) == 2

@@ -10,7 +10,7 @@ from bearingwear.cli import main
 from bearingwear.kernels.contact.summary import LOAD, PRESSURE
 from bearingwear.kernels.dynamic.record import clear
 from bearingwear.kernels.status import OK
-from bearingwear.results.netcdf import dataset, write_result
+from bearingwear.results.netcdf import dataset_of_result, write_result
 from bearingwear.solvers.dynamic.run import system_at_start
 from bearingwear.solvers.dynamic.windows import LoadRange, TimeRun
 from bearingwear.solvers.solve import solve
@@ -27,7 +27,8 @@ RANGE = ("maximum_pressure", "maximum_contact_load", "minimum_contact_load")
 
 
 @pytest.fixture(scope="module")
-def solved(scene):
+def loaded_case(scene):
+    """Result of gyro_s1 under a radial load."""
     result = solve(scene("gyro_s1", LOADED))
     assert result.status == "ok"
     return result
@@ -46,25 +47,26 @@ def every_instant(scene, windows):
     return np.array(rows)[..., LOAD], np.array(rows)[..., PRESSURE]
 
 
-def test_of_all_instants(scene, solved):
-    v = solved.values
+def test_largest_and_smallest_loads_are_those_of_all_instants(scene, loaded_case):
+    """Of each ball, against the averages of the shortest intervals, one at a time."""
+    v = loaded_case.values
     windows = round(v["simulated_turns"] / v["evaluated_turns"])
     loads, pressures = every_instant(scene("gyro_s1", LOADED), windows)
     assert_allclose(v["maximum_contact_load"], loads.max(axis=0), rtol=1e-6)
     assert_allclose(v["minimum_contact_load"], loads.min(axis=0), rtol=1e-6)
-    # Cube root of the load; the contact angle changes the curvatures by a few thousandths.
+    # by the cube root of the load; the contact angle changes the curvatures by a few thousandths
     assert_allclose(v["maximum_pressure"], pressures.max(axis=0), rtol=5e-3)
-    assert np.all(v["maximum_pressure"] > 1.05 * pressures.mean(axis=0))
+    assert np.all(v["maximum_pressure"] > 1.05 * pressures.mean(axis=0))  # more than that error
     assert np.all(v["minimum_contact_load"] < v["contact_load"])
     assert np.all(v["contact_load"] < v["maximum_contact_load"])
 
 
-def test_load_ranges_are_the_same_without_histories(scene, solved):
+def test_load_ranges_are_the_same_without_histories(scene, loaded_case):
     none = {"model.history_points_per_turn": 0, "model.dynamic_solution": "march"}
     bare = solve(scene("gyro_s1", LOADED | none)).values
     assert "history_contact_load" not in bare
     for name in RANGE:
-        assert_array_equal(bare[name], solved.values[name])
+        assert_array_equal(bare[name], loaded_case.values[name])
 
 
 def test_without_varying_loads_the_range_is_the_mean(scene):
@@ -73,18 +75,20 @@ def test_without_varying_loads_the_range_is_the_mean(scene):
     assert_allclose(v["maximum_pressure"], np.tile(steady["maximum_pressure"], (9, 1)), rtol=1e-4)
 
 
-def test_pressure_goes_by_the_cube_root():
+def test_pressure_goes_by_the_cube_root_of_the_load():
+    """8 and 1 N: roots 2 and 1, whose mean of 1.5 is the mean pressure here; 2 at most."""
     loads = LoadRange(1)
     loads.add(np.array([[[8.0, 0.0]], [[1.0, 0.0]]], dtype="f4"))
-    assert_allclose(loads.largest_pressure(np.array([[1.5, 0.0]]), 2), [[2.0, 0.0]])
-    assert_array_equal(loads.unloaded, [[0.0, 2.0]])
+    mean_pressure, instants = np.array([[1.5, 0.0]]), 2
+    assert_allclose(loads.largest_pressure(mean_pressure, instants), [[2.0, 0.0]])
+    assert_array_equal(loads.unloaded, [[0.0, 2.0]])  # instants, of the outer contact all
 
 
-def test_show_and_tables_take_the_extreme_of_all_balls(solved, tmp_path, capsys):
-    write_result(solved, tmp_path / "case.nc")
+def test_show_and_tables_take_the_extreme_of_all_balls(loaded_case, tmp_path, capsys):
+    write_result(loaded_case, tmp_path / "case.nc")
     assert main(["show", str(tmp_path / "case.nc")]) == 0
     rows = {line[2:30].strip(): line.split() for line in capsys.readouterr().out.splitlines()}
-    v = solved.values
+    v = loaded_case.values
     for label, largest in (
         ("maximum pressure, all balls", 1e-9 * v["maximum_pressure"].max(axis=0)),
         ("maximum load, all balls", v["maximum_contact_load"].max(axis=0)),
@@ -94,7 +98,7 @@ def test_show_and_tables_take_the_extreme_of_all_balls(solved, tmp_path, capsys)
         shown = [float(text) for text in rows[label] if re.fullmatch(r"[\d.]+", text)]
         assert_allclose(shown[:2], largest, rtol=5e-3)  # three digits
     axes = {"preload_method": 1, "friction": 1, "ball_diameter_loss": 1}
-    gathered = dataset(solved)[[*RANGE, "contact_load"]].expand_dims(axes)
+    gathered = dataset_of_result(loaded_case)[[*RANGE, "contact_load"]].expand_dims(axes)
     gathered = gathered.assign_coords({axis: [0.0] for axis in axes})
     both = steady_and_dynamic(gathered.isel(ball=[0]), gathered)
     pressures = both["maximum_pressure.dynamic"].values.ravel()

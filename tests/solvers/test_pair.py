@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.scene.arrangement import Arrangement
 from bearingwear.scene.checking.errors import NotAvailable
-from bearingwear.sides import SHARED, of_bearing
+from bearingwear.sides import SHARED, values_of_bearing
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.arrangement import (
     natural_frequencies,
@@ -32,7 +32,7 @@ LOSS = "wear.ball_diameter_loss_um"
 
 @pytest.fixture(scope="module")
 def solved(scene):
-    """Function (changes, fidelity) -> values of gyro_s1, verified."""
+    """Function (changes, fidelity, status) -> values of gyro_s1, after a look at its status."""
 
     def values(changes, fidelity=None, status="ok"):
         result = solve(scene("gyro_s1", changes), fidelity)
@@ -42,7 +42,7 @@ def solved(scene):
     return values
 
 
-# benchmarks: static, gyro_s1, 7 N
+# numbers of a program written apart from this one: static, gyro_s1, 7 N
 
 
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
@@ -55,8 +55,10 @@ def solved(scene):
         (14.0, 9.2455, 1.4619, 1.354),
     ],
 )
-def test_external_force(solved, fidelity, F, stiffness, shift, other):
-    """Numbers of a program written apart from this one, to the digits given.
+def test_a_rigid_pair_under_an_external_force_agrees_with_another_program(
+    solved, fidelity, F, stiffness, shift, other
+):
+    """Force [N], stiffness [N/um], shift [um] and load of the other bearing [N], to its digits.
 
     Its stiffness is the slope of the force; here the Hertz factors are held: 1e-5.
     """
@@ -64,7 +66,7 @@ def test_external_force(solved, fidelity, F, stiffness, shift, other):
     assert_allclose(v["system_axial_stiffness"] * 1e-6, stiffness, atol=6e-5, rtol=2e-5)
     assert_allclose(v["rotor_axial_shift"] * 1e6, shift, atol=6e-5)
     assert_allclose(v["residual_preload"], [other + F, other], atol=6e-4)
-    assert_allclose(v["lift_off_force"], 20.5774, atol=6e-5)
+    assert_allclose(v["lift_off_force"], 20.5774, atol=6e-5)  # [N], whatever the force
     assert v["rotor_balance_residual"] < 1e-11
 
 
@@ -72,14 +74,15 @@ def test_external_force(solved, fidelity, F, stiffness, shift, other):
     ("losses", "shift", "preload"),
     [((0.1, 0.0), 0.14113, 6.3263), ((0.5, 0.0), 0.70812, 3.8803), ((0.25, 0.25), 0.0, 3.8706)],
 )
-def test_unequal_wear(solved, losses, shift, preload):
+def test_a_pair_of_unequal_wear_agrees_with_another_program(solved, losses, shift, preload):
+    """Losses and shift [um], preload [N]; to its digits."""
     v = solved(RIGID | REST | {LOSS: losses[0], "arrangement.second": {LOSS: losses[1]}})
     assert_allclose(v["rotor_axial_shift"] * 1e6, shift, atol=6e-6)
     assert_allclose(v["residual_preload"], preload, atol=6e-5)
 
 
-def test_slope_of_the_force(scene):
-    """4.86141 N/um, the angle 20.4758 degrees and 2.21610 um of one bearing."""
+def test_slope_of_the_force_and_displacement_agree_with_another_program(scene):
+    """4.86141 N/um and 2.21610 um of one bearing under 7 N, to its digits."""
     gyro = scene("gyro_s1")
     g, place, h = parameters.geometry(gyro), parameters.static_place(gyro), 1e-10
     at_rest = Mechanics(g, g.D0)
@@ -94,23 +97,25 @@ def test_slope_of_the_force(scene):
 @pytest.mark.parametrize(("single", "pair"), [(POSITION, RIGID), ({}, SPRING)])
 @pytest.mark.parametrize("loss", [0.0, 0.3])
 def test_symmetric_pair_is_the_single_bearing(solved, fidelity, single, pair, loss):
-    alone, two = (solved(changes | {LOSS: loss}, fidelity) for changes in (single, pair))
+    of_single = solved(single | {LOSS: loss}, fidelity)
+    of_pair = solved(pair | {LOSS: loss}, fidelity)
     for k in range(2):
-        other = of_bearing(two, k)
-        for name, value in alone.items():
-            assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
-    assert set(two) - set(alone) <= SHARED
+        of_one = values_of_bearing(of_pair, k)
+        for name, value in of_single.items():
+            assert_allclose(of_one[name], value, rtol=1e-12, err_msg=name)
+    assert set(of_pair) - set(of_single) <= SHARED
 
 
-def test_mirror_image(solved):
+def test_a_pair_seen_from_the_other_end_has_the_same_state(solved):
     """Which bearing is called the first changes signs alone."""
     force = {"arrangement.external_axial_N": 2.0, LOSS: 0.1, "arrangement.second": {LOSS: 0.4}}
-    back = {"arrangement.external_axial_N": -2.0, LOSS: 0.4, "arrangement.second": {LOSS: 0.1}}
-    pushed, two = solved(RIGID | force), solved(RIGID | back)
-    assert_allclose(pushed["rotor_axial_shift"], -two["rotor_axial_shift"], rtol=1e-9)
+    turned = {"arrangement.external_axial_N": -2.0, LOSS: 0.4, "arrangement.second": {LOSS: 0.1}}
+    v, v_turned = solved(RIGID | force), solved(RIGID | turned)
+    assert_allclose(v["rotor_axial_shift"], -v_turned["rotor_axial_shift"], rtol=1e-9)
     for name in ("total_qv", "residual_preload", "contact_angle"):
-        assert_allclose(pushed[name], two[name][::-1], rtol=1e-9)
-    assert_allclose(pushed["system_axial_stiffness"], two["system_axial_stiffness"], rtol=1e-9)
+        assert_allclose(v[name], v_turned[name][::-1], rtol=1e-9, err_msg=name)
+    stiffness = v_turned["system_axial_stiffness"]
+    assert_allclose(v["system_axial_stiffness"], stiffness, rtol=1e-9)
 
 
 # independent checks
@@ -124,13 +129,13 @@ def test_mirror_image(solved):
      "arrangement.second": {"bearing.ball_count": 8, "bearing.contact_angle_deg": 25.0}},
 ])  # fmt: skip
 def test_balance_of_the_rotor(solved, scene, fidelity, changes):
-    """Forces and places anew, with nothing of the pair: a single bearing kept at each place."""
+    """Forces and places, with nothing of the pair: a single bearing kept at each place."""
     v = solved(RIGID | changes, fidelity)
     F_ext = changes.get("arrangement.external_axial_N", 0.0)
     sides = scene("gyro_s1", RIGID | changes).sides
-    moved = v["axial_displacement"] - [parameters.static_place(side) for side in sides]
-    assert_allclose(moved.sum(), 0.0, atol=1e-18)
-    assert_allclose(moved[0], v["rotor_axial_shift"], atol=1e-18)
+    shifts = v["axial_displacement"] - [parameters.static_place(side) for side in sides]
+    assert_allclose(shifts.sum(), 0.0, atol=1e-18)  # rounding of micrometres
+    assert_allclose(shifts[0], v["rotor_axial_shift"], atol=1e-18)
     forces = []
     for side, place, speed in zip(
         sides, v["axial_displacement"], v["orbit_speed"][:, 0], strict=True
@@ -147,7 +152,7 @@ def test_balance_of_the_rotor(solved, scene, fidelity, changes):
 
 @pytest.mark.parametrize("F_ext", [0.0, 3.5, -3.5])
 def test_spring_gives_way_to_both(solved, scene, F_ext):
-    """F_2 = F_s - k_s e, e what both bearings give way; solved here by bisection."""
+    """F_2 = F_s - k_s e, e what both bearings give way; solved here by SciPy's brentq."""
     k_s = 0.2e6
     changes = SPRING | REST | {
         "arrangement.spring_stiffness_N_um": 0.2,
@@ -159,11 +164,11 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
     g, mounted = parameters.geometry(gyro), parameters.static_place(gyro)
     worn = Mechanics(g, g.D0 - 0.3e-6)
 
-    def left(F_2):
+    def unbalanced(F_2):
         offset = worn.place(F_2 + F_ext) + worn.place(F_2) - 2.0 * mounted
         return 7.0 - k_s * offset - F_2
 
-    F_2 = brentq(left, 3.6, 9.0, xtol=1e-13)
+    F_2 = brentq(unbalanced, 3.6, 9.0, xtol=1e-13)
     assert_allclose(v["residual_preload"], [F_2 + F_ext, F_2], rtol=1e-9)
     assert_allclose(v["rotor_axial_shift"], worn.place(F_2 + F_ext) - mounted, rtol=1e-8)
     assert_allclose(v["spring_travel"], (7.0 - F_2) / k_s, rtol=1e-8)
@@ -174,12 +179,12 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
         solved(changes | {"arrangement.external_axial_N": F_ext + s * h})["rotor_axial_shift"]
         for s in (-1, 1)
     ]
-    # The tangent holds the Hertz factors, which follow the angle a little.
+    # the tangent holds the Hertz factors, which follow the angle a little
     assert_allclose(2.0 * h / (ends[1] - ends[0]), v["system_axial_stiffness"], rtol=1e-3)
 
 
 def test_the_rotor_check_rejects_another_place_or_force(scene):
-    """Another place or force by a millionth is seen."""
+    """By a millionth."""
     rigid = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
     pair = solver_of(rigid, "steady", Accuracy.CHECKED).bearings
     state = pair.solve(pair.start)
@@ -194,25 +199,35 @@ def test_the_rotor_check_rejects_another_place_or_force(scene):
 # lift-off
 
 
-def test_lift_off_is_a_named_status(solved):
-    at = {F: RIGID | REST | {"arrangement.external_axial_N": F} for F in (20.57, 20.58, -20.58)}
-    v = solved(at[20.57])
-    assert 0.0 < v["residual_preload"][1] < 1e-3
+def test_a_rigid_pair_lifts_off_either_way_beyond_its_force(solved):
+    """20.5774 N, as above."""
+
+    def under(F, status="ok"):
+        return solved(RIGID | REST | {"arrangement.external_axial_N": F}, status=status)
+
+    assert 0.0 < under(20.57)["residual_preload"][1] < 1e-3
     for F in (20.58, -20.58):
-        assert "total_qv" not in solved(at[F], status="lifted_off")
+        assert "total_qv" not in under(F, status="lifted_off")
+
+
+def test_a_spring_pair_lifts_off_at_the_force_of_its_spring(solved):
+    """Of 7 N; under 6 N one is left."""
     solved(SPRING | {"arrangement.external_axial_N": -7.0}, status="lifted_off")
-    assert solved(SPRING | {"arrangement.external_axial_N": -6.0})["residual_preload"][0] == (
-        pytest.approx(1.0)
-    )
+    v = solved(SPRING | {"arrangement.external_axial_N": -6.0})
+    assert v["residual_preload"][0] == pytest.approx(1.0)
 
 
-def test_wear_takes_the_preload_of_both(solved):
-    gone = RIGID | REST | {LOSS: 3.0, "arrangement.second": {LOSS: 3.1}}
-    solved(gone, status="preload_gone")
+def test_a_pair_whose_bearings_have_worn_free_has_a_status(solved):
+    """3 um of ball diameter are more than the 2.2 um by which 7 N displace them."""
+    worn_free = RIGID | REST | {LOSS: 3.0, "arrangement.second": {LOSS: 3.1}}
+    solved(worn_free, status="preload_gone")
 
 
 def test_lift_off_at_vanishing_load(scene):
-    """2^(3/2), and 4.16 and 2.08 for a tandem of two against one: twice the balls."""
+    """2^(3/2) preloads; of a tandem of two against one, twice the balls, 2.08 and 4.16.
+
+    (1 + 2^(-2/3))^(3/2) = 2.08 on the side of two, and twice as much on the other.
+    """
     g = parameters.geometry(scene("gyro_s1"))
     tandem = g._replace(n_balls=2 * g.n_balls)
     F = 1e-5
@@ -230,30 +245,29 @@ def test_lift_off_at_vanishing_load(scene):
 
 def test_lift_off_of_a_spring(solved):
     """The spring relaxes as the first bearing gives way: less than its force, by k_s/k."""
-    soft, none = (
+    constant_force, soft = (
         solved(SPRING | {"arrangement.spring_stiffness_N_um": k})["lift_off_force"]
-        for k in (0.1, 0.0)
+        for k in (0.0, 0.1)
     )
-    assert none == 7.0
-    assert 7.0 < soft < 7.5
+    assert constant_force == 7.0
+    assert 7.0 < soft < 7.5  # by about 7 N times k_s/k, of 0.1 and 4.5 N/um
 
 
 # rotor
 
 
-def test_frequencies_of_closed_forms():
-    """Springs at both ends; half of the sum of two unlike springs' roots is that of the trace."""
-    a = Arrangement(kind="rigid_pair", rotor_mass_kg=0.03, span_mm=20.0)
-    side = np.diag([5e6, 15e6, 15e6, 0.0, 0.0])
-    frequencies = natural_frequencies(a, np.array([side, side]), 10e6)
+def test_natural_frequencies_of_a_rod_on_springs():
+    """sqrt(k/m) along and across, and of tilting about the middle of the span."""
+    sides = np.array([np.diag([5e6, 15e6, 15e6, 0.0, 0.0])] * 2)
+    rod = Arrangement(kind="rigid_pair", rotor_mass_kg=0.03, span_mm=20.0)
     inertia = 0.03 * 0.02**2 / 12.0
     expected = np.sqrt([10e6 / 0.03, 30e6 / 0.03, 30e6 * 0.01**2 / inertia]) / (2.0 * math.pi)
-    assert_allclose(frequencies, expected, rtol=1e-12)
-    arrangement = Arrangement(
+    assert_allclose(natural_frequencies(rod, sides, 10e6), expected, rtol=1e-12)
+    rotor = Arrangement(
         kind="rigid_pair", rotor_mass_kg=0.03, span_mm=20.0, rotor_transverse_inertia_kg_mm2=4.0
     )
-    heavier = natural_frequencies(arrangement, np.array([side, side]), 10e6)
-    assert_allclose(heavier[2] / frequencies[2], math.sqrt(inertia / 4e-6), rtol=1e-12)
+    tilting = natural_frequencies(rotor, sides, 10e6)[2]
+    assert_allclose(tilting, expected[2] * math.sqrt(inertia / 4e-6), rtol=1e-12)
 
 
 def test_back_to_back_resists_tilting_more(solved):
@@ -284,29 +298,30 @@ def test_frequencies_need_mass_and_span(solved):
 # models
 
 
-def test_models_that_a_pair_has(scene):
-    pair = scene("gyro_s1", RIGID)
-    assert choice(pair).fidelity == "steady"
+def test_a_pair_is_solved_steady_and_by_race_control_under_a_radial_load(scene):
+    assert choice(scene("gyro_s1", RIGID)).fidelity == "steady"
     radial = scene("gyro_s1", RIGID | {"operation.radial_load_N": [0.0, 1.0]})
     assert choice(radial).fidelity == "race_control"
     assert solve(radial).status == "ok"
-    with_cage = scene("gyro_s1", RIGID | {"model.cage_results": True})
-    for asked in ((pair, "dynamic"), (with_cage, None)):
-        with pytest.raises(
-            NotAvailable, match="rigid_pair, expected .*: set arrangement.kind to sin"
-        ):
-            choice(*asked)
 
 
-def test_warm_shaft_and_span(solved):
-    """Back to back a longer shaft takes preload away, face to face it adds."""
+@pytest.mark.parametrize(
+    ("changes", "fidelity"), [({}, "dynamic"), ({"model.cage_results": True}, None)]
+)
+def test_the_dynamic_model_of_a_pair_is_refused(scene, changes, fidelity):
+    problem = "rigid_pair, expected .*: set arrangement.kind to sin"
+    with pytest.raises(NotAvailable, match=problem):
+        choice(scene("gyro_s1", RIGID | changes), fidelity)
+
+
+def test_a_warm_shaft_takes_preload_back_to_back_and_adds_it_face_to_face(solved):
     warm = {"temperature": {"shaft_C": 30.0, "housing_C": 20.0}, "arrangement.span_mm": 20.0}
     preloads = [
         solved(RIGID | warm | {"arrangement.orientation": way})["residual_preload"][0]
         for way in ("back_to_back", "face_to_face")
     ]
-    none = solved(RIGID)["residual_preload"][0]
-    assert preloads[0] < none < preloads[1]
+    cold = solved(RIGID)["residual_preload"][0]
+    assert preloads[0] < cold < preloads[1]
 
 
 # temperatures from a network

@@ -32,7 +32,7 @@ def hertz(scene):
     return solved
 
 
-def test_1_holds(hertz):
+def test_1_qv_falls_with_friction_on_the_ellipse_too(hertz):
     """QV falls with mu, hardly changes above 0.05, and is slightly higher at fixed position."""
     qv = {m: [hertz(m, mu)["total_qv"] for mu in (0.02, 0.05, 0.11)] for m in (FORCE, POSITION)}
     for low, middle, high in qv.values():
@@ -47,18 +47,22 @@ def test_finding_2_needs_the_line_contact_at_low_friction(hertz, mu, inside):
     assert [(np.diff(np.sign(s)) != 0).sum() for s in slip] == [inside, 1]
 
 
-def test_3_holds(hertz):
+def test_3_gyroscopic_slip_needs_low_friction_on_the_ellipse_too(hertz):
     low, high = (np.abs(hertz(mu=mu)["gyroscopic_slip"]).mean() for mu in (0.02, 0.08))
     assert low > 5.0 * high
     assert high < 0.05 * np.abs(hertz()["rolling_slip"]).mean()
 
 
 def test_4_is_a_fit_to_the_line(hertz):
+    """57.47 % of the preload is lost at 0.5 um on the ellipse; in the paper it is 60.33 %.
+
+    A regression value, which docs/verification.md quotes.
+    """
     lost = 100.0 * (1.0 - hertz(POSITION, 0.08, 0.5)["residual_preload"] / 7.0)
     assert_allclose(lost, 57.47, atol=0.05)
 
 
-def test_5_holds(hertz):
+def test_5_qv_is_flat_under_constant_force_and_falls_at_fixed_position_on_the_ellipse_too(hertz):
     qv = {m: [hertz(m, 0.08, x)["total_qv"] for x in (0.0, 0.3, 0.7)] for m in (FORCE, POSITION)}
     assert np.ptp(qv[FORCE]) < 0.01 * qv[FORCE][0]
     assert qv[POSITION][2] < qv[POSITION][1] < qv[POSITION][0]
@@ -81,15 +85,13 @@ def test_8_constant_force_rises_and_lies_above_fixed_position(hertz):
 
 
 @pytest.mark.parametrize("mu, longer", [(0.02, FORCE), (0.08, POSITION)])
-def test_the_method_that_lasts_longer_is_the_same(scene, mu, longer):
-    """By the loss of balls and races; the advantage grows from 3 to 21 % at mu 0.08."""
-    lives = {
-        (name, m): life(
-            scene(name, {"operation.preload_method": m, "friction.ball_race": mu})
-        ).values["life"]
-        for name in ("gyro_s1", "gyro_s1_hertz")
-        for m in (FORCE, POSITION)
-    }
-    other = POSITION if longer == FORCE else FORCE
-    for name in ("gyro_s1", "gyro_s1_hertz"):
-        assert lives[name, longer] > lives[name, other]
+@pytest.mark.parametrize("name", ["gyro_s1", "gyro_s1_hertz"])
+def test_the_method_that_lasts_longer_is_the_same(scene, name, mu, longer):
+    """On the line and on the ellipse."""
+
+    def life_s(method):
+        changes = {"operation.preload_method": method, "friction.ball_race": mu}
+        return life(scene(name, changes)).values["life"]
+
+    shorter = POSITION if longer == FORCE else FORCE
+    assert life_s(longer) > life_s(shorter)

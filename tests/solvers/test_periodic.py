@@ -35,8 +35,8 @@ def result_of(scene):
 
 
 @pytest.mark.parametrize("changes", [RADIAL, ROTATING, TILTED], ids=["radial", "rotating", "tilt"])
-def test_as_a_settled_march(scene, result_of, changes):
-    """QV of both contacts over an orbit after twelve others, mean of the balls.
+def test_a_periodic_motion_has_the_qv_of_a_settled_march(scene, result_of, changes):
+    """Of both contacts over an orbit after twelve others, mean of the balls.
 
     The start leaves the balls of a march unevenly spaced for good, and each with a QV of its own.
     """
@@ -66,10 +66,10 @@ def test_all_balls_have_the_same_periodic_motion(result_of):
 @pytest.mark.parametrize("name, load", [("gyro_s1", 1.5), ("turbopump", 300.0)])
 def test_the_estimate_covers_what_tight_steps_change(result_of, name, load):
     changes = BARE | {"operation.radial_load_N": [0.0, -load]}
-    rough = result_of(changes, name).values
+    usual = result_of(changes, name).values
     tight = result_of(changes | {"model.dynamic_tolerance": 1e-5}, name).values
-    error = abs(rough["total_qv"] / tight["total_qv"] - 1.0)
-    assert 1e-9 < error <= rough["qv_error_estimate"]
+    error = abs(usual["total_qv"] / tight["total_qv"] - 1.0)
+    assert 1e-9 < error <= usual["qv_error_estimate"]
 
 
 @pytest.mark.parametrize(
@@ -82,19 +82,19 @@ def test_the_estimate_covers_what_tight_steps_change(result_of, name, load):
     ],
 )
 def test_scenes_without_a_periodic_motion_are_refused(scene, changes, why):
-    asked = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"} | changes)
-    if not asked.model.cage_results:
-        asked = asked.without_cage
+    periodic_scene = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"} | changes)
+    if not periodic_scene.model.cage_results:
+        periodic_scene = periodic_scene.without_cage
     with pytest.raises(NotAvailable, match=f"dynamic_solution: got periodic with {why}, expected"):
-        solve(asked)
+        solve(periodic_scene)
 
 
 def test_an_undetected_periodic_motion_is_reported_or_marched(scene, monkeypatch):
+    """Not converged where the scene says `periodic`, marched by `auto`."""
     monkeypatch.setattr(periodic, "ACCEPTED", 0.0)
     monkeypatch.setattr(periodic, "MARCHED", (0.0, 1.0))
-    asked = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}).without_cage
-    failed = solve(asked)
-    assert failed.status == "not_converged" and "periodic" in failed.attrs["residual"]
+    of_scene = solve(scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}).without_cage)
+    assert of_scene.status == "not_converged" and "periodic" in of_scene.attrs["residual"]
     marched = solve(scene("gyro_s1", RADIAL).without_cage)
     assert marched.status == "ok" and "steady state" in marched.attrs["start"]
 
@@ -111,11 +111,12 @@ def test_a_run_continues_from_a_periodic_motion(scene, result_of):
 
 
 def test_dynamic_lives_use_the_periodic_motion(scene):
-    worn = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}, "model.life_steps": 2}
-    asked = scene("gyro_s1", RADIAL | worn).without_cage
-    direct = life(asked).values
-    assert max(direct["history_simulated_turns"]) < 3.0
-    assert max(direct["history_disturbance_growth_per_turn"]) < 0.0
-    worn_away = direct["history_worn_diameter"]
-    assert_allclose(worn_away, worn_away[:, :1].repeat(9, axis=1), rtol=1e-5)
-    assert 0.5 < np.nanmax(direct["life"]) / direct["steady_life"] < 1.5
+    """Stable ones of less than three turns, in which all balls wear alike."""
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}, "model.life_steps": 2}
+    values = life(scene("gyro_s1", RADIAL | end).without_cage).values
+    assert max(values["history_simulated_turns"]) < 3.0
+    assert max(values["history_disturbance_growth_per_turn"]) < 0.0
+    worn = values["history_worn_diameter"]
+    assert_allclose(worn, worn[:, :1].repeat(9, axis=1), rtol=1e-5)
+    # the steady life is that of thrust alone
+    assert 0.5 < np.nanmax(values["life"]) / values["steady_life"] < 1.5

@@ -36,23 +36,21 @@ losses = st.floats(0.0, 0.8)
 
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(method=methods, mu=frictions, loss=losses, s=st.floats(0.3, 8.0))
-def test_similar_bearings(method, mu, loss, s):
+def test_similar_bearings_have_similar_states(method, mu, loss, s):
     """Lengths x s, loads x s^2, speed / s, v_r the same: QV x s^2, pressure and slip the same."""
-    result = solve(gyro(method, mu, loss))
     base = gyro(method, mu, loss)
-    other = solve(scaled(base, s))
-    assert result.status == other.status == "ok"
-    a, b = result.values, other.values
-    assert_allclose(b["contact_load"], s**2 * a["contact_load"], rtol=1e-8)
-    assert_allclose(b["maximum_pressure"], a["maximum_pressure"], rtol=1e-8)
-    assert_allclose(b["contact_angle"], a["contact_angle"], rtol=1e-8)
-    assert_allclose(b["qv"], s**2 * a["qv"], rtol=SOLVED)
-    assert_allclose(b["orbit_speed"], a["orbit_speed"] / s, rtol=SOLVED)
+    result, scaled_result = solve(base), solve(scaled(base, s))
+    assert result.status == scaled_result.status == "ok"
+    values, scaled_values = result.values, scaled_result.values
+    assert_allclose(scaled_values["contact_load"], s**2 * values["contact_load"], rtol=1e-8)
+    assert_allclose(scaled_values["maximum_pressure"], values["maximum_pressure"], rtol=1e-8)
+    assert_allclose(scaled_values["contact_angle"], values["contact_angle"], rtol=1e-8)
+    assert_allclose(scaled_values["qv"], s**2 * values["qv"], rtol=SOLVED)
+    assert_allclose(scaled_values["orbit_speed"], values["orbit_speed"] / s, rtol=SOLVED)
 
 
 def scaled(scene, s):
-    from dataclasses import replace
-
+    """The scene of a bearing that is s times as large, under similar loads and speeds."""
     b, o = scene.bearing, scene.operation
     return replace(
         scene,
@@ -89,7 +87,7 @@ def test_mirror_image_turns_the_other_way(method, mu, loss, outer):
         scale = np.abs(cases[0].u).max()
         mirror = np.array([-1.0, 1.0, -1.0, -1.0])
         assert_allclose(cases[1].u, mirror * cases[0].u, atol=SOLVED * scale)
-        # Loads, angles, axes, QV and heat; torque and angular velocities change sign with u.
+        # loads, angles, axes, QV and heat; torque and angular velocities change sign with u
         assert_allclose(cases[1].contacts[:, :7], cases[0].contacts[:, :7], rtol=1e-5, atol=1e-9)
 
 
@@ -111,8 +109,7 @@ def test_a_mirrored_radial_load_mirrors_the_balls(tilt):
         assert_allclose(values[1][name], values[0][name][order], rtol=1e-9)
 
 
-def test_load_turned_by_one_ball_pitch():
-    """The load at the next ball's azimuth: every value moves on by one ball."""
+def test_a_load_turned_by_one_ball_pitch_moves_every_value_on_by_one_ball():
     psi = 2.0 * np.pi / 9
     loads = ([0.0, 2.0], [-2.0 * np.sin(psi), 2.0 * np.cos(psi)])
     values = [

@@ -30,10 +30,9 @@ def motion_of(scene):
 
 
 @pytest.mark.parametrize("largest, others", [(1.02, 0.4), (0.99, 0.4), (1.02, 1.3)])
-def test_known_multipliers(largest, others):
-    """Phases at the roots of 1, one of them exactly there; a pair of the spacing, five of others.
-
-    However fast others grow, they are not taken for the spacing.
+def test_growth_rates_tell_the_spacing_from_other_disturbances(largest, others):
+    """Multipliers of the spacing are near the nine roots of 1, one of them exactly there; a pair
+    has the largest modulus. However fast the five others grow, they are not taken for it.
     """
     n, turns = 9, 0.25
     phases = 0.98 * np.exp(2j * np.pi * np.arange(n) / n)
@@ -51,8 +50,8 @@ def test_disturbances_decay_as_in_the_steady_state_under_a_tiny_radial_load(scen
     tiny = {"operation.radial_load_N": [0.0, -1e-3]}
     almost_unloaded = scene("gyro_s1", RADIAL | tiny).without_cage
     system, motion = motion_of(almost_unloaded)
-    slow = start_of(almost_unloaded).scales["slow_time_scale"]
-    assert_allclose(motion.growth.slip_and_spin, -system.turn / slow, rtol=0.02)
+    slow_time = start_of(almost_unloaded).scales["slow_time_scale"]
+    assert_allclose(motion.growth.slip_and_spin, -system.turn / slow_time, rtol=0.02)
     assert abs(motion.growth.spacing) < 1e-6
 
 
@@ -62,7 +61,7 @@ def test_tangents_are_derivatives(scene):
     passing = Passing(system, TOLERANCE, system.control().method)
     states = np.append((motion.balls / passing.scale).ravel(), motion.passing / system.turn)
     _, moved = passing.change_and_tangents(states)
-    for column in (0, 2, 3, 4, 19):
+    for column in (0, 2, 3, 4, 19):  # spin, orbit and phase of ball 0; the last of ball 3
         ends = []
         for shift in (1e-5, -1e-5):
             shifted = states.copy()
@@ -88,33 +87,43 @@ def test_uneven_spacing_grows_in_a_march_as_stated(scene):
             system.advance(orbit, TOLERANCE)
             path.append(system.balls[:, PSI].copy())
         paths.append(np.array(path))
-    apart = np.abs((paths[1] - paths[0]) @ wave)
-    grown = np.log(apart[-1] / apart[7]) / (6.0 * orbit / system.turn)
+    amplitude = np.abs((paths[1] - paths[0]) @ wave)
+    # over the last six of 14 orbits, when other disturbances have decayed
+    growth_per_turn = np.log(amplitude[-1] / amplitude[7]) / (6.0 * orbit / system.turn)
     assert motion.growth.spacing > 5e-3
-    assert_allclose(motion.growth.spacing, grown, rtol=3e-3)
+    assert_allclose(motion.growth.spacing, growth_per_turn, rtol=3e-3)
     assert motion.growth.slip_and_spin < 0.0
 
 
-def test_spacing_is_warned_of_where_no_cage_keeps_it(scene):
+@pytest.mark.parametrize("has_cage", [True, False])
+def test_spacing_is_warned_of_where_no_cage_keeps_it(scene, has_cage):
     with_cage = scene("turbine", TURBINE)
-    for variant, expected in ((with_cage, False), (with_cage.without_cage, True)):
-        result = solve(variant)
-        assert result.values["spacing_growth_per_turn"] > 0.0
-        assert "spacing" in result.attrs["settled"]
-        warning_ids = {warning["id"] for warning in warnings_in(result.attrs)}
-        assert ("motion_unstable" in warning_ids) == expected
+    result = solve(with_cage if has_cage else with_cage.without_cage)
+    assert result.values["spacing_growth_per_turn"] > 0.0
+    assert "spacing" in result.attrs["settled"]
+    warning_ids = {warning["id"] for warning in warnings_in(result.attrs)}
+    assert ("motion_unstable" in warning_ids) == (not has_cage)
 
 
-def test_a_motion_that_does_not_last_is_marched(scene, monkeypatch):
-    """By auto, which says why; it is kept, and warned of, where it is asked for."""
-    monkeypatch.setattr(
-        Passing, "growth", lambda self, states: GrowthRates(spacing=0.0, slip_and_spin=0.1)
-    )
+@pytest.fixture
+def disturbances_grow(monkeypatch):
+    """Every periodic motion seems to be unstable: disturbances grow by 0.1 a turn."""
+    growth = GrowthRates(spacing=0.0, slip_and_spin=0.1)
+    monkeypatch.setattr(Passing, "growth", lambda self, states: growth)
+
+
+def test_a_motion_that_does_not_last_is_marched(scene, disturbances_grow):
+    """By `auto`, which says why."""
     marched = solve(scene("gyro_s1", RADIAL | {"model.simulated_turns": 1.0}))
     assert "unstable" in marched.attrs["start"]
     assert 10.0 in numbers_in(marched.attrs["start"])  # turns for growth by a factor of e
     assert marched.values["simulated_turns"] == 1.0
     assert "disturbance_growth_per_turn" not in marched.values
+
+
+def test_a_motion_that_does_not_last_is_kept_and_warned_of_where_it_is_required(
+    scene, disturbances_grow
+):
     kept = solve(scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}))
     assert kept.values["disturbance_growth_per_turn"] == 0.1
     assert "motion_unstable" in {warning["id"] for warning in warnings_in(kept.attrs)}

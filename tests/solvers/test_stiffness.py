@@ -27,11 +27,13 @@ FIXED = {"operation.preload_method": "fixed_position"}
 ALONG = 1e-5  # step of a difference along the way, where points of a split rule move
 
 
-def both(values, names=AXIAL):
+def dynamic_and_quasistatic(values, names=AXIAL):
+    """Both stiffnesses [N/um]."""
     return [N_UM * float(np.max(values[name])) for name in names]
 
 
-# Numbers of a program written apart from this one, from the equations alone; three digits.
+# numbers [N/um] of a program written apart from this one, from the equations alone; two decimals
+DIGITS = 6e-3
 
 
 @pytest.mark.parametrize(
@@ -40,21 +42,23 @@ def both(values, names=AXIAL):
 )
 def test_stiffness_of_a_spindle_bearing_over_speed(speed, dynamic, quasistatic):
     scene = new(designation="7008C", speed=speed, preload=140.0, friction=0.08)
-    assert_allclose(both(solve(scene).values), [dynamic, quasistatic], atol=6e-3)
+    assert_allclose(
+        dynamic_and_quasistatic(solve(scene).values), [dynamic, quasistatic], atol=DIGITS
+    )
 
 
 @pytest.mark.parametrize(
     ("preload", "dynamic", "quasistatic"),
     [(2.5, 1.00, 0.70), (3.0, 1.85, 1.06), (3.5, 2.84, 1.92), (7.0, 4.68, 4.69)],
 )
-def test_instrument_bearing(scene, preload, dynamic, quasistatic):
+def test_stiffness_of_an_instrument_bearing_over_preload(scene, preload, dynamic, quasistatic):
     values = solve(scene("gyro_s1_hertz", {"operation.preload_N": preload})).values
-    assert_allclose(both(values), [dynamic, quasistatic], atol=6e-3)
+    assert_allclose(dynamic_and_quasistatic(values), [dynamic, quasistatic], atol=DIGITS)
     slow = 1.0 / (2.0 * np.pi * values["slow_time_scale"])
     assert_allclose(values["stiffness_transition_frequency"], slow, rtol=1e-12)
 
 
-# The slope of the force over place, by solves at places nearby.
+# the slope of the force over place, by solves at places nearby
 
 
 def slope(problem, D, case, share):
@@ -88,13 +92,16 @@ def test_quasistatic_stiffness_is_the_slope_of_further_solves(scene, name, chang
     case = problem.solve(D)
     assert case.status == OK
     coarse, fine = (slope(problem, D, case, share) for share in (1e-3, 5e-4))
-    assert_allclose(case.S_quasistatic, (4.0 * fine - coarse) / 3.0, rtol=rtol)
+    extrapolated = (4.0 * fine - coarse) / 3.0  # by Richardson, of central differences
+    assert_allclose(case.S_quasistatic, extrapolated, rtol=rtol)
 
 
 @pytest.mark.parametrize("contact", ["hertz", "paper"])
 @pytest.mark.parametrize("method", [{}, FIXED], ids=["force", "position"])
-def test_linear_response(scene, contact, method):
-    """Each column against central differences of the balance and of the inner force."""
+def test_the_linear_response_is_the_derivative_of_the_balance_and_of_the_inner_force(
+    scene, contact, method
+):
+    """Each column against central differences."""
     changes = {"operation.preload_N": 3.0, "model.quadrature": "gauss", "model.contact": contact}
     problem = ThrustProblem.of(scene("gyro_s1_hertz", changes | method))
     held = problem.preload._replace(constant_force=False)
@@ -102,40 +109,50 @@ def test_linear_response(scene, contact, method):
     k = len(case.response) - 2
     u = np.append(case.u, [case.T_i, case.T_o])[:k]
 
-    def at(column, step):
-        moved, place = u.copy(), case.delta_a
+    def balance_and_force(column, step):
+        """Of a state with one unknown, or its place, a step further."""
+        shifted, place = u.copy(), case.delta_a
         if column < k:
-            moved[column] += step
+            shifted[column] += step
         else:
             place += step
         p = balance_of(replace(problem, preload=held._replace(delta_a=place)), problem.g.D0)
-        state = motion_equilibrium(p.bearing, moved, Seat(place, cold_start())).state
+        state = motion_equilibrium(p.bearing, shifted, Seat(place, cold_start())).state
         out = np.empty(k)
-        assert friction_balance(p, problem.op.v_r, state, moved, out, False) == OK
+        assert friction_balance(p, problem.op.v_r, state, shifted, out, False) == OK
         return np.append(out, [state.F_ix, state.F_ir])
 
     # a hundredth of the width of the friction law, as in the tests of the Jacobian
     steps = [1e-2 * problem.op.v_r / problem.g.D0] * 4 + [1e-6 * abs(u).min()] * (k - 4) + [1e-10]
-    result = case.response[:, : k + 1]
-    expected = np.array([(at(j, h) - at(j, -h)) / (2.0 * h) for j, h in enumerate(steps)]).T
+    expected = np.empty((k + 2, k + 1))
+    for j, h in enumerate(steps):
+        difference = balance_and_force(j, h) - balance_and_force(j, -h)
+        expected[:, j] = difference / (2.0 * h)
+    # rows and columns have units of their own: relative to the largest of each
     rows = np.abs(expected).max(axis=1, keepdims=True)
     columns = np.abs(expected / rows).max(axis=0)
-    assert (np.abs(result - expected) / rows / columns).max() <= 1e-4
+    error = np.abs(case.response[:, : k + 1] - expected) / rows / columns
+    assert error.max() <= 1e-4
 
 
-# Two bearings
+# two bearings
 
 
 @pytest.mark.parametrize(
     ("force", "dynamic", "quasistatic"), [(0.0, 5.8430, 7.1156), (40.0, 7.5604, 8.8810)]
 )
-def test_spindle_on_a_spring(force, dynamic, quasistatic):
-    """The tutorial's, as with 16 times the points; an independent program found 5.86 and 7.12."""
+def test_system_stiffness_of_a_spindle_on_a_spring(force, dynamic, quasistatic):
+    """That of the tutorial: regression values [N/um], computed with 16 times the points.
+
+    A program written apart has 5.86 and 7.12 without a force.
+    """
     scene = new(
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
         speed=18000.0, preload=120.0, friction=0.08,
     ).with_({"arrangement": {"kind": "spring_pair", "external_axial_N": force}})  # fmt: skip
-    assert_allclose(both(solve(scene).values, SYSTEM), [dynamic, quasistatic], atol=3e-4)
+    assert_allclose(
+        dynamic_and_quasistatic(solve(scene).values, SYSTEM), [dynamic, quasistatic], atol=3e-4
+    )
 
 
 SOFT = {"arrangement.kind": "spring_pair", "arrangement.spring_stiffness_N_um": 0.4}
@@ -164,11 +181,11 @@ def test_the_stiffness_of_a_pair_is_the_slope_of_force_over_its_shift(scene, cha
     assert_allclose(2.0 * h / (shifts[1] - shifts[0]), stiffness, rtol=2.0 * ALONG)
 
 
-# Race control: its forces follow the place at once
+# race control: its forces follow the place at once
 
 
 @pytest.mark.parametrize("radial", [[0.0, 0.0], [0.3, -0.5]])
-def test_race_control(scene, radial):
+def test_quasistatic_stiffness_of_race_control_is_the_slope_of_further_solves(scene, radial):
     pump = scene("turbopump", {"operation.radial_load_N": radial, "model.fidelity": "race_control"})
     problem = RaceControlProblem.of(pump)
     values, _ = solve_race_control(pump, problem)
@@ -184,16 +201,19 @@ def test_race_control(scene, radial):
     assert abs(stiffness / values["axial_stiffness"] - 1.0) > 1e-5  # the forces do follow
 
 
-# All five displacements
+# all five displacements
 
 
-def test_matrices_agree_where_nothing_follows(scene):
-    """At creep the balls spin no gyroscopic moment: friction is the same wherever they are."""
+def test_dynamic_and_quasistatic_matrices_agree_at_creep(scene):
+    """There the balls have no gyroscopic moment: friction is the same wherever they are.
+
+    To 0.2 %: the Hertz factors follow the angle in one of them; and balls bunch, as section 2 of
+    theory.md says.
+    """
     changes = {"operation.shaft_speed_rpm": 50.0, "friction.slip_regularisation_m_s": 1e-6}
     values = solve(scene("gyro_s1_hertz", changes | {"model.contact": "paper"})).values
     dynamic, quasistatic = values["stiffness_matrix"], values["quasistatic_stiffness_matrix"]
     scale = np.sqrt(np.outer(np.diag(dynamic), np.diag(dynamic)))
-    # the Hertz factors follow the angle in one of them; and balls bunch, see theory.md section 2
     assert np.abs((quasistatic - dynamic) / scale).max() < 2e-3
     assert_allclose(quasistatic[0, 0], values["quasistatic_axial_stiffness"], rtol=1e-12)
 
@@ -212,10 +232,10 @@ def test_matrix_is_the_answer_of_motion_in_time(scene, balance):
         ({"operation.tilt_mrad": 1e3 * tilt}, -K[1:3, 3] * tilt),
     ):
         moving = solve(scene("gyro_s1_hertz", changes | load).without_cage, "dynamic").values
-        result = moving["history_race_displacement"][:, 1:].mean(axis=0)
-        place = np.linalg.solve(K[1:3, 1:3], force)
-        size = np.abs(place).max()
-        assert_allclose(result, place, atol=1e-3 * size)
-        held = np.linalg.solve(dynamic[1:3, 1:3], force)
+        place = moving["history_race_displacement"][:, 1:].mean(axis=0)
+        by_quasistatic = np.linalg.solve(K[1:3, 1:3], force)
+        size = np.abs(by_quasistatic).max()
+        assert_allclose(place, by_quasistatic, atol=1e-3 * size)
+        by_dynamic = np.linalg.solve(dynamic[1:3, 1:3], force)
         if balance == "with_traction" and "operation.tilt_mrad" not in load:
-            assert np.abs(result - held).max() > 5e-3 * size  # that balls follow is seen
+            assert np.abs(place - by_dynamic).max() > 5e-3 * size  # that balls follow is seen

@@ -8,7 +8,7 @@ from support import numbers_in
 
 from bearingwear.document.bearing_line import operation_lines
 from bearingwear.lives.life import life
-from bearingwear.scene.arrangement import set_over_pair
+from bearingwear.scene.arrangement import set_preload_ratio
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.at_rest import Mechanics
 from bearingwear.solvers.effects.choice import choice
@@ -24,13 +24,14 @@ TWO_AND_TWO = {"arrangement.tandem": [2, 2], "operation.preload_N": 14.0}
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
 @pytest.mark.parametrize(("single", "pair"), [(POSITION, RIGID), ({}, SPRING)])
 def test_two_and_two_are_the_single_bearing_at_half_the_preload(scene, fidelity, single, pair):
-    values = solve(scene("gyro_s1", single), fidelity).values
-    four = solve(scene("gyro_s1", pair | TWO_AND_TWO), fidelity).values
+    of_single = solve(scene("gyro_s1", single), fidelity).values
+    of_four = solve(scene("gyro_s1", pair | TWO_AND_TWO), fidelity).values
     for name in ("residual_preload", "contact_load", "total_qv", "ball_diameter_loss_rate"):
-        for value in four[name]:
-            assert_allclose(value, values[name], rtol=1e-9, err_msg=name)
-    times = 4.0 if pair is RIGID else 2.0
-    assert_allclose(four["system_axial_stiffness"], times * values["axial_stiffness"], rtol=1e-9)
+        for value in of_four[name]:  # of one bearing of each side
+            assert_allclose(value, of_single[name], rtol=1e-9, err_msg=name)
+    bearings = 4.0 if pair is RIGID else 2.0  # of which a spring holds two
+    stiffness = bearings * of_single["axial_stiffness"]
+    assert_allclose(of_four["system_axial_stiffness"], stiffness, rtol=1e-9)
 
 
 def test_two_and_two_in_tandem_live_as_the_single_bearing(scene):
@@ -41,8 +42,8 @@ def test_two_and_two_in_tandem_live_as_the_single_bearing(scene):
 
 
 @pytest.mark.parametrize("F_ext", [0.0, 4.0, -3.0])
-def test_two_against_one(scene, F_ext):
-    """At rest, against the root of a plain balance: twice the balls on the first side."""
+def test_two_against_one_take_the_place_of_a_plain_balance(scene, F_ext):
+    """At rest, with twice the balls on the first side."""
     two_against_one = scene("gyro_s1", RIGID | REST | {
         "arrangement.tandem": [2, 1], "arrangement.external_axial_N": F_ext,
     })  # fmt: skip
@@ -54,10 +55,10 @@ def test_two_against_one(scene, F_ext):
     ]
     twice, single = Mechanics(g._replace(n_balls=2 * g.n_balls), g.D0), Mechanics(g, g.D0)
 
-    def left(x):
+    def unbalanced(x):
         return twice.force(places[0] + x) - single.force(places[1] - x) - F_ext
 
-    x = brentq(left, -1.5e-6, 1.5e-6, xtol=1e-18)
+    x = brentq(unbalanced, -1.5e-6, 1.5e-6, xtol=1e-18)
     assert_allclose(v["rotor_axial_shift"], x, rtol=1e-7, atol=1e-16)
     forces = twice.force(places[0] + x), single.force(places[1] - x)
     assert_allclose(v["residual_preload"], [forces[0] / 2.0, forces[1]], rtol=1e-9)
@@ -65,8 +66,8 @@ def test_two_against_one(scene, F_ext):
     assert_allclose(v["system_axial_stiffness"], stiffness, rtol=1e-12)
 
 
-def test_heaviest_share_limits(scene):
-    """A fraction of the preload is one of each bearing's own share."""
+def test_a_required_preload_fraction_is_one_of_each_bearings_own_share(scene):
+    """Of three against one: a third of 7 N, and 7 N."""
     changes = {"arrangement.tandem": [3, 1], "wear.end_of_life": {"preload_fraction": 0.5}}
     result = life(scene("gyro_s1", RIGID | changes))
     F = np.asarray(result.values["history_residual_preload"])[:, -1]
@@ -78,8 +79,11 @@ def test_heaviest_share_limits(scene):
     ("tandem", "printed"),
     [((1, 1), 1.0), ((2, 1), 1.36), ((3, 1), 1.57), ((2, 2), 2.0), ((3, 2), 2.42)],
 )
-def test_a_set_of_bearings_matched_as_a_pair(scene, tandem, printed):
-    """The same offset at the faces, by the root of the exact static displacements."""
+def test_a_set_of_bearings_matched_as_a_pair_has_the_printed_preload(scene, tandem, printed):
+    """Over that of the pair, with two decimals in catalogues.
+
+    To 0.5 % it follows from the same offset at the faces, by exact static displacements.
+    """
     one_bearing, pair_preload = scene("gyro_s1", REST), 7.0
 
     def place(F):
@@ -89,8 +93,8 @@ def test_a_set_of_bearings_matched_as_a_pair(scene, tandem, printed):
         return sum(place(F / n) for n in tandem) - 2.0 * place(pair_preload)
 
     force = brentq(offset, 0.5 * pair_preload, 4.0 * pair_preload)
-    assert_allclose(set_over_pair(tandem), force / pair_preload, rtol=5e-3)
-    assert_allclose(set_over_pair(tandem), printed, atol=6e-3)
+    assert_allclose(set_preload_ratio(tandem), force / pair_preload, rtol=5e-3)
+    assert_allclose(set_preload_ratio(tandem), printed, atol=6e-3)
 
 
 def test_a_set_states_the_preload_of_each_side_of_its_pair_and_of_the_set(scene):

@@ -26,7 +26,6 @@ from bearingwear.solvers.thermal import (
 from bearingwear.solvers.warm import Warm
 
 HELD = {"operation.preload_method": "fixed_position"}
-OF_SEARCH = (code.WARM_SEIZURE, code.NO_HEAT_BALANCE)
 
 
 def network(shaft: float, housing: float, ball: float) -> dict[str, float]:
@@ -38,14 +37,15 @@ def network(shaft: float, housing: float, ball: float) -> dict[str, float]:
 MILD, POOR, SEIZES = network(0.01, 0.1, 0.01), network(1e-3, 0.1, 0.01), network(1e-4, 0.1, 3e-3)
 
 
-def three(shaft=0.1, housing=0.2, ball=0.05, shaft_C=30.0, housing_C=30.0) -> Thermal:
-    G = Conductance(inner_ring_shaft=shaft, outer_ring_housing=housing, ball_race=ball)
+def thermal_network(ball=0.05, shaft_C=30.0, housing_C=30.0) -> Thermal:
+    """0.1 W/K to the shaft, 0.2 W/K to the housing, `ball` from each race to the balls."""
+    G = Conductance(inner_ring_shaft=0.1, outer_ring_housing=0.2, ball_race=ball)
     return Thermal(conductance_W_K=G, shaft_C=shaft_C, housing_C=housing_C)
 
 
-def test_network_by_hand():
-    """Drag heat alone leaves by the housing and, through the balls, by the shaft."""
-    t = network_temperatures(three(), HeatFlow(inner=0.0, outer=0.0, drag=2.0))
+def test_drag_heat_leaves_by_the_housing_and_through_the_balls_by_the_shaft():
+    """2 W, by hand."""
+    t = network_temperatures(thermal_network(), HeatFlow(inner=0.0, outer=0.0, drag=2.0))
     through_balls = 1.0 / (2.0 / 0.05 + 1.0 / 0.1)
     assert_allclose(t.outer_ring_C, 30.0 + 2.0 / (0.2 + through_balls), rtol=1e-13)
     to_shaft = 2.0 * through_balls / (0.2 + through_balls)
@@ -53,23 +53,28 @@ def test_network_by_hand():
     assert_allclose(t.balls_C, 0.5 * (t.inner_ring_C + t.outer_ring_C), rtol=1e-13)
 
 
-def test_no_heat_flows_from_shaft_to_housing():
-    t = network_temperatures(three(shaft_C=50.0, housing_C=20.0), HeatFlow(0.0, 0.0, 0.0))
-    flow = 30.0 / (1.0 / 0.1 + 2.0 / 0.05 + 1.0 / 0.2)
-    assert_allclose(
-        [t.inner_ring_C, t.outer_ring_C], [50.0 - flow / 0.1, 20.0 + flow / 0.2], rtol=1e-13
-    )
-    alike = network_temperatures(three(), HeatFlow(0.0, 0.0, 0.0))
-    assert alike.inner_ring_C == alike.balls_C == alike.outer_ring_C == 30.0
+NO_HEAT = HeatFlow(0.0, 0.0, 0.0)
+
+
+def test_without_friction_heat_flows_from_a_warm_shaft_to_a_cold_housing():
+    t = network_temperatures(thermal_network(shaft_C=50.0, housing_C=20.0), NO_HEAT)
+    flow = 30.0 / (1.0 / 0.1 + 2.0 / 0.05 + 1.0 / 0.2)  # the resistances in series [W]
+    expected = [50.0 - flow / 0.1, 20.0 + flow / 0.2]
+    assert_allclose([t.inner_ring_C, t.outer_ring_C], expected, rtol=1e-13)
+
+
+def test_without_heat_all_parts_have_the_temperature_around_them():
+    t = network_temperatures(thermal_network(), NO_HEAT)
+    assert t.inner_ring_C == t.balls_C == t.outer_ring_C == 30.0
 
 
 def test_the_heat_flow_check_rejects_other_heats_and_networks():
-    thermal, heat = three(), HeatFlow(inner=1.0, outer=2.0, drag=0.5)
+    thermal, heat = thermal_network(), HeatFlow(inner=1.0, outer=2.0, drag=0.5)
     t = network_temperatures(thermal, heat)
     assert heat_flow_residual(thermal, t, heat) < 1e-14
     for other in (heat._replace(inner=1.001), heat._replace(drag=0.49)):
         assert heat_flow_residual(thermal, t, other) > 1e-4
-    assert heat_flow_residual(three(ball=0.051), t, heat) > 1e-4
+    assert heat_flow_residual(thermal_network(ball=0.051), t, heat) > 1e-4
 
 
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
@@ -80,19 +85,19 @@ def test_heat_flows_balance(scene, fidelity, changes):
     v = result.values
     assert result.status == "ok" and v["heat_flow_residual"] < 1e-6
     inner_C, balls_C, outer_C, shaft_C, housing_C = v["part_temperature"]
-    G = [changes[key] for key in network(0.0, 0.0, 0.0)]
-    heat = 9.0 * v["friction_heat"].mean(axis=0)
+    to_shaft, to_housing, to_balls = (changes[key] for key in network(0.0, 0.0, 0.0))
+    heat = 9.0 * v["friction_heat"].mean(axis=0)  # of inner and outer contacts
     total = heat.sum() + v["drag_power"]
-    out = G[0] * (inner_C - shaft_C) + G[1] * (outer_C - housing_C)
-    assert_allclose(out, total, rtol=1e-6)
-    assert_allclose(0.5 * heat.sum(), G[2] * (2.0 * balls_C - inner_C - outer_C), rtol=1e-6)
-    assert_allclose(
-        0.5 * heat[0], G[0] * (inner_C - shaft_C) + G[2] * (inner_C - balls_C), atol=1e-6 * total
-    )
+    from_rings = to_shaft * (inner_C - shaft_C) + to_housing * (outer_C - housing_C)
+    assert_allclose(from_rings, total, rtol=1e-6)
+    from_balls = to_balls * (2.0 * balls_C - inner_C - outer_C)
+    assert_allclose(0.5 * heat.sum(), from_balls, rtol=1e-6)  # half of the heat goes into them
+    from_inner = to_shaft * (inner_C - shaft_C) + to_balls * (inner_C - balls_C)
+    assert_allclose(0.5 * heat[0], from_inner, atol=1e-6 * total)
 
 
 def test_computed_temperatures_given_as_input_change_nothing(scene):
-    """The found temperatures, given, make the same bearing; its scene stays the user's."""
+    """The scene of the result stays the user's, with its network."""
     result = solve(scene("gyro_s1", HELD | POOR))
     names = ("inner_ring", "balls", "outer_ring", "shaft", "housing")
     parts = zip(names, result.values["part_temperature"], strict=True)
@@ -103,59 +108,59 @@ def test_computed_temperatures_given_as_input_change_nothing(scene):
     assert "temperature: computed" in result.attrs["modelled"]
 
 
-def test_few_solves_do(scene):
-    for name in ("constant_force", "fixed_position"):
-        for changes in (MILD, network(0.1, 0.1, 0.05), network(1.0, 1.0, 0.1)):
-            networked = scene("gyro_s1", changes | {"operation.preload_method": name})
-            assert 2 <= warmed_steady(networked).solves <= 6
+@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+@pytest.mark.parametrize("conductances", [MILD, network(0.1, 0.1, 0.05), network(1.0, 1.0, 0.1)])
+def test_usual_temperatures_take_six_solves_at_most(scene, method, conductances):
+    networked = scene("gyro_s1", conductances | {"operation.preload_method": method})
+    assert 2 <= warmed_steady(networked).solves <= 6
 
 
 def warmed_steady(scene) -> Warmed:
     return Warm(Steady(scene))(Condition(0.0)).warmed
 
 
-def followed_up(scene) -> tuple[str, np.ndarray]:
-    """Heat from none upwards, each found at the temperatures of the last: the plain way."""
-    h = np.zeros(3)
+def least_balance(scene) -> np.ndarray | None:
+    """Heats [W] of the least balance by repeated substitution from none upwards; None beyond it.
+
+    Each is that at the temperatures of the last, which converges from below where there is one.
+    """
+    heat = np.zeros(3)
     for _ in range(300):
-        warm = at_temperatures(scene, HeatFlow(*h))
+        warm = at_temperatures(scene, HeatFlow(*heat))
         if warm is None:
-            return "beyond", h
+            return None
         result = Steady(warm)(Condition(0.0))
         if result.status != code.OK:
-            return "beyond", h
-        heat_flow = Steady(warm).heat(result)
-        if np.abs(np.array(heat_flow) - h).max() < 1e-9 * heat_flow.total:
-            return "balance", np.array(heat_flow)
-        h = np.array(heat_flow)
-    return "slow", h
+            return None
+        flow = Steady(warm).heat(result)
+        if np.abs(np.array(flow) - heat).max() < 1e-9 * flow.total:
+            return np.array(flow)
+        heat = np.array(flow)
+    raise AssertionError("300 substitutions have not converged")
 
 
-def test_random_networks_against_the_plain_way(scene):
-    """The least balance is found where there is one, and seizure said where there is none."""
+def test_random_networks_have_their_least_balance_or_seize(scene):
     random = np.random.default_rng(3)
-    ends = set()
+    seized = 0
     for _ in range(24):
         G = 10.0 ** random.uniform([-4.5, -3.0, -3.5], [-1.5, -1.0, -1.0])
         changes = HELD | network(*G) | {"friction.ball_race": float(random.choice([0.05, 0.1]))}
         networked = scene("gyro_s1", changes)
-        result, (end, heat) = warmed_steady(networked), followed_up(networked)
-        assert end != "slow"
-        assert (result.status == code.OK) == (end == "balance")
-        if end == "balance":
-            assert_allclose(result.heat, heat, rtol=1e-5, atol=1e-9)
+        result, expected = warmed_steady(networked), least_balance(networked)
+        if expected is None:
+            seized += 1
+            assert result.status == code.WARM_SEIZURE, changes
         else:
-            assert result.status == code.WARM_SEIZURE
-        ends.add(end)
-    assert ends == {"balance", "beyond"}
+            assert result.status == code.OK, changes
+            assert_allclose(result.heat, expected, rtol=1e-5, atol=1e-9)
+    assert 0 < seized < 24  # both were tried
 
 
 def test_warm_seizure_is_named(scene, tmp_path, capsys):
     result = solve(scene("gyro_s1", HELD | SEIZES))
     assert result.status == "warm_seizure"
-    assert "residual_preload" not in result.values and np.all(
-        np.isfinite(result.values["part_temperature"])
-    )
+    assert "residual_preload" not in result.values
+    assert np.all(np.isfinite(result.values["part_temperature"]))
     argv = ["solve", str(scene_file("gyro_s1")), "-o", str(tmp_path / "case.nc")]
     argv += [f"--set={key}={value}" for key, value in (HELD | SEIZES).items()]
     assert main(argv) == 3
@@ -167,7 +172,11 @@ def test_warm_seizure_is_named(scene, tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("noise", "heat_error", "status"),
-    [(3e-7, 0.0, code.OK), (5e-4, 1e-4, code.OK), (5e-2, 1e-4, code.NO_HEAT_BALANCE)],
+    [
+        (3e-7, 0.0, code.OK),  # less than the balance of any solve
+        (5e-4, 1e-4, code.OK),  # a few times the error that is stated
+        (5e-2, 1e-4, code.NO_HEAT_BALANCE),
+    ],
 )
 def test_a_heat_that_depends_on_where_the_solve_came_from(scene, noise, heat_error, status):
     """A solve that is balanced already stays where it is: its heat is a little that of before."""
@@ -186,29 +195,31 @@ def test_a_heat_that_depends_on_where_the_solve_came_from(scene, noise, heat_err
 
 
 @pytest.mark.parametrize("fidelity", [None, "race_control", "dynamic"])
-def test_absurd_networks_have_a_status(scene, fidelity):
-    short = {"model.simulated_turns": 1.0}
-    for G in ((1e-6, 1e-6, 1e-6), (1e6, 1e6, 1e6), (1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)):
-        for method in ("constant_force", "fixed_position"):
-            changes = network(*G) | short | {"operation.preload_method": method}
-            without_cage = scene("gyro_s1", changes).without_cage
-            status = solve(without_cage, fidelity).values["status"]
-            assert status in (code.OK, code.UNVERIFIED, *OF_SEARCH), (G, method, status)
+@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+@pytest.mark.parametrize(
+    "G", [(1e-6, 1e-6, 1e-6), (1e6, 1e6, 1e6), (1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)]
+)
+def test_absurd_networks_have_a_status(scene, fidelity, method, G):
+    changes = network(*G) | {"model.simulated_turns": 1.0, "operation.preload_method": method}
+    result = solve(scene("gyro_s1", changes).without_cage, fidelity)
+    assert result.status in ("ok", "unverified", "warm_seizure", "no_heat_balance")
 
 
-def test_no_friction_no_heat(scene):
-    assert solve(scene("gyro_s1", MILD | {"friction.ball_race": 0.0})).status == "undetermined"
-    values = solve(scene("gyro_s1", MILD | {"friction.ball_race": 0.0}), "race_control").values
+def test_without_friction_nothing_is_warmer_than_its_surroundings(scene):
+    """The steady rotation is undetermined, and race control has no heat."""
+    frictionless = scene("gyro_s1", MILD | {"friction.ball_race": 0.0})
+    assert solve(frictionless).status == "undetermined"
+    values = solve(frictionless, "race_control").values
     assert_allclose(values["part_temperature"], 20.0, rtol=1e-15)
 
 
 def test_temperatures_follow_a_life(scene):
-    fidelity = "steady"  # race control gives no life where the steady model does
+    """They fall with the preload, and are those of single cases on the way."""
     end = {"wear.end_of_life.gyroscopic_slip_share": None, "wear.end_of_life.skid_ratio": None}
     base = HELD | end
-    cold = life(scene("gyro_s1", base), fidelity).values
+    cold = life(scene("gyro_s1", base)).values
     badly_cooled = scene("gyro_s1", base | POOR)
-    result = life(badly_cooled, fidelity)
+    result = life(badly_cooled)
     v = result.values
     assert result.status == "ok" and v["heat_flow_residual"] < 1e-6
     t = v["history_part_temperature"]
@@ -217,9 +228,9 @@ def test_temperatures_follow_a_life(scene):
     assert v["life"] < cold["life"]
     k = len(t) // 2
     loss = 1e6 * v["history_ball_diameter_loss"][k]
-    there = solve(badly_cooled.with_({"wear.ball_diameter_loss_um": float(loss)}), fidelity).values
-    assert_allclose(there["part_temperature"], t[k], atol=1e-5)
-    assert_allclose(there["residual_preload"], v["history_residual_preload"][k], rtol=1e-6)
+    case = solve(badly_cooled.with_({"wear.ball_diameter_loss_um": float(loss)})).values
+    assert_allclose(case["part_temperature"], t[k], atol=1e-5)
+    assert_allclose(case["residual_preload"], v["history_residual_preload"][k], rtol=1e-6)
 
 
 def test_a_life_that_seizes_when_new(scene):
@@ -237,7 +248,7 @@ def test_motion_in_time_takes_the_found_temperatures(scene):
     assert_allclose(loaded["part_temperature"], steady["part_temperature"], rtol=1e-9)
 
 
-def test_a_life_in_time_is_warmed_at_each_step(scene):
+def test_a_dynamic_life_is_warmed_at_each_step(scene):
     short = {"model.simulated_turns": 0.5, "wear.ball_diameter_loss_um": 0.1} | HELD
     steady = solve(scene("gyro_s1", short | POOR)).values["part_temperature"]
     wearings = [Motion(scene("gyro_s1", short | item).without_cage) for item in (POOR, SEIZES)]

@@ -57,8 +57,8 @@ FILM = HERTZ | {
         ("turbopump", {"friction.slip_regularisation_m_s": 1e-3}),
     ],
 )
-def test_as_plain_vectors(scene, name, changes):
-    """The answer put into the equations as plain vectors, none of them the solver's; line slip."""
+def test_the_solved_state_satisfies_the_equations_written_as_plain_vectors(scene, name, changes):
+    """Forces, moments and preload, by 2000 points on the line; none of it is the solver's."""
     s = scene(name, LINE | changes)
     g, m = parameters.geometry(s), parameters.operating_point(s)
     case = ThrustProblem.of(s).solve(g.D0)
@@ -98,8 +98,8 @@ def test_as_plain_vectors(scene, name, changes):
 @pytest.fixture(
     scope="module", params=[({}, HERTZ), (HELD, LINE), ({}, FILM), (HELD, FILM)], ids=repr
 )
-def solved(request, scene):
-    """A solved balance at fixed quadrature points: problem, seat, unknowns, case."""
+def solved_balance(request, scene):
+    """A solved balance at fixed quadrature points: problem, seat and unknowns."""
     method, contact = request.param
     drag = {"lubricant.drag_density_kg_m3": 300.0, "model.quadrature": "gauss"}
     problem = ThrustProblem.of(scene("gyro_s1", method | contact | drag))
@@ -108,76 +108,77 @@ def solved(request, scene):
     p = balance_of(problem, problem.g.D0)
     u = np.array([*case.u, case.T_i, case.T_o])
     seat = motion_equilibrium(p.bearing, u, Seat(delta_a=case.delta_a, state=cold_start()))
-    return p, seat, u, case
+    return p, seat, u
 
 
-def test_jacobian_of_all_six(solved):
-    """Against central differences, the equilibrium solved anew at each orbit rate and traction."""
-    p, seat, u, _ = solved
+def test_jacobian_of_all_six_unknowns_is_their_derivative(solved_balance):
+    """Against central differences, the equilibrium solved at each orbit rate and traction."""
+    p, seat, u = solved_balance
     assert full_jacobian(p, p.bearing.op.v_r, seat, u) == code.OK
-    copied = p.jacobian.copy()
+    jacobian = p.jacobian.copy()
     R, v_r = 0.5 * p.bearing.D, p.bearing.op.v_r
     steps = np.array([1e-2 * v_r / R] * 4 + [1e-5 * seat.state.Q_o] * 2)
     J = np.empty((6, 6))
     for k in range(6):
         low, high = np.empty((2, 6))
         for sign, out in ((-1.0, low), (1.0, high)):
-            moved = u + sign * steps[k] * np.eye(6)[k]
-            state = motion_equilibrium(p.bearing, moved, seat).state
-            assert friction_balance(p, v_r, state, moved, out, False) == code.OK
+            shifted = u + sign * steps[k] * np.eye(6)[k]
+            state = motion_equilibrium(p.bearing, shifted, seat).state
+            assert friction_balance(p, v_r, state, shifted, out, False) == code.OK
         J[:, k] = (high - low) / (2.0 * steps[k])
     scale = np.abs(J * steps).max(axis=1)[:, None] / steps
-    assert np.abs((copied - J) / scale).max() <= 1e-3
+    assert np.abs((jacobian - J) / scale).max() <= 1e-3  # the error of the differences
 
 
-def test_jacobian_of_the_motion_lets_tractions_follow(solved):
-    p, seat, u, _ = solved
+def test_jacobian_of_the_motion_lets_tractions_follow(solved_balance):
+    """It is the Schur complement of the tractions."""
+    p, seat, u = solved_balance
     assert full_jacobian(p, p.bearing.op.v_r, seat, u) == code.OK
     J = p.jacobian
     followed = J[:4, :4] - J[:4, 4:] @ np.linalg.solve(J[4:, 4:], J[4:, :4])
     assert_allclose(motion_jacobian(p), followed, rtol=1e-9, atol=1e-12 * np.abs(followed).max())
 
 
-@pytest.mark.parametrize("by", range(3))
-def test_response_of_a_ball_is_that_of_its_equilibrium(solved, by):
-    """Orbit radius, angles and loads by orbit rate and tractions, against the nested solver's."""
-    p, seat, u, _ = solved
-    b, held = p.bearing, p.bearing.preload.constant_force
-    start = (b.g, b.D), (b.preload.F_x, seat.delta_a, held, cold_start())
-    step = (3e-2, 1e-5, 1e-5)[by]
-    moved = []
-    for sign in (-1.0, 1.0):
-        load = orbit_load(*(u[3:] + sign * step * np.eye(3)[by]))
-        s = thrust_equilibrium(*start[0], load, *start[1])[1]
-        moved.append([[s.X2, s.alpha_i, s.Q_i], [s.X2, s.alpha_o, s.Q_o]])
-    exact = np.subtract(*moved[::-1]) / (2.0 * step)
-    result = np.empty((3, 2, 3))
-    load_rates(b.g, b.D, orbit_load(*u[3:]), seat.delta_a, held, seat.state, result)
-    scale = np.abs(exact).max(axis=0)
-    assert_allclose(result[by] / scale, exact / scale, atol=1e-5)
+@pytest.mark.parametrize(
+    ("k", "step"), [(0, 3e-2), (1, 1e-5), (2, 1e-5)], ids=["orbit rate", "inner", "outer traction"]
+)
+def test_response_of_a_ball_is_that_of_its_equilibrium(solved_balance, k, step):
+    """Orbit radius, angles and loads, against differences of the nested solver."""
+    p, seat, u = solved_balance
+    b, is_force = p.bearing, p.bearing.preload.constant_force
+
+    def radius_angles_and_loads(shift):
+        load = orbit_load(*(u[3:] + shift * np.eye(3)[k]))
+        _, s = thrust_equilibrium(
+            b.g, b.D, load, b.preload.F_x, seat.delta_a, is_force, cold_start()
+        )
+        return np.array([[s.X2, s.alpha_i, s.Q_i], [s.X2, s.alpha_o, s.Q_o]])
+
+    expected = (radius_angles_and_loads(step) - radius_angles_and_loads(-step)) / (2.0 * step)
+    rates = np.empty((3, 2, 3))
+    load_rates(b.g, b.D, orbit_load(*u[3:]), seat.delta_a, is_force, seat.state, rates)
+    scale = np.abs(expected).max(axis=0)
+    assert_allclose(rates[k] / scale, expected / scale, atol=1e-5)
 
 
-def test_ball_and_race_are_found_together(solved):
-    """By Newton's steps from nearby, as by the nested solver from nothing; or it says so."""
-    p, seat, u, _ = solved
+def test_ball_and_race_together_have_the_equilibrium_of_the_nested_solver(solved_balance):
+    """By Newton's steps from nearby; from far off the outer race they do not converge."""
+    p, seat, u = solved_balance
     b, load = p.bearing, orbit_load(u[3] * 1.01, u[4] * 1.1, u[5])
-    held = b.preload.constant_force
-    place, result = joined_equilibrium(
-        b.g, b.D, load, b.preload.F_x, seat.delta_a, held, seat.state
-    )
-    args = b.g, b.D, load, b.preload.F_x, seat.delta_a, held
-    other, nested = thrust_equilibrium(*args, cold_start())
-    assert result.status == nested.status == code.OK
-    assert_allclose(place, other, rtol=1e-10)
+    inputs = b.g, b.D, load, b.preload.F_x, seat.delta_a, b.preload.constant_force
+    place, joined = joined_equilibrium(*inputs, seat.state)
+    nested_place, nested = thrust_equilibrium(*inputs, cold_start())
+    assert joined.status == nested.status == code.OK
+    assert_allclose(place, nested_place, rtol=1e-10)
     for name in ("X1", "X2", "alpha_i", "alpha_o", "Q_i", "Q_o", "F_ix", "P_x", "P_r"):
-        assert_allclose(getattr(result, name), getattr(nested, name), rtol=1e-9, err_msg=name)
-    far = seat.state._replace(X2=seat.state.X2 - 1e-5)  # off the outer race
-    assert joined_equilibrium(*args, far)[1].status == code.NOT_CONVERGED
+        assert_allclose(getattr(joined, name), getattr(nested, name), rtol=1e-9, err_msg=name)
+    far = seat.state._replace(X2=seat.state.X2 - 1e-5)
+    assert joined_equilibrium(*inputs, far)[1].status == code.NOT_CONVERGED
 
 
-def test_the_check_rejects_another_traction(solved):
+def test_the_check_rejects_another_traction(solved_balance):
     """Friction has to give what the balance of normal forces was solved with."""
-    p, seat, u, _ = solved
+    p, seat, u = solved_balance
     b = p.bearing
     args = b.g, b.D, b.op
     assert friction_check(*args, seat.state, u, p.rule, True)[0] < 1e-9
@@ -186,9 +187,8 @@ def test_the_check_rejects_another_traction(solved):
     assert friction_check(*args, wrong, u, p.rule, False)[0] < 1e-9
 
 
-def test_converges_as_newton_does(solved, scene):
-    """From the state with half the traction: each residual is about the square of the last."""
-    p, seat, u, case = solved
+def test_newton_converges_in_six_steps_from_nearby(scene):
+    """From the state of balls that have lost 1 nm."""
     problem = ThrustProblem.of(scene("gyro_s1", HERTZ))
     start = problem.solve(problem.g.D0 - 1e-9).u
     assert problem.solve(problem.g.D0, start=start).iterations <= 6
@@ -226,12 +226,13 @@ def test_a_life_has_the_traction_in_its_normal_balance(scene):
 
 
 @pytest.mark.parametrize("name, most", [("gyro_s1", 1.1), ("turbopump", 2.0), ("bearing218", 1.5)])
-def test_estimate_before_the_solve(scene, name, most):
-    """Of the ball that rolls on the inner race; one that rolls on the outer has less to carry."""
+def test_the_gyroscopic_share_before_the_solve_is_an_upper_estimate(scene, name, most):
+    """That of a ball that rolls on the inner race; one that rolls on the outer has less to carry,
+    by so much in these bearings."""
     s = scene(name, HERTZ)
     values = solve(s, "steady").values
     axial = s.operation.preload_N / s.bearing.ball_count
-    right = values["gyroscopic_moment"][0] / (0.5e-3 * s.bearing.ball_diameter_mm) / axial
-    assert 0.95 * right < gyroscopic_share(s) < most * right
+    share = values["gyroscopic_moment"][0] / (0.5e-3 * s.bearing.ball_diameter_mm) / axial
+    assert 0.95 * share < gyroscopic_share(s) < most * share
     (reason,) = (line for line in choice(s).reasons if line.startswith("traction: "))
     assert "included" in reason

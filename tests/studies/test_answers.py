@@ -18,23 +18,23 @@ def square(x):
     return {"square": x * x, "process": os.getpid()}
 
 
-def fails_at_two(x):
+def ratio_or_failure_at_two(x):
     if x == 2:
         raise SceneError("operation.preload_N", "got -1, expected more")
     return {"status": 0, "ratio": 1 / x}
 
 
-def misspelt(x):
+def with_misspelt_attribute(x):
     return {"status": x.stat}
 
 
-def killed(x):
+def killed_at_one(x):
     if x == 1:
         os.kill(os.getpid(), signal.SIGKILL)
     return {}
 
 
-def slept(seconds):
+def sleep(seconds):
     time.sleep(seconds)
     return {"seconds": seconds}
 
@@ -50,14 +50,15 @@ def test_answers_stand_in_the_order_of_their_points(workers):
 def test_rounds_share_their_processes():
     with Workers(2, progress=False) as pool:
         rounds = [list(pool.answers_at(square, range(20))) for _ in range(4)]
-    used = {answer["process"] for answers in rounds for answer in answers}
-    assert rounds[0][0]["process"] == os.getpid()
-    assert len(used) <= 3 and os.getpid() not in {answer["process"] for answer in rounds[1]}
+    processes = [{answer["process"] for answer in answers} for answers in rounds]
+    assert rounds[0][0]["process"] == os.getpid()  # the first answer says whether more are worth it
+    assert len(set().union(*processes)) <= 1 + 2
+    assert os.getpid() not in processes[1]
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_point_that_fails_leaves_the_others(workers):
-    answers = list(answers_at(fails_at_two, [4, 2, 0, 1], workers, progress=False))
+    answers = list(answers_at(ratio_or_failure_at_two, [4, 2, 0, 1], workers, progress=False))
     problem = "scene: operation.preload_N: got -1, expected more"
     assert answers[0] == {"status": 0, "ratio": 0.25} and answers[3] == {"status": 0, "ratio": 1.0}
     assert answers[1] == {"status": REFUSED, PROBLEM: problem}
@@ -67,29 +68,29 @@ def test_a_point_that_fails_leaves_the_others(workers):
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_fault_of_the_function_is_raised(workers):
     with pytest.raises(AttributeError, match="stat"):
-        list(answers_at(misspelt, [1, 2, 3], workers, progress=False))
+        list(answers_at(with_misspelt_attribute, [1, 2, 3], workers, progress=False))
 
 
 def test_a_process_that_is_killed_is_named():
     with pytest.raises(RuntimeError, match="sweep: a process ended unexpectedly"):
-        list(answers_at(killed, [0, 1, 2], 2, progress=False))
+        list(answers_at(killed_at_one, [0, 1, 2], 2, progress=False))
 
 
 def test_a_command_says_in_one_line_that_a_process_ended(monkeypatch, capsys):
     def ended(args):
-        list(answers_at(killed, [0, 1, 2], 2, "uncertainty", progress=False))
+        list(answers_at(killed_at_one, [0, 1, 2], 2, "uncertainty", progress=False))
 
-    monkeypatch.setattr("bearingwear.results.kinds.function", lambda name: ended)
+    monkeypatch.setattr("bearingwear.results.kinds.imported_function", lambda name: ended)
     assert main(["uncertainty", str(scene_file("gyro_s1"))]) == 3
     assert only_line(capsys).startswith("uncertainty: a process ended unexpectedly")
 
 
 def test_closing_early_does_not_wait_for_running_processes():
-    answers = answers_at(slept, [0.0, 0.0, 60.0, 60.0], 2, progress=False)
+    answers = answers_at(sleep, [0.0, 0.0, 60.0, 60.0], 2, progress=False)
     assert [next(answers), next(answers)] == [{"seconds": 0.0}] * 2
     started = time.monotonic()
     answers.close()
-    assert time.monotonic() - started < 20.0
+    assert time.monotonic() - started < 20.0  # of the 60 s that each of them sleeps
 
 
 def test_workers_are_at_least_one():

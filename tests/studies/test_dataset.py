@@ -16,7 +16,7 @@ SIDES = table(SIDE, SHEAR)
 PLACES = [1e-6, 2e-6, 3e-6]
 
 
-def test_rows_along_axes():
+def test_rows_along_axes_are_scaled_and_have_the_attributes_of_their_table():
     rows = [
         {"side": 0, "shear": [1.0, 2.0]},
         {"side": 1, "shear": [np.nan, 4.0]},
@@ -25,6 +25,7 @@ def test_rows_along_axes():
     dataset = dataset_of_rows(SIDES, {POINT: PLACES, RACE: None}, rows, title="sides")
     assert list(dataset.variables) == ["side", "shear", "point", "race"]
     assert dataset["shear"].dims == ("point", "race") and dataset["side"].dims == ("point",)
+    # in h and um, by the scales of their variables
     np.testing.assert_array_equal(dataset["shear"], [[0.5, 1.0], [np.nan, 2.0], [2.5, 3.0]])
     np.testing.assert_allclose(dataset["point"], [1.0, 2.0, 3.0])
     assert dataset["side"].dtype == np.int8 and dataset["shear"].dtype == np.float64

@@ -13,13 +13,14 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.configuration import validated_config
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.own_study import plan_of, write_study
+from bearingwear.studies.own_study import study_files, write_study
 
 LIMITS = DesignLimits(axial_stiffness_N_um=3.0)
 
 
-def plans(scene, limits=LIMITS):
-    files = plan_of(scene, "mine", limits, "mine.yaml")
+def plans(scene):
+    """The configuration of a scene's study, and that of its design."""
+    files = study_files(scene, "mine", LIMITS, "mine.yaml")
     return files["config/config.yaml"], files["config/design.yaml"]["scenes"]["mine"]
 
 
@@ -32,19 +33,28 @@ def with_friction(scene, mu):
     return dataclasses.replace(scene, friction=dataclasses.replace(scene.friction, ball_race=mu))
 
 
-def test_plan_is_around_the_scene(scene):
-    config, design = plans(scene)
+def test_the_grid_of_cases_is_around_the_scene(scene):
+    """Both methods, half to twice its friction."""
+    config, _ = plans(scene)
     (block,) = config["studies"]
-    assert block["scenes"] == ["mine"]
+    assert block["scenes"] == config["uncertain_lives"]["scenes"] == ["mine"]
     assert block["preload_method"] == ["constant_force", "fixed_position"]
     assert block["friction"] == [0.04, 0.08, 0.12, 0.16]
     assert config["figures"]["friction"] == [0.08]
-    assert config["uncertain_lives"]["scenes"] == ["mine"]
-    # to the end of its own life, by the criterion of 0.7 um
-    losses = block["ball_diameter_loss_um"]
+
+
+def test_the_states_of_wear_go_to_the_end_of_the_scene_s_own_life(scene):
+    """Nine of them, in hundredths of a micrometre."""
+    config, _ = plans(scene)
+    losses = config["studies"][0]["ball_diameter_loss_um"]
     end = 1e6 * float(life(scene).values["loss_at_end"])
     assert losses[0] == 0.0 and end <= losses[-1] <= end + 0.01 and len(losses) == 9
     assert config["figures"]["worn_loss_um"] in losses
+
+
+def test_the_map_of_preloads_is_around_the_scene(scene):
+    """From an eighth to 32 times its 7 N, with its own speed, friction and limits."""
+    _, design = plans(scene)
     axes = design["small_map"]
     assert axes["shaft_speed_rpm"] == [30000.0] and 0.08 in axes["friction"]
     assert 7.0 in axes["preload_N"]
@@ -53,31 +63,36 @@ def test_plan_is_around_the_scene(scene):
     assert yaml.safe_load(yaml.safe_dump(design)) == design
 
 
-def test_plan_of_a_pair(scene):
-    """Methods are pairs of the two kinds; states of wear go to the end of the pair's life."""
+def test_the_states_of_wear_of_a_pair_go_to_the_end_of_its_life(scene):
     pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
     config, _ = plans(pair)
     (block,) = config["studies"]
     end = 1e6 * float(max(life(pair).values["loss_at_end"]))
     assert end <= block["ball_diameter_loss_um"][-1] <= end + 0.01
-    other = pair.with_({"operation.preload_method": "fixed_position"})
-    assert other.arrangement.kind == "rigid_pair"
+
+
+def test_the_preload_method_of_a_pair_decides_its_kind(scene):
+    """Which the methods of the grid change; a kind that contradicts the method is refused."""
+    pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
+    held = pair.with_({"operation.preload_method": "fixed_position"})
+    assert held.arrangement.kind == "rigid_pair"
     with pytest.raises(SceneError, match="arrangement.kind"):
-        other.with_(
+        held.with_(
             {"operation.preload_method": "fixed_position", "arrangement.kind": "spring_pair"}
         )
 
 
-def test_fewer_bearings_are_sampled_over_a_duty(scene):
-    """About as many solves as without one: a life over a duty takes those of all its cases."""
+@pytest.mark.parametrize(
+    ("phases", "samples"),
+    [(["nominal"], 128), (["nominal", "idle"], 64), (["nominal", "idle", "fast"], 32)],
+)
+def test_fewer_bearings_are_sampled_over_a_duty(scene, phases, samples):
+    """A power of two that keeps the solves: a life over a duty takes those of all its cases."""
     idle, fast = ({"operation.shaft_speed_rpm": speed} for speed in (6000.0, 36000.0))
     changes = {"cases": {"idle": idle, "fast": fast}}
-    counts = []
-    for phases in (["nominal"], ["nominal", "idle"], ["nominal", "idle", "fast"]):
-        duty = {"duty.phases": {name: {"hours": 1.0} for name in phases}}
-        config, _ = plans(scene.with_(changes | duty))
-        counts.append(config["uncertain_lives"]["samples"])
-    assert counts == [128, 64, 32]
+    duty = {"duty.phases": {name: {"hours": 1.0} for name in phases}}
+    config, _ = plans(scene.with_(changes | duty))
+    assert config["uncertain_lives"]["samples"] == samples
 
 
 def test_a_duty_is_studied_at_its_own_friction(scene):
@@ -104,9 +119,9 @@ def test_own_friction_is_among_those_studied(scene, mu, frictions):
 
 
 def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, tmp_path):
-    assert "config/cage.yaml" not in plan_of(scene, "mine", LIMITS, "mine.yaml")
+    assert "config/cage.yaml" not in study_files(scene, "mine", LIMITS, "mine.yaml")
     with_cage_study = scene.with_({"cage_uncertainty": {}})
-    plan = plan_of(with_cage_study, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
+    plan = study_files(with_cage_study, "mine", LIMITS, "mine.yaml")["config/cage.yaml"]
     (tmp_path / "cage.yaml").write_text(yaml.safe_dump(plan), encoding="utf-8")
     (tmp_path / "scenes").mkdir()
     (tmp_path / "scenes/mine.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
@@ -120,7 +135,7 @@ def test_without_friction_there_is_no_study(scene):
         plans(with_friction(scene, 0.0))
 
 
-def test_no_preload_to_study_around(scene):
+def test_without_preload_there_is_no_study(scene):
     end = dataclasses.replace(scene.wear.end_of_life, preload_fraction=None)
     scene = dataclasses.replace(
         scene,
@@ -144,6 +159,7 @@ def mine(tmp_path):
 
 
 def contents(folder):
+    """Bytes of the files of a folder, by path."""
     return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
@@ -186,18 +202,23 @@ def test_an_edited_file_of_a_study_is_not_replaced(mine, tmp_path, name):
     assert contents(folder) == before
 
 
-def test_a_folder_of_something_else_is_left_alone(mine, tmp_path):
+def test_a_folder_with_other_files_is_refused(mine, tmp_path):
     folder = tmp_path / "study"
     folder.mkdir()
     (folder / "notes.txt").touch()
     with pytest.raises(UsageError, match="got a folder with other files"):
         write_study(mine, folder, LIMITS)
-    (folder / "notes.txt").unlink()
-    write_study(mine, folder, LIMITS)
+
+
+def test_the_folder_of_another_scene_is_refused(mine, tmp_path):
+    write_study(mine, tmp_path / "study", LIMITS)
     other = mine.with_name("other.yaml")
     other.write_bytes(mine.read_bytes())
     with pytest.raises(UsageError, match="bearingwear study other.yaml"):
-        write_study(other, folder, LIMITS)
+        write_study(other, tmp_path / "study", LIMITS)
+
+
+def test_a_file_in_place_of_the_folder_is_refused(mine):
     with pytest.raises(UsageError, match="cannot be used"):
         write_study(mine, mine, LIMITS)
 

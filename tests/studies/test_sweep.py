@@ -25,7 +25,7 @@ def coarse():
     return bearingwear.example().with_(COARSE)
 
 
-def not_to_be_solved(*_):
+def fail_if_solved(*_):
     raise AssertionError("solved")
 
 
@@ -35,25 +35,30 @@ def product_of_numbers(scene):
     return values | {"pair": [operation.preload_N, operation.shaft_speed_rpm]}
 
 
-def test_a_point_is_what_solve_finds(coarse):
-    dataset = bearingwear.sweep(
-        coarse, {PRELOAD: [5, 7], FRICTION: np.array([0.05, 0.1])}, workers=1
-    )
-    assert dataset.total_qv.dims == ("preload_N", "friction")
-    assert (
-        dataset.preload_N.attrs["units"] == "N"
-        and "preload" in dataset.preload_N.attrs["long_name"]
-    )
-    alone = bearingwear.solve(coarse.with_({PRELOAD: 7, FRICTION: 0.05}))
-    point = dataset.sel(preload_N=7, friction=0.05, race="inner")
+def test_a_point_of_a_sweep_is_the_solved_case(coarse):
+    """Its numbers and attributes, but for the codes of flags, which are those of the whole."""
+    axes = {PRELOAD: [5, 7], FRICTION: np.array([0.05, 0.1])}
+    dataset = bearingwear.sweep(coarse, axes, workers=1)
+    case = bearingwear.solve(coarse.with_({PRELOAD: 7, FRICTION: 0.05}))
+    point = dataset.sel(preload_N=7, friction=0.05)
     for name in ("contact_load", "qv", "total_qv", "status"):
-        there = alone[name].sel(race="inner") if "race" in alone[name].dims else alone[name]
-        np.testing.assert_array_equal(point[name], there)
-        assert {**dataset[name].attrs, "flag_values": 0} == {**alone[name].attrs, "flag_values": 0}
-    assert (dataset.status == "ok").all() and alone.status == "ok"
+        np.testing.assert_array_equal(point[name], case[name], err_msg=name)
+        of_sweep, of_case = (
+            {key: value for key, value in variable.attrs.items() if key != "flag_values"}
+            for variable in (dataset[name], case[name])
+        )
+        assert of_sweep == of_case, name
+    assert (dataset.status == "ok").all() and case.status == "ok"
 
 
-def test_processes_find_the_same(coarse):
+def test_axes_of_a_sweep_have_names_and_units(coarse):
+    dataset = bearingwear.sweep(coarse, {PRELOAD: [5, 7], FRICTION: [0.05, 0.1]}, workers=1)
+    assert dataset.total_qv.dims == ("preload_N", "friction")
+    attrs = dataset.preload_N.attrs
+    assert attrs["units"] == "N" and "preload" in attrs["long_name"]
+
+
+def test_a_sweep_by_two_processes_is_that_by_one(coarse):
     changes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 6, 7]}
     results = []
     for workers in (1, 2):
@@ -68,18 +73,19 @@ def test_processes_find_the_same(coarse):
     assert lives.dims == ("preload_N",) and (lives > 0.0).all() and lives.attrs["units"] == "h"
 
 
-def test_warnings_of_a_sweep_are_counted(coarse):
+@pytest.mark.parametrize("workers", [1, 2])
+def test_warnings_of_a_sweep_are_counted(coarse, workers):
+    """Once, at the worst of the cases."""
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
-    for workers in (1, 2):
-        with pytest.warns(UserWarning, match="2 cases, .* 0.7 um") as caught:
-            dataset = bearingwear.sweep(coarse, losses, workers=workers)
-        assert len(caught) == 1 and caught[0].filename == __file__
-        (worn,) = json.loads(dataset.attrs["warnings"])
-        assert worn["id"] == "groove_worn" and worn["cases"] == 2
-        assert numbers_in(worn["sentence"])[0] == 0.7
+    with pytest.warns(UserWarning, match="2 cases, .* 0.7 um") as caught:
+        dataset = bearingwear.sweep(coarse, losses, workers=workers)
+    assert len(caught) == 1 and caught[0].filename == __file__
+    (worn,) = json.loads(dataset.attrs["warnings"])
+    assert worn["id"] == "groove_worn" and worn["cases"] == 2
+    assert numbers_in(worn["sentence"])[0] == 0.7
 
 
-def test_file_of_a_sweep(coarse, tmp_path):
+def test_the_file_of_a_sweep_has_codes_and_is_read_with_names(coarse, tmp_path):
     methods = {METHOD: ["fixed_position", "constant_force"]}
     with pytest.warns(UserWarning, match="temperature is neglected"):
         dataset = bearingwear.sweep(coarse, methods, workers=1)
@@ -90,7 +96,7 @@ def test_file_of_a_sweep(coarse, tmp_path):
     xr.testing.assert_identical(bearingwear.load(tmp_path / "sweep.nc"), dataset)
 
 
-def test_a_point_that_fails(coarse):
+def test_a_point_that_is_not_solved_has_a_status_and_no_numbers(coarse):
     """Without friction the balls may spin in any way."""
     with pytest.warns(UserWarning, match="1 of 2 points .*undetermined 1") as caught:
         dataset = bearingwear.sweep(coarse, {FRICTION: [0.0, 0.08]}, workers=1)
@@ -113,13 +119,14 @@ def test_a_point_that_fails(coarse):
     ],
 )
 def test_all_points_are_checked_before_any_is_solved(coarse, changes, problem, monkeypatch):
-    monkeypatch.setattr("bearingwear.studies.sweep._result", not_to_be_solved)
+    monkeypatch.setattr("bearingwear.studies.sweep._result", fail_if_solved)
     with pytest.raises(SceneError) as error:
         bearingwear.sweep(coarse, changes, what="life", workers=1)
     assert problem in str(error.value) and "--set" not in str(error.value)
 
 
-def test_a_model_that_cannot_solve_a_point(coarse):
+def test_a_point_that_the_model_cannot_solve_is_left_out_unless_it_can_solve_none(coarse):
+    """The steady model has no rotating load."""
     rotating = "operation.rotating_load_N"
     with pytest.warns(UserWarning, match="1 of 2 points .*none 1 .gyro_s1: "):
         dataset = bearingwear.sweep(coarse, {rotating: [0.0, 1.0]}, fidelity="steady", workers=1)
@@ -215,15 +222,23 @@ def test_a_function_that_other_processes_cannot_import_is_refused(coarse):
 
 def test_only_what_is_kept_is_in_the_dataset(coarse):
     axes = {PRELOAD: [5, 7]}
-    every = bearingwear.sweep(coarse, axes, workers=1)
-    some = bearingwear.sweep(coarse, axes, workers=1, keep=["total_qv", "contact_load"])
-    assert set(some.data_vars) == {"status", "total_qv", "contact_load"}
-    for name in some.variables:
-        xr.testing.assert_identical(some[name].variable, every[name].variable)
-    with pytest.raises(SceneError, match="keep: got total_gv, expected total_qv"):
-        bearingwear.sweep(coarse, axes, workers=1, keep=["total_gv"])
-    with pytest.raises(SceneError, match="keep: got extremes of solve, expected it of life"):
-        bearingwear.sweep(coarse, axes, workers=1, keep="extremes")
+    whole = bearingwear.sweep(coarse, axes, workers=1)
+    kept = bearingwear.sweep(coarse, axes, workers=1, keep=["total_qv", "contact_load"])
+    assert set(kept.data_vars) == {"status", "total_qv", "contact_load"}
+    for name in kept.variables:
+        xr.testing.assert_identical(kept[name].variable, whole[name].variable)
+
+
+@pytest.mark.parametrize(
+    ("keep", "problem"),
+    [
+        (["total_gv"], "keep: got total_gv, expected total_qv"),
+        ("extremes", "keep: got extremes of solve, expected it of life"),
+    ],
+)
+def test_what_a_case_has_not_cannot_be_kept(coarse, keep, problem):
+    with pytest.raises(SceneError, match=problem):
+        bearingwear.sweep(coarse, {PRELOAD: [5, 7]}, workers=1, keep=keep)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
@@ -260,34 +275,55 @@ def test_the_worse_bearing_of_a_pair_counts(coarse):
     assert dataset.maximum_pressure[0] == alone.history_maximum_pressure.max()
 
 
+TWELVE_POINTS = {"model.strips": [8, 10], PRELOAD: [5, 7, 9], FRICTION: [0.0, 0.08]}
+
+
+def part_files(scene, what, folder):
+    """Files of the three parts of a sweep, by their number."""
+    files = {}
+    for k in (1, 2, 3):
+        part = bearingwear.sweep(scene, TWELVE_POINTS, what, workers=1, part=(k, 3))
+        files[k] = folder / f"{k}.nc"
+        bearingwear.save(part, files[k])
+    return files
+
+
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("what", ["solve", "life", product_of_numbers])
-def test_parts_make_the_whole(coarse, what, tmp_path):
-    axes = {"model.strips": [8, 10], PRELOAD: [5, 7, 9], FRICTION: [0.0, 0.08]}
-    dataset = bearingwear.sweep(coarse, axes, what, workers=1)
-    paths = [tmp_path / f"{k}.nc" for k in (2, 1, 3)]
-    for k, path in zip((2, 1, 3), paths, strict=True):
-        bearingwear.save(bearingwear.sweep(coarse, axes, what, workers=1, part=(k, 3)), path)
-    xr.testing.assert_identical(gathered_parts(paths), dataset)
+def test_parts_in_any_order_make_the_whole(coarse, what, tmp_path):
+    files = part_files(coarse, what, tmp_path)
+    whole = bearingwear.sweep(coarse, TWELVE_POINTS, what, workers=1)
+    xr.testing.assert_identical(gathered_parts([files[2], files[1], files[3]]), whole)
+
+
+def test_a_part_that_is_missing_or_there_twice_is_named(coarse, tmp_path):
+    files = part_files(coarse, product_of_numbers, tmp_path)
     with pytest.raises(CaseFileError, match="got 2 of 3 parts, expected also 1/3"):
-        gathered_parts([paths[0], paths[2]])
+        gathered_parts([files[2], files[3]])
     with pytest.raises(CaseFileError, match="got part 2/3 twice"):
-        gathered_parts([paths[0], paths[0]])
-    for part in ((0, 3), (4, 3), (1, 13)):
-        with pytest.raises(SceneError, match=r"part: got .*expected K/N with 1 <= K <= N <= 12"):
-            bearingwear.sweep(coarse, axes, what, workers=1, part=part)
+        gathered_parts([files[2], files[2]])
 
 
-def test_names_of_the_dimensions():
-    def names(*keys, taken=()):
-        return list(names_of_keys(keys, set(taken)).values())
+@pytest.mark.parametrize("part", [(0, 3), (4, 3), (1, 13)])
+def test_parts_that_a_sweep_has_not_are_refused(coarse, part):
+    with pytest.raises(SceneError, match=r"part: got .*expected K/N with 1 <= K <= N <= 12"):
+        bearingwear.sweep(coarse, TWELVE_POINTS, workers=1, part=part)
 
-    assert names(PRELOAD, FRICTION) == ["preload_N", "friction"]
-    assert names("wear.counts", taken=["counts"]) == ["wear_counts"]
-    assert names("materials.a.density_kg_m3", "materials.b.density_kg_m3") == [
-        "materials_a_density_kg_m3",
-        "materials_b_density_kg_m3",
-    ]
+
+@pytest.mark.parametrize(
+    ("keys", "taken", "names"),
+    [
+        ([PRELOAD, FRICTION], set(), ["preload_N", "friction"]),
+        (["wear.counts"], {"counts"}, ["wear_counts"]),
+        (
+            ["materials.a.density_kg_m3", "materials.b.density_kg_m3"],
+            set(),
+            ["materials_a_density_kg_m3", "materials_b_density_kg_m3"],
+        ),
+    ],
+)
+def test_dimensions_have_the_shortest_names_that_tell_them_apart(keys, taken, names):
+    assert list(names_of_keys(keys, taken).values()) == names
 
 
 SCRIPT = """
@@ -356,6 +392,6 @@ def test_a_sweep_of_pairs_has_a_column_for_each_bearing(coarse):
 
 @pytest.mark.parametrize("kinds", [["single", "spring_pair"], ["spring_pair", "single"]])
 def test_pairs_and_single_bearings_do_not_mix(coarse, kinds, monkeypatch):
-    monkeypatch.setattr("bearingwear.studies.sweep._result", not_to_be_solved)
+    monkeypatch.setattr("bearingwear.studies.sweep._result", fail_if_solved)
     with pytest.raises(SceneError, match="arrangement.kind: got .*single"):
         bearingwear.sweep(coarse, {"arrangement.kind": kinds}, workers=1)

@@ -19,26 +19,23 @@ def sweep(*words):
     return main(["sweep", str(SCENE), *map(str, words)])
 
 
-def test_axes_and_rows_make_the_datasets_of_python(tmp_path):
-    scene = bearingwear.load(SCENE).with_({"model.strips": 8, "model.tolerance": 1e-3})
+@pytest.fixture(scope="module")
+def coarse():
+    """The scene of the commands, as COARSE changes it."""
+    return bearingwear.load(SCENE).with_({"model.strips": 8, "model.tolerance": 1e-3})
+
+
+def test_axes_of_the_command_make_the_dataset_of_python(coarse, tmp_path):
     axes = {"operation.preload_N": [5, 7, 9], "friction.ball_race": np.linspace(0.05, 0.09, 3)}
-    options = [
-        *COARSE,
-        "--axis",
-        PRELOADS,
-        "--axis",
-        FRICTIONS,
-        "-j",
-        1,
-        "-o",
-        tmp_path / "axes.nc",
-    ]
-    assert sweep(*options) == 0
+    options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
+    assert sweep(*options, "-o", tmp_path / "axes.nc") == 0
     dataset = bearingwear.load(tmp_path / "axes.nc")
-    expected = bearingwear.sweep(scene, axes, workers=1)
-    del expected.attrs["message"]
+    expected = bearingwear.sweep(coarse, axes, workers=1)
+    del expected.attrs["message"]  # which files do not have
     xr.testing.assert_identical(dataset, expected)
 
+
+def test_rows_of_a_table_are_points_of_their_own(coarse, tmp_path):
     table = tmp_path / "rows.csv"
     table.write_text(
         "operation.preload_N,operation.preload_method\n5,constant_force\n7,fixed_position\n"
@@ -47,7 +44,7 @@ def test_axes_and_rows_make_the_datasets_of_python(tmp_path):
     with xr.open_dataset(tmp_path / "rows.nc") as file:
         assert file.total_qv.dims == ("row",) and set(file.data_vars) == {"status", "total_qv"}
         assert file.preload_N.values.tolist() == [5.0, 7.0]
-        fixed = scene.with_({"operation.preload_method": "fixed_position"})
+        fixed = coarse.with_({"operation.preload_method": "fixed_position"})
         with pytest.warns(UserWarning, match="temperature is neglected"):
             assert file.total_qv[1] == bearingwear.solve(fixed).total_qv
 
@@ -62,7 +59,11 @@ def test_gather_joins_parts_byte_for_byte(tmp_path, capsys):
     assert (tmp_path / "all.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
     assert main(["gather", str(parts[1]), "-o", str(tmp_path / "none.nc")]) == 2
     assert capsys.readouterr().err.endswith("2.nc: got 1 of 2 parts, expected also 1/2\n")
-    assert main(["show", str(tmp_path / "whole.nc")]) == 0
+
+
+def test_show_has_the_numbers_of_a_sweep(tmp_path, capsys):
+    assert sweep(*COARSE, "--axis", PRELOADS, "-j", 1, "-o", tmp_path / "sweep.nc") == 0
+    assert main(["show", str(tmp_path / "sweep.nc")]) == 0
     assert "total_qv" in capsys.readouterr().out
 
 
@@ -126,12 +127,17 @@ def test_options_that_are_no_numbers_are_refused(words, capsys):
     assert "expected" in capsys.readouterr().err
 
 
-def test_a_file_that_nobody_named_is_named_after_the_scene(tmp_path, monkeypatch, capsys):
+def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, monkeypatch, capsys):
     (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
-    parts = ["sweep", "mine.yaml", "--axis", "operation.preload_N=6,7", "-j", "1"]
-    for more, name in (([], "mine-sweep.nc"), (["--part", "2/2"], "mine-sweep-2of2.nc")):
-        assert main([*parts, *more]) == 0
+    options = ["sweep", "mine.yaml", "--axis", "operation.preload_N=6,7", "-j", "1"]
+    for part, name in (([], "mine-sweep.nc"), (["--part", "2/2"], "mine-sweep-2of2.nc")):
+        assert main([*options, *part]) == 0
         assert f"{name}: written\n" in capsys.readouterr().err and (tmp_path / name).exists()
+
+
+def test_the_file_of_an_export_is_named_after_the_scene(tmp_path, monkeypatch, capsys):
+    (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
+    monkeypatch.chdir(tmp_path)
     assert main(["export", "mine.yaml", "--speeds", "20000,30000"]) == 0
     assert capsys.readouterr().out.startswith("mine-stiffness.csv: written")

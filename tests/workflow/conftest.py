@@ -105,7 +105,7 @@ class Project:
     def _run(self, arguments: Sequence[str], jobs: int | None, prefix: Sequence[str]) -> "Run":
         if not prefix:
             return self._planned([*_options(jobs), *arguments])
-        done = subprocess.run(
+        completed = subprocess.run(
             [*prefix, *self.command(*arguments, jobs=jobs)],
             cwd=self.root,
             env=self.environment,
@@ -113,14 +113,14 @@ class Project:
             text=True,
             timeout=900,
         )
-        return Run(done.returncode, done.stdout + done.stderr)
+        return Run(completed.returncode, completed.stdout + completed.stderr)
 
     def _planned(self, arguments: Sequence[str]) -> "Run":
         """Run Snakemake by the process that has it imported."""
         server = planner()
         with tempfile.NamedTemporaryFile() as output:
-            asked = {"arguments": [*arguments], "folder": str(self.root), "output": output.name}
-            server.stdin.write(json.dumps(asked | {"environment": self.environment}) + "\n")
+            request = {"arguments": [*arguments], "folder": str(self.root), "output": output.name}
+            server.stdin.write(json.dumps(request | {"environment": self.environment}) + "\n")
             server.stdin.flush()
             status = int(server.stdout.readline())
             return Run(status, Path(output.name).read_text(encoding="utf-8", errors="replace"))
@@ -225,7 +225,7 @@ def first_run(new_project, made_once):
 
 
 @pytest.fixture
-def solved(first_run, tmp_path) -> Project:
+def solved_study(first_run, tmp_path) -> Project:
     """A copy of the solved study, to be changed."""
     root = tmp_path / "moved project"  # a space in the path
     shutil.copytree(first_run[0].root, root)

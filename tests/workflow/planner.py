@@ -42,9 +42,9 @@ def run(arguments, folder, environment, output):
 
 
 for line in sys.stdin:
-    asked = json.loads(line)
+    request = json.loads(line)
     child = os.fork()
     if child == 0:
-        run(**asked)
+        run(**request)
     _, ended = os.waitpid(child, 0)
     print(os.waitstatus_to_exitcode(ended), flush=True)

@@ -34,7 +34,9 @@ SAID_BEFORE = {"README.md": "docs/quickstart.md"}
 
 SHOWN = {
     r"pip install -c constraints.txt \.$": "tests/test_installed.py::installed",
-    r"pip install .*\[slurm\]": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
+    r"pip install .*\[slurm\]|snakemake --workflow-profile \S+$": (
+        "tests/workflow/test_slurm.py::test_a_study_on_slurm_has_the_same_bytes"
+    ),
     r"python3 -m venv": "tests/test_installed.py::installed",
     r"make venv": "tests/test_set_up.py::test_make_alone_sets_up",
     r"make study|snakemake -j2( --rerun-incomplete)?$|bearingwear study$": (
@@ -48,23 +50,22 @@ SHOWN = {
     ),
     r"snakemake -n": "tests/workflow/test_study.py::test_every_study_is_planned",
     r"snakemake -j2 \w+": "tests/workflow/test_study.py::test_every_study_is_planned",
-    r"snakemake -j2 -f results": "tests/workflow/test_study.py::test_one_point_again",
+    r"snakemake -j2 -f results": "tests/workflow/test_study.py::test_a_forced_case_is_solved_again",
     r"bearingwear study (results/\S+\.nc|-n)$": (
-        "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
+        "tests/workflow/test_study.py::test_a_result_is_made_again_by_the_command_study"
     ),
     r"bearingwear study mine\.yaml( --\w+ [\d.]+)+$": (
         "tests/workflow/test_own.py::test_a_study_of_one_scene_ends_with_its_page"
     ),
     r"(snakemake|bearingwear study) --unlock": (
-        "tests/workflow/test_faults.py::test_everything_is_killed"
+        "tests/workflow/test_faults.py::test_a_study_goes_on_after_all_its_processes_are_killed"
     ),
     r"(snakemake|bearingwear study all) --report": (
-        "tests/workflow/test_study.py::test_the_report_of_the_jobs"
+        "tests/workflow/test_study.py::test_the_report_of_snakemake_has_every_figure"
     ),
     r"snakemake --workflow-profile .* --executor cluster-generic": (
-        "tests/workflow/test_submit_command.py::test_jobs_are_given_to_a_submit_command"
+        "tests/workflow/test_submit_command.py::test_a_study_by_a_submit_command_has_the_same_bytes"
     ),
-    r"snakemake --workflow-profile \S+$": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
     r"make (test|quick|test-\w+|fuzz|docs|gallery)$": "Makefile",
     r"python benchmarks/\w+\.py( \w+| -o \S+)?$": "benchmarks",
 }
@@ -87,16 +88,16 @@ def lines_of(text):
     return [line for line in lines if line]
 
 
-def agree(said: str, printed: str) -> bool:
+def agree(documented: str, printed: str) -> bool:
     """Whether two lines are the same but for the last digits of their numbers."""
-    words, others = said.split(), printed.split()
-    if len(words) != len(others):
+    documented_words, printed_words = documented.split(), printed.split()
+    if len(documented_words) != len(printed_words):
         return False
     return all(
         float(a) == pytest.approx(float(b), rel=1e-3)
         if NUMBER.fullmatch(a) and NUMBER.fullmatch(b)
         else a == b
-        for a, b in zip(words, others, strict=True)
+        for a, b in zip(documented_words, printed_words, strict=True)
     )
 
 
@@ -110,8 +111,8 @@ def printed(function, *arguments) -> str:
 
 def run_command(line: str) -> None:
     """Run a command of ours, whose status is 0 or the one that the line allows."""
-    typed, _, allowed = line.partition(" || test $? = ")
-    status = main(shlex.split(typed)[1:])
+    command, _, allowed = line.partition(" || test $? = ")
+    status = main(shlex.split(command)[1:])
     assert status in {0, int(allowed or 0)}, line
 
 
@@ -142,12 +143,12 @@ def run(tmp_path, monkeypatch):
         lines = lines_of(statement)
         if all(OURS.fullmatch(line) for line in lines):
             return "".join(printed(run_command, line) for line in lines)
-        done = subprocess.run(
+        completed = subprocess.run(
             ["bash", "-eu", "-c", statement],
             cwd=folder, env=environment, capture_output=True, text=True, timeout=3600,
         )  # fmt: skip
-        assert done.returncode == 0, f"{statement}\n{done.stdout}{done.stderr}"
-        return done.stdout
+        assert completed.returncode == 0, f"{statement}\n{completed.stdout}{completed.stderr}"
+        return completed.stdout
 
     monkeypatch.chdir(folder)
     monkeypatch.setenv("MPLBACKEND", "agg")
@@ -156,8 +157,8 @@ def run(tmp_path, monkeypatch):
     return run
 
 
-def typed(run, page, languages):
-    """Run the blocks of a page in these languages; the number of lines that were compared."""
+def compared_lines(run, page, languages):
+    """How many lines of a page were compared when its blocks in these languages were run."""
     printed, compared = "", 0
     if page.name == "python.md":  # which loads a file of the reader's
         shutil.copy(ROOT / "config/scenes/gyro_s1.yaml", run.folder / "mine.yaml")
@@ -192,7 +193,7 @@ SLOW_PYTHON = ("docs/tutorial.md",)
 """Pages of which `make test` leaves out the Python, sixteen lives with grooves as they wear."""
 
 
-def marked(pages):
+def with_marks(pages):
     """Slow pages are no part of `make test`, nor run twice by `make test-long`."""
     slow = [page for page in pages if named(page) in SLOW]
     alone = [page for page in slow if page not in holding("bash")]
@@ -206,9 +207,10 @@ def holding(*languages):
     return [page for page in pages if any(name in languages for name, _ in blocks(page))]
 
 
-@pytest.mark.parametrize("page", marked(holding("sh", "python")), ids=named)
-def test_page(run, page):
-    compared = typed(run, page, ("sh",) if named(page) in SLOW_PYTHON else ("sh", "python"))
+@pytest.mark.parametrize("page", with_marks(holding("sh", "python")), ids=named)
+def test_a_page_prints_what_it_shows(run, page):
+    languages = ("sh",) if named(page) in SLOW_PYTHON else ("sh", "python")
+    compared = compared_lines(run, page, languages)
     names = {path.name for path in run.folder.iterdir()}
     if page.name == "tutorial.md":
         assert compared > 20
@@ -222,25 +224,25 @@ def test_page(run, page):
 
 @pytest.mark.long
 @pytest.mark.parametrize("page", holding("bash"), ids=named)
-def test_page_that_takes_minutes(run, page):
-    compared = typed(run, page, ("sh", "bash", "python"))
+def test_a_page_that_takes_minutes_prints_what_it_shows(run, page):
+    compared = compared_lines(run, page, ("sh", "bash", "python"))
     if page.name == "tutorial.md":
         assert compared > 50
         drawn = (run.folder / "life_against_preload.svg").read_text(encoding="utf-8")
         assert "</svg>" in drawn
 
 
-@pytest.mark.parametrize("page, other", SAID_BEFORE.items())
-def test_lines_stand_in_a_page_that_is_run(page, other):
-    here, there = commands(ROOT / page), commands(ROOT / other)
+def shown_lines(page):
+    """Lines that a page shows below its commands."""
+    texts = [text for language, text in blocks(page) if language == "text"]
+    return {line for text in texts for line in text.split("\n")}
+
+
+@pytest.mark.parametrize("page, run_page", SAID_BEFORE.items())
+def test_the_lines_of_a_page_that_is_not_run_are_those_of_one_that_is(page, run_page):
+    here, there = commands(ROOT / page), commands(ROOT / run_page)
     assert here and [line for line in there if line in here] == here
-    typed = [
-        line for name, text in blocks(ROOT / other) if name == "text" for line in text.split("\n")
-    ]
-    shown = [
-        line for name, text in blocks(ROOT / page) if name == "text" for line in text.split("\n")
-    ]
-    assert set(shown) <= set(typed)
+    assert shown_lines(ROOT / page) <= shown_lines(ROOT / run_page)
 
 
 def test_documented_commands_write_different_files():
@@ -249,7 +251,7 @@ def test_documented_commands_write_different_files():
         assert len(outputs) == len(set(outputs)), page
 
 
-def test_every_line_shown_is_run_somewhere():
+def test_every_line_that_is_only_shown_is_run_by_a_test():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for page in PAGES:
         for line in commands(page, ("console",)):

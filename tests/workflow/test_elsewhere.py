@@ -8,7 +8,7 @@ import yaml
 from support import ROOT, scene_file, without_waits
 from workflow.conftest import Project
 
-NOT_ALL_SOLVED = {
+ONE_CASE_WITHOUT_FRICTION = {
     "studies": [
         {
             "scenes": ["gyro_s1"],
@@ -22,43 +22,44 @@ NOT_ALL_SOLVED = {
 
 
 @pytest.fixture
-def elsewhere(tmp_path):
+def folder(tmp_path):
     """A folder that holds one scene and a study of two cases."""
     (tmp_path / "config" / "scenes").mkdir(parents=True)
-    (tmp_path / "config" / "config.yaml").write_text(yaml.safe_dump(NOT_ALL_SOLVED))
+    (tmp_path / "config" / "config.yaml").write_text(yaml.safe_dump(ONE_CASE_WITHOUT_FRICTION))
     text = scene_file("gyro_s1").read_text(encoding="utf-8")
     (tmp_path / "config" / "scenes" / "gyro_s1.yaml").write_text(text, encoding="utf-8")
     return tmp_path
 
 
 def study(folder, *arguments):
+    """`bearingwear study` in a folder, as it ended."""
     command = [sys.executable, "-m", "bearingwear", "study", *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-    done.stderr = without_waits(done.stderr)
-    return done
+    completed = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    completed.stderr = without_waits(completed.stderr)
+    return completed
 
 
-def test_a_case_that_cannot_be_solved(elsewhere):
+def test_a_case_without_a_solution_is_recorded_and_told_at_the_end(folder):
     """Without friction the ball's rotation is undetermined: recorded, marked, said at the end."""
-    done = study(elsewhere, "-j2")
+    completed = study(folder, "-j2")
     failed = "results/gyro_s1/cases/constant_force-mu0.000-loss0.00.nc: undetermined"
-    output = done.stdout + done.stderr
-    assert done.returncode != 0 and failed in output, output
-    results = elsewhere / "results"
+    output = completed.stdout + completed.stderr
+    assert completed.returncode != 0 and failed in output, output
+    results = folder / "results"
     drawn = {path.stem for path in results.glob("gyro_s1/figures/*.svg")}
     assert {"fig10_wear", "wear_life"} <= drawn
     assert (results / "report/index.html").exists() and not (results / "verdict.txt").exists()
     summary = (results / "gyro_s1/tables/summary.md").read_text(encoding="utf-8")
     assert summary.count("µm: undetermined") == 1
-    assert "page: results/report/index.html" in done.stderr.splitlines()
-    again = Project(elsewhere).run("--snakefile", str(ROOT / "Snakefile"))
+    assert "page: results/report/index.html" in completed.stderr.splitlines()
+    again = Project(folder).run("--snakefile", str(ROOT / "Snakefile"))
     assert again.status != 0 and failed in again.text and again.jobs == {"verdict": 1}
 
 
-def test_a_folder_without_a_study(tmp_path):
-    done = study(tmp_path)
-    assert done.returncode == 2
-    assert done.stderr.splitlines() == [
+def test_a_folder_without_a_study_is_refused_in_one_line(tmp_path):
+    completed = study(tmp_path)
+    assert completed.returncode == 2
+    assert completed.stderr.splitlines() == [
         "study: got all in a folder without config/config.yaml, expected SCENE.yaml, or a folder "
         "that contains a study"
     ]

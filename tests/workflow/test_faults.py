@@ -58,8 +58,8 @@ def tiny(project):
 
 
 @pytest.fixture
-def done(undisturbed, tmp_path):
-    """A copy of the tiny study."""
+def solved_tiny_study(undisturbed, tmp_path):
+    """A copy of the tiny study, to be broken."""
     shutil.copytree(undisturbed.root, tmp_path / "study")
     return type(undisturbed)(tmp_path / "study")
 
@@ -127,7 +127,7 @@ def resumes(project, before, undisturbed, *arguments, ran_on=0):
 
 
 @pytest.mark.faults
-def test_a_job_is_killed(project, undisturbed):
+def test_a_study_goes_on_after_a_job_is_killed(project, undisturbed):
     process = project.start()
     victim = wait(lambda: finished(project) and solver_processes(process))[0]
     victim.kill()
@@ -138,7 +138,7 @@ def test_a_job_is_killed(project, undisturbed):
 
 
 @pytest.mark.faults
-def test_snakemake_is_killed(project, undisturbed):
+def test_a_study_goes_on_after_snakemake_alone_is_killed(project, undisturbed):
     """Its jobs end, too; one may have been at its last lines."""
     process = project.start()
     left = wait(lambda: finished(project) and solver_processes(process))
@@ -156,7 +156,7 @@ def test_snakemake_is_killed(project, undisturbed):
 
 
 @pytest.mark.faults
-def test_everything_is_killed(project, undisturbed):
+def test_a_study_goes_on_after_all_its_processes_are_killed(project, undisturbed):
     process = project.start()
     wait(lambda: finished(project) and solver_processes(process))
     os.killpg(process.pid, signal.SIGKILL)
@@ -167,7 +167,7 @@ def test_everything_is_killed(project, undisturbed):
 
 
 @pytest.mark.faults
-def test_two_runs_at_once(project, undisturbed):
+def test_a_second_run_at_once_is_refused(project, undisturbed):
     first = project.start()
     wait(lambda: list((project.root / ".snakemake/locks").glob("*")))
     second = project.run()
@@ -177,7 +177,7 @@ def test_two_runs_at_once(project, undisturbed):
 
 
 @pytest.mark.faults
-def test_two_runs_of_one_case_at_once(project, undisturbed):
+def test_a_case_that_is_written_by_several_at_once_is_whole(project, undisturbed):
     """Not even where the lock is overruled do two writers mix their bytes."""
     case = CASES[0]
     target = f"results/gyro_s1/cases/{case}.nc"
@@ -205,7 +205,7 @@ def can_mount():
 
 @pytest.mark.faults
 @pytest.mark.parametrize("room", ["60k", "120k", "250k"])
-def test_the_disk_is_full(project, undisturbed, room):
+def test_a_study_goes_on_after_its_results_filled_the_disk(project, undisturbed, room):
     if not can_mount():
         pytest.skip("needs the right to mount a small file system of its own")
     (project.root / "results").mkdir()
@@ -220,11 +220,11 @@ def test_the_disk_is_full(project, undisturbed, room):
         {run} > second.txt 2>&1
         cp -a results with_room
     """
-    done = subprocess.run(
+    completed = subprocess.run(
         ["unshare", "-m", "sh", "-e", "-c", script],
         cwd=project.root, env=project.environment, capture_output=True, text=True, timeout=900,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert completed.returncode == 0, completed.stderr
 
     def files(folder):
         paths = [path for path in (project.root / folder).rglob("*") if path.is_file()]
@@ -242,7 +242,7 @@ def test_the_disk_is_full(project, undisturbed, room):
 
 
 @pytest.mark.faults
-def test_the_disk_of_a_study_is_full(tmp_path, undisturbed):
+def test_a_study_on_a_full_disk_goes_on_with_more_room(tmp_path, undisturbed):
     """Configuration, logs and what Snakemake notes lie there, too; each run has more room."""
     if not can_mount():
         pytest.skip("needs the right to mount a small file system of its own")
@@ -262,11 +262,11 @@ def test_the_disk_of_a_study_is_full(tmp_path, undisturbed):
             cp -a study study-$room
         done
     """
-    done = subprocess.run(
+    completed = subprocess.run(
         ["unshare", "-m", "sh", "-e", "-c", script],
         cwd=tmp_path, env=undisturbed.environment, capture_output=True, text=True, timeout=900,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert completed.returncode == 0, completed.stderr
     expected = {k: data for k, data in undisturbed.results().items() if "report/" not in k}
     for room in rooms:
         text, folder = (tmp_path / f"{room}.txt").read_text(), tmp_path / f"study-{room}"
@@ -294,7 +294,7 @@ DEATHS = {
 
 @pytest.mark.faults
 @pytest.mark.parametrize("death", DEATHS)
-def test_a_module_that_ends_its_process_as_it_is_imported(project, death):
+def test_the_log_says_why_the_process_of_a_job_ended(project, death):
     """By whatever: the log that the study names says it, as does the terminal."""
     line = "import time\n"
     # Snakemake's own process and the job that compiles kernels import it, too
@@ -313,7 +313,7 @@ def test_a_module_that_ends_its_process_as_it_is_imported(project, death):
 
 @pytest.mark.faults
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="elsewhere jobs have no server")
-def test_a_command_is_killed_alone(tmp_path, request):
+def test_a_killed_command_ends_all_that_it_started(tmp_path, request):
     """However and whenever that is, all that it started ends, and the next run goes on."""
     # below `nohup` a command ignores it, and is right to go on
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
@@ -345,47 +345,47 @@ def test_a_command_is_killed_alone(tmp_path, request):
 
 
 @pytest.mark.faults
-def test_results_cannot_be_written(done, undisturbed):
+def test_results_that_cannot_be_written_are_told_in_one_line(solved_tiny_study, undisturbed):
     unprivileged = () if os.geteuid() else WITHOUT_PRIVILEGES
     if unprivileged and shutil.which(unprivileged[0]) is None:
         pytest.skip("root may write everywhere, and there is no setpriv to take that right away")
-    first_case = done.case(CASES[0])
+    first_case = solved_tiny_study.case(CASES[0])
     for case in CASES[:2]:  # its line: Snakemake itself removes what is left of one
-        done.case(case).unlink()
-    before = finished(done)
+        solved_tiny_study.case(case).unlink()
+    before = finished(solved_tiny_study)
     first_case.parent.chmod(0o555)
-    run = done.run(prefix=unprivileged)
+    run = solved_tiny_study.run(prefix=unprivileged)
     first_case.parent.chmod(0o755)
     assert run.status == 1 and "Traceback" not in run.text
-    name = first_case.relative_to(done.root)
-    log = (done.root / f"logs/solve/gyro_s1/{LINES[0]}.log").read_text()
+    name = first_case.relative_to(solved_tiny_study.root)
+    log = (solved_tiny_study.root / f"logs/solve/gyro_s1/{LINES[0]}.log").read_text()
     assert log == f"{name}: cannot be written (Permission denied)\n"
-    resumes(done, before, undisturbed)
+    resumes(solved_tiny_study, before, undisturbed)
 
 
 @pytest.mark.faults
-def test_cases_that_do_not_converge(done, undisturbed):
+def test_unsolved_cases_are_solved_once_the_solver_is_mended(solved_tiny_study, undisturbed):
     """All iterations are taken away, as if they had not sufficed."""
     source = "bearingwear/kernels/steady/level_solver.py"
     for most in ("NEWTON_STEPS", "most"):  # Newton's, and those of the steps that come after it
-        done.edit(
+        solved_tiny_study.edit(
             source, f"for iteration in range({most}):", f"for iteration in range(0 * {most}):"
         )
-    run = done.run()
+    run = solved_tiny_study.run()
     assert run.status == 1
     says = "no_steady_state"
     assert all(f"{case}.nc: {says}: " in run.text for case in CASES), run.text
-    results = done.results()
+    results = solved_tiny_study.results()
     assert set(results) == set(undisturbed.results()) - {"verdict.txt"}
     assert results["gyro_s1/tables/summary.md"].decode().count(": no steady state\n") == len(CASES)
     for name in ("fig09_slip", "fig10_wear", "wear_life"):
         assert b"not solved" in results[f"gyro_s1/figures/{name}.svg"]
-    again = done.run()
+    again = solved_tiny_study.run()
     assert again.status == 1 and again.jobs == {"verdict": 1}
-    shutil.copy(ROOT / source, done.root / source)
-    mended = done.run()
+    shutil.copy(ROOT / source, solved_tiny_study.root / source)
+    mended = solved_tiny_study.run()
     assert mended.status == 0 and mended.jobs["solve"] == 4
-    assert done.results() == undisturbed.results()
+    assert solved_tiny_study.results() == undisturbed.results()
 
 
 @pytest.mark.faults

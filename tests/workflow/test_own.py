@@ -34,8 +34,8 @@ def study(tmp_path, monkeypatch, capfd):
     def run(*arguments):
         capfd.readouterr()
         status = main(["study", "mine.yaml", "-o", "folder", *arguments])
-        done = capfd.readouterr()
-        return status, done.err + done.out
+        out, err = capfd.readouterr()
+        return status, err + out
 
     return run
 
@@ -52,6 +52,10 @@ def rules(output):
 
 @pytest.mark.long
 def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
+    """Also when it is run again: as it was, without a result, with other limits, edited.
+
+    One test, as it takes minutes and each run goes on from the one before.
+    """
     folder = tmp_path / "folder"
     status, output = study("-j2", "--stiffness", "3")
     assert status == 0, output
@@ -60,6 +64,7 @@ def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
     assert output.splitlines()[-1].endswith("folder/index.html")
     assert f"gyro_s1: {headline[0].lower()}{headline[1:]}" in output
     preload, stiffness, *_ = numbers_in(headline)
+    # the preload is a regression value of this page
     assert "(constant force)" in headline and preload == pytest.approx(4.1, abs=0.1)
     assert stiffness == 3.0 and "L10" in page
     dataset = load(folder / "results/mine/preload/recommendation.nc")
@@ -76,10 +81,10 @@ def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
     config = yaml.safe_load((folder / "config/config.yaml").read_text(encoding="utf-8"))
     worn = config["figures"]["worn_loss_um"]
     (case, *_) = sorted((folder / "results/mine").glob(f"cases/*-loss{worn:.2f}.nc"))
-    before = case.read_bytes()
+    contents = case.read_bytes()
     case.unlink()
     status, output = study("-j2", "--stiffness", "3")
-    assert status == 0 and case.read_bytes() == before, output
+    assert status == 0 and case.read_bytes() == contents, output
 
     # other limits: no case is solved again
     status, output = study("-j2", "--stiffness", "900")
@@ -105,17 +110,17 @@ COMMAND = [sys.executable, "-P", "-m", "bearingwear", "study", "mine.yaml"]
 
 
 @pytest.fixture
-def elsewhere(tmp_path):
-    """How to start a study of one's own from a folder."""
+def in_a_folder(tmp_path):
+    """Options of a process in a folder that has the scene mine.yaml alone."""
     shutil.copy(scene_file("gyro_s1"), tmp_path / "mine.yaml")
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": str(ROOT)}, **pipes}
 
 
-def test_an_interrupt_ends_everything(elsewhere):
+def test_an_interrupt_ends_the_command_and_all_that_it_started(in_a_folder):
     """The command, Snakemake and its jobs: in the order in which they are started."""
-    run = subprocess.Popen(STUDY, **elsewhere)
-    time.sleep(4.0)
+    run = subprocess.Popen(STUDY, **in_a_folder)
+    time.sleep(4.0)  # by then Snakemake runs its first jobs
     below = psutil.Process(run.pid).children(recursive=True)
     run.send_signal(signal.SIGINT)
     _, output = run.communicate(timeout=60)
@@ -126,24 +131,23 @@ def test_an_interrupt_ends_everything(elsewhere):
 
 
 @pytest.mark.long
-def test_files_of_the_user_are_no_modules(elsewhere):
+def test_python_files_beside_the_scene_are_not_imported(in_a_folder):
     for name in ("signal", "calendar", "numpy", "bearingwear"):
-        (elsewhere["cwd"] / f"{name}.py").write_text("raise SystemExit('imported')\n")
-    done = subprocess.run([*COMMAND, "-n"], timeout=300, **elsewhere)
-    assert done.returncode == 0 and "imported" not in done.stdout + done.stderr
+        (in_a_folder["cwd"] / f"{name}.py").write_text("raise SystemExit('imported')\n")
+    completed = subprocess.run([*COMMAND, "-n"], timeout=300, **in_a_folder)
+    assert completed.returncode == 0 and "imported" not in completed.stdout + completed.stderr
 
 
 @pytest.mark.long  # of other commands: tests/test_cli.py
-def test_a_closed_pipe_ends_the_study(elsewhere):
+def test_a_closed_pipe_ends_the_study(in_a_folder):
     text = f"{shlex.join(STUDY)} -n 2>&1 | head -1"
-    done = subprocess.run(["sh", "-c", text], timeout=300, **elsewhere)
-    assert done.stdout.count("\n") == 1 and "Traceback" not in done.stderr
+    completed = subprocess.run(["sh", "-c", text], timeout=300, **in_a_folder)
+    assert completed.stdout.count("\n") == 1 and "Traceback" not in completed.stderr
 
 
-def test_wrong_arguments_of_study_are_refused_in_one_line(study, tmp_path):
-    (tmp_path / "folder").mkdir()
-    (tmp_path / "folder" / "notes.txt").touch()
-    for arguments, expected in (
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
         ((), "folder: got a folder with other files, expected a new folder"),
         (("--stiffness", "-3"), "argument --stiffness: got '-3', expected a number > 0"),
         (
@@ -154,13 +158,25 @@ def test_wrong_arguments_of_study_are_refused_in_one_line(study, tmp_path):
         (("other.yaml",), "got 'other.yaml' after the scene, expected one scene and options"),
         (("--rerun-triggers", "x"), "--rerun-triggers: invalid choice: 'x'"),
         (("-o", "mine.yaml"), "mine.yaml: got a file, expected a folder"),
-    ):
-        status, printed = study(*arguments)
-        assert status == 2 and len(printed.splitlines()) == 1 and expected in printed
-    assert main(["study", "all", "--power", "3"]) == 2
-    assert main(["study", "none.yaml"]) == 2
-    assert main(["study", "nothing"]) == 2  # a folder without a configuration
+    ],
+)
+def test_wrong_arguments_of_study_are_refused_in_one_line(study, arguments, expected, tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "notes.txt").touch()
+    status, printed = study(*arguments)
+    assert status == 2 and len(printed.splitlines()) == 1 and expected in printed
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "mine.yaml"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["all", "--power", "3"], ["missing.yaml"], ["nothing"]],
+    ids=["limits without a scene", "missing scene", "folder without a configuration"],
+)
+def test_a_study_of_nothing_is_refused(arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["study", *arguments]) == 2
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.long

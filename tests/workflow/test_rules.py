@@ -24,10 +24,10 @@ def test_every_rule_has_a_name_and_no_rule_is_made_in_a_loop():
 
 
 def test_a_rule_says_in_a_sentence_what_it_makes():
-    wrong = [
+    without_sentence = [
         name for name, body in RULES.items() if not re.match(r'    """[A-Z].*\S[.)]"""\n', body)
     ]
-    assert not wrong
+    assert not without_sentence
 
 
 def test_the_table_of_rules_is_up_to_date():
@@ -44,7 +44,8 @@ def test_the_table_of_rules_is_up_to_date():
             assert spec is not None, name
 
 
-def test_common_is_short():
+def test_the_code_common_to_the_rules_is_short():
+    """Less than 60 lines, as code has its place and its tests in the package."""
     assert len((ROOT / "workflow/rules/common.smk").read_text().splitlines()) < 60
 
 
@@ -57,7 +58,7 @@ def test_the_workflow_uses_nothing_private_of_snakemake():
     assert not re.findall(private, text)
 
 
-def test_a_step_is_called_as_its_function_is():
+def test_every_step_has_the_arguments_of_its_function_and_depends_on_its_source():
     assert STEPS
     for name, text in STEPS.items():
         dotted, arguments = re.search(r"bearingwear step (\S+) (.*?) -o ", text).groups()
@@ -72,7 +73,7 @@ def test_a_step_is_called_as_its_function_is():
             assert hashed and path in sources(hashed[1]), dotted
 
 
-def test_files_of_the_workflow_are_installed():
+def test_the_files_of_the_workflow_are_installed():
     """As data of the package, for studies outside a clone."""
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     for pattern in ("workflow/rules/*.smk", "workflow/schemas/*.yaml", "workflow/report/*.rst"):

@@ -95,7 +95,7 @@ def stop(pid_file: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def slurm(tmp_path_factory):
+def cluster(tmp_path_factory):
     """A cluster of one node that takes jobs."""
     if reason := missing():
         if os.environ.get("REQUIRE_SLURM"):
@@ -132,9 +132,9 @@ def slurm(tmp_path_factory):
 
 
 def call(*argv) -> str:
-    done = subprocess.run(argv, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, f"{argv}: {done.stderr}"
-    return done.stdout
+    completed = subprocess.run(argv, capture_output=True, text=True, timeout=60)
+    assert completed.returncode == 0, f"{argv}: {completed.stderr}"
+    return completed.stdout
 
 
 def queued(form: str) -> list[str]:
@@ -143,35 +143,38 @@ def queued(form: str) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def on_slurm(slurm, new_project):
+def study_on_slurm(cluster, new_project):
     """The study solved on the cluster, and what Snakemake said."""
     project = new_project()
     project.configure(CONFIG)
     return project, project.run(*PROFILE)
 
 
-def test_a_study_on_slurm(on_slurm, new_project):
-    project, run = on_slurm
+def test_a_study_on_slurm_has_the_same_bytes(study_on_slurm, new_project):
+    project, run = study_on_slurm
     assert run.status == 0, run.text
     assert run.jobs["solve"] == 4 and run.jobs["wear_life"] == 1
-    # four lines of cases were one job, a life another; what takes a second stayed out of the queue
-    asked = [line.split() for line in queued("%T %l %C %m %j")]
-    # a minute a line is asked for, but memory and cores of one
-    assert [line[:-1] for line in asked] == [
-        ["COMPLETED", "1:00", "1", "1000M"],
-        ["COMPLETED", "4:00", "1", "1000M"],
+    without_cluster = new_project()
+    without_cluster.configure(CONFIG)
+    assert without_cluster.run().status == 0
+    assert project.results() == without_cluster.results()
+    assert "Nothing to be done" in project.run("-n").text
+
+
+def test_the_lines_of_a_study_are_one_job_of_the_cluster_and_its_lives_another(study_on_slurm):
+    """What takes a second stays out of the queue.
+
+    A minute a line is asked for, but memory and cores of one.
+    """
+    assert [line.split() for line in queued("%T %l %C %m")] == [
+        ["COMPLETED", "1:00", "1", "1000M"],  # the lives, the newest first
+        ["COMPLETED", "4:00", "1", "1000M"],  # four lines
     ]
-    here = new_project()
-    here.configure(CONFIG)
-    assert here.run().status == 0
-    assert project.results() == here.results()
-    again = project.run("-n")
-    assert "Nothing to be done" in again.text
 
 
-def test_a_map_on_slurm(slurm, new_project):
-    """Its parts are one job of the cluster; the map has the bytes that it has without one."""
-    target, numbers = "results/gyro_s1/design/design.nc", []
+def test_a_map_on_slurm_has_the_same_bytes(cluster, new_project):
+    """Its parts are one job of the cluster, of four minutes a part."""
+    target, contents = "results/gyro_s1/design/design.nc", []
     axes = {"preload_method": ["constant_force", "fixed_position"], "friction": [0.08]}
     axes |= {"shaft_speed_rpm": [30000], "preload_N": [2.0, 4.0, 6.0]}
     for options in (PROFILE, ()):
@@ -182,13 +185,13 @@ def test_a_map_on_slurm(slurm, new_project):
         path.write_text(yaml.safe_dump(design), encoding="utf-8")
         run = project.run(*options, target)
         assert run.status == 0 and run.jobs["map_part"] == 2, run.text
-        numbers.append((project.root / target).read_bytes())
-    assert numbers[0] == numbers[1]
-    assert queued("%T %l")[0].split() == ["COMPLETED", "8:00"]  # four minutes a part
+        contents.append((project.root / target).read_bytes())
+    assert contents[0] == contents[1]
+    assert queued("%T %l")[0].split() == ["COMPLETED", "8:00"]
 
 
-def test_a_group_that_is_ended_leaves_nothing_outdated(on_slurm):
-    project, _ = on_slurm
+def test_a_cancelled_group_of_jobs_leaves_no_outdated_case(study_on_slurm):
+    project, _ = study_on_slurm
     project.edit("config/scenes/gyro_s1.yaml", "preload_N: 7", "preload_N: 8")
     before = {path: path.read_bytes() for path in project.cases()}
     run = project.start(*PROFILE)

@@ -21,7 +21,7 @@ def plugin():
     return pytest.importorskip("snakemake_executor_plugin_cluster_generic")
 
 
-def test_jobs_are_given_to_a_submit_command(plugin, new_project, first_run):
+def test_a_study_by_a_submit_command_has_the_same_bytes(plugin, new_project, first_run):
     project, target = new_project(), "results/gyro_s1/study.nc"
     script = project.root / "submit.sh"
     script.write_text(SUBMIT, encoding="utf-8")

@@ -317,7 +317,7 @@ DRAWN = [
     *(
         f"results/{scene}/figures/{name}{bearing}.svg"
         for scene, grid in GRIDS.items()
-        for bearing in configuration.bearings_drawn(scene)
+        for bearing in configuration.figure_suffixes(scene)
         for name in (
             *(("fig07_fresh", "fig08_worn") if len(grid.friction) > 1 else ()),
             *("fig09_slip", "fig10_wear", "wear_life"),
@@ -371,7 +371,7 @@ rule page:
     localrule: True
     params:
         code=sources("bearingwear.page.page"),
-        notes=configuration.page_notes(SCENES),
+        notes=configuration.page_notes_hash(SCENES),
     shell:
         "bearingwear page {input.data} {input.tables} {input.figures} --answers {input.answers}"
         " --docs {input.docs} --scenes {input.scenes} -o {output} &> {log}"

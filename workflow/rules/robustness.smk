@@ -77,7 +77,7 @@ rule branch:
         scene=scene_values(str(BASE_SCENE)),
         branch=lambda wildcards: ROBUSTNESS["branches"][wildcards.name],
     shell:
-        "bearingwear step workflow.studies.robustness.branches.branch plan={input.plan}"
+        "bearingwear step workflow.studies.robustness.branches.branch_states plan={input.plan}"
         " name={wildcards.name} -o {output} &> {log}"
 
 

@@ -52,6 +52,6 @@ APPLICATION = Application(
     sheets={"cage ensemble": f"{__name__}.show:ensemble_sheet"},
     plots={
         "cage ensemble": f"{__name__}.show:ensemble_figure",
-        "cage map": f"{__name__}.figures:shares_and_work",
+        "cage map": f"{__name__}.figures:cage_map_figure",
     },
 )

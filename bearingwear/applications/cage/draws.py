@@ -15,7 +15,7 @@ import numpy as np
 from bearingwear import Scene
 from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.scene.coefficients import ASSUMED_FRICTION, ASSUMED_WEAR
-from bearingwear.scene.distributions import possible_range, quantile, values_at
+from bearingwear.scene.distributions import possible_range, quantile, sampled_values
 from bearingwear.scene.scene import WORN, Distribution
 from bearingwear.scene.uncertain import UNCERTAIN_CAGE
 from bearingwear.solvers.dynamic.system import CageStart
@@ -39,30 +39,41 @@ class CageDraw(NamedTuple):
 
 
 def cage_spread(scene: Scene) -> tuple[dict[str, Distribution], str]:
-    """Returns the distributions of a cage's values, and a sentence if they are assumed."""
+    """Returns the distributions of a cage's uncertain values by their names, and a sentence.
+
+    The sentence states distributions that are assumed; it is empty if the scene contains them.
+    """
     if scene.cage_uncertainty is not None:
         return dict(scene.cage_uncertainty), ""
     cage = scene.cage
     assert cage is not None
-    friction, wear = f"{ASSUMED_FRICTION.factor:.2g}", f"{ASSUMED_WEAR.factor:.2g}"
-    names = ["pocket_clearance_mm", "guide_clearance_mm"][: 1 + (cage.guiding_race != "ball")]
+    # two digits, so that the sentence states the factors that are used
+    friction_factor, wear_factor = (
+        float(f"{assumed.factor:.2g}") for assumed in (ASSUMED_FRICTION, ASSUMED_WEAR)
+    )
+    clearances = ["pocket_clearance_mm"]
+    if cage.guiding_race != "ball":
+        clearances.append("guide_clearance_mm")
     spread = {
         name: Distribution(
             distribution="normal", standard_deviation=ASSUMED_CLEARANCE * getattr(cage, name)
         )
-        for name in names
+        for name in clearances
     }
-    spread["cage"] = Distribution(distribution="lognormal", factor=float(friction))
-    spread[WEAR] = Distribution(distribution="lognormal", factor=float(wear))
+    spread["cage"] = Distribution(distribution="lognormal", factor=friction_factor)
+    spread[WEAR] = Distribution(distribution="lognormal", factor=wear_factor)
     sentence = (
-        f"assumed scatter in the cage parameters: friction by a factor of {friction}, clearances "
-        f"by {100.0 * ASSUMED_CLEARANCE:g} %, K_s/H by a factor of {wear}"
+        f"assumed scatter in the cage parameters: friction by a factor of {friction_factor:.2g}, "
+        f"clearances by {100.0 * ASSUMED_CLEARANCE:g} %, K_s/H by a factor of {wear_factor:.2g}"
     )
     return spread, sentence
 
 
 def cage_value(scene: Scene, name: str) -> float:
-    """Returns the value that the scene itself has for a name of `UNCERTAIN_CAGE`."""
+    """Returns the nominal value of an uncertain value of the cage, in the unit of its name.
+
+    name: a key of `UNCERTAIN_CAGE`. A wear coefficient is relative to that of the scene: it is 1.
+    """
     if name == WEAR:
         return 1.0
     if name == GRAVITY_ANGLE:
@@ -74,20 +85,22 @@ def cage_value(scene: Scene, name: str) -> float:
 def cage_draw(
     scene: Scene, spread: Mapping[str, Distribution], plan: Ensemble, run: int
 ) -> CageDraw:
-    """Draws the input of a run.
+    """Returns random input of a run, which depends on the seed of the plan and on `run` alone.
 
-    spread: distributions of the new cage, from `cage_spread`.
+    spread: distributions of the new cage by their names, from `cage_spread`.
+    run: number of the run in its ensemble, from 0.
     """
     random = np.random.default_rng([plan.seed, run])
     offset, angle, whirl, gravity_turn = random.random(4)
+    # the root makes all places in the circle equally likely
     start = CageStart(CLOSE * math.sqrt(offset), 2.0 * math.pi * angle, whirl)
     names = [name for name in scene.uncertainty or {} if name not in WORN]
-    bearing_values = values_at(scene, names, random.random((1, len(names))))[0].tolist()
+    bearing_values = sampled_values(scene, names, random.random((1, len(names))))[0].tolist()
     drawn_values = dict(zip(names, bearing_values, strict=True))
     cage_values = {}
     for name, distribution in spread.items():
         probability = np.array(random.random())
-        if name != WEAR:
+        if name != WEAR:  # which changes no run, but the life computed from its work
             nominal, key = cage_value(scene, name), f"{UNCERTAIN_CAGE[name]}.{name}"
             limits = (0.0, 180.0) if name == GRAVITY_ANGLE else possible_range(key)
             cage_values[name] = float(quantile(distribution, nominal, limits, probability))
@@ -99,10 +112,11 @@ def cage_draw(
     return CageDraw(drawn_scene, start, drawn_values | cage_values)
 
 
-def _with_cage(scene: Scene, values: Mapping[str, float], about: float) -> Scene:
+def _with_cage(scene: Scene, values: Mapping[str, float], gravity_turn: float) -> Scene:
     """Returns the scene with other values of its cage, and gravity turned about the shaft.
 
-    about: angle of gravity about the shaft [rad].
+    values: by their names in `UNCERTAIN_CAGE`, in the units of these names.
+    gravity_turn: angle about the shaft [rad], used if the angle of gravity to it is uncertain.
     """
     parts = {
         block: {name: value for name, value in values.items() if UNCERTAIN_CAGE[name] == block}
@@ -114,7 +128,11 @@ def _with_cage(scene: Scene, values: Mapping[str, float], about: float) -> Scene
     if GRAVITY_ANGLE in values:
         size, angle = math.hypot(*scene.operation.gravity_m_s2), math.radians(values[GRAVITY_ANGLE])
         across = size * math.sin(angle)
-        gravity = (size * math.cos(angle), across * math.cos(about), across * math.sin(about))
+        gravity = (
+            size * math.cos(angle),
+            across * math.cos(gravity_turn),
+            across * math.sin(gravity_turn),
+        )
         changed_blocks["operation"] = replace(scene.operation, gravity_m_s2=gravity)
     return replace(scene, **changed_blocks)
 
@@ -126,10 +144,11 @@ def worn_cage(scene: Scene, depth_um: Sequence[float]) -> Scene:
     """
     cage = scene.cage
     assert cage is not None
-    pocket, guide = (2e-3 * depth for depth in depth_um)
+    # a diametral clearance [mm] grows by twice the depth [um]
+    pocket_growth_mm, guide_growth_mm = (2e-3 * depth for depth in depth_um)
     worn = replace(
         cage,
-        pocket_clearance_mm=cage.pocket_clearance_mm + pocket,
-        guide_clearance_mm=cage.guide_clearance_mm + guide,
+        pocket_clearance_mm=cage.pocket_clearance_mm + pocket_growth_mm,
+        guide_clearance_mm=cage.guide_clearance_mm + guide_growth_mm,
     )
     return replace(scene, cage=worn)

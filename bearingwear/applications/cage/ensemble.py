@@ -36,7 +36,7 @@ from bearingwear.studies.answers import PROBLEM, Tell, Workers
 from bearingwear.studies.dataset import dataset_of_rows
 
 RunRow = dict[str, Any]
-"""Values of `CAGE_RUN` of a run, and the values that it drew."""
+"""Values of `CAGE_RUN` of a run by their names, and the list of values that it drew (`drawn`)."""
 
 ENSEMBLE_KIND = "cage ensemble"
 
@@ -71,6 +71,7 @@ SUMMARY = table(
 """Results of an ensemble."""
 
 _CHECKED_EVERY = 10  # runs
+_FEWEST_OF_ESTIMATE = 3  # runs, from whose scatter the number of all is estimated
 _SAME_RUNS = ("scene", "spread", "drawn_by", "run_sources")
 """Attributes that agree where two ensembles consist of the same runs."""
 
@@ -89,28 +90,32 @@ def ensemble_scene(scene: Scene) -> Scene:
     return warm.scene
 
 
-def work(rows: Sequence[RunRow]) -> np.ndarray:
-    """Returns the work at the cage per shaft turn, of each run that was solved [J]."""
+def work_per_turn(rows: Sequence[RunRow]) -> np.ndarray:
+    """Returns the work at the cage per shaft turn [J] of the runs that were solved (n,)."""
     return np.array([row["work"] for row in rows if "work" in row])
 
 
 def half_interval(values: np.ndarray) -> float:
-    """Returns half of the interval of the mean of independent values, by Student's t."""
+    """Returns half the width of the 90 % interval of the mean of independent values.
+
+    By Student's t; NaN for fewer than two values.
+    """
     n = len(values)
     if n < 2:
         return math.nan
     return float(t.ppf(INTERVAL[1], n - 1) * values.std(ddof=1) / math.sqrt(n))
 
 
-def is_met(rows: Sequence[RunRow], plan: Ensemble) -> bool:
+def is_narrow_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
     """Returns whether the interval of the mean work is as narrow as the plan requires."""
-    values = work(rows)
-    enough = len(values) >= FEWEST
-    return enough and half_interval(values) <= plan.within * abs(float(values.mean()))
+    work = work_per_turn(rows)
+    if len(work) < FEWEST:
+        return False
+    return half_interval(work) <= plan.within * abs(float(work.mean()))
 
 
 def share_interval(count: int, total: int) -> tuple[float, float]:
-    """Returns Wilson's interval of the share that a count is of a total."""
+    """Returns the ends of Wilson's 90 % interval of the share that a count is of a total > 0."""
     z = float(norm.ppf(INTERVAL[1]))
     p, weight = count / total, z * z / total
     middle = (p + 0.5 * weight) / (1.0 + weight)
@@ -118,8 +123,11 @@ def share_interval(count: int, total: int) -> tuple[float, float]:
     return max(middle - half, 0.0), min(middle + half, 1.0)
 
 
-def summary(rows: Sequence[RunRow]) -> dict[str, Any]:
-    """Returns the values of `SUMMARY` over runs."""
+def ensemble_summary(rows: Sequence[RunRow]) -> dict[str, Any]:
+    """Returns the shares of motions and the means over runs, by the names of `SUMMARY`.
+
+    Means of a group without runs are NaN.
+    """
     motions = np.array([row.get("motion", -1) for row in rows])
     counts = [int((motions == code).sum()) for code in range(len(MOTIONS))]
     classified = max(sum(counts), 1)
@@ -140,14 +148,19 @@ def summary(rows: Sequence[RunRow]) -> dict[str, Any]:
 
 
 def _mean_interval(values: np.ndarray, mean: float) -> tuple[float, float]:
-    """Returns the interval of a mean; values that are never negative have no negative end."""
+    """Returns the ends of the 90 % interval of a mean; NaN for fewer than two values.
+
+    Values that are never negative have no negative end.
+    """
     half = half_interval(values)
-    least = 0.0 if values.size and values.min() >= 0.0 else -math.inf
-    return max(mean - half, least) if math.isfinite(half) else math.nan, mean + half
+    if math.isnan(half):
+        return math.nan, math.nan
+    least = 0.0 if values.min() >= 0.0 else -math.inf
+    return max(mean - half, least), mean + half
 
 
 class _Job(NamedTuple):
-    """A run to make."""
+    """A run to solve: its number, and what its input is drawn from."""
 
     scene: Scene
     spread: Mapping[str, Any]
@@ -156,7 +169,7 @@ class _Job(NamedTuple):
 
 
 def _run_row(job: _Job) -> RunRow:
-    """Draws a run and solves it."""
+    """Draws the input of a run and returns the results; an impossible draw is not solved."""
     draw: CageDraw = cage_draw(job.scene, job.spread, job.plan, job.run)
     row: RunRow = {"status": BEYOND_GROOVE}
     if draw.scene is not None:
@@ -164,23 +177,25 @@ def _run_row(job: _Job) -> RunRow:
     return row | {"drawn": list(draw.values.values())}
 
 
-def ensemble_of(
+def cage_ensemble(
     scene: Scene,
     plan: Ensemble,
     workers: int = 1,
     tell: Tell | None = None,
-    before: xr.Dataset | None = None,
-    journal: Path | None = None,
+    earlier: xr.Dataset | None = None,
+    path: Path | None = None,
 ) -> xr.Dataset:
-    """Makes runs of a scene's cage until the required interval is met, or all have been made.
+    """Solves runs of a scene's cage until the required interval is met, or all are solved.
 
-    workers: processes; they change nothing but the time.
-    tell: given a line every few seconds.
-    before: an ensemble to continue. That of another scene or plan is not used.
-    journal: file that the ensemble will be written to; until then, runs are kept beside it.
+    Returns a dataset with the results along `run` and their summary.
+
+    workers: number of processes, which affects only the time.
+    tell: receives a line of progress every few seconds.
+    earlier: an ensemble to continue. It is not used if it is of another scene or plan.
+    path: file that the caller will write; until then, a journal beside it keeps the runs.
     """
     dynamic_scene = ensemble_scene(scene)
-    spread, assumed = cage_spread(dynamic_scene)
+    spread, assumption = cage_spread(dynamic_scene)
     names = [*cage_draw(dynamic_scene, spread, plan, 0).values]
     attributes = {
         "title": f"Ensemble of cage runs: {scene.name}",
@@ -188,35 +203,53 @@ def ensemble_of(
         "scene": scene.json,
         "ensemble": json.dumps(asdict(plan)),
         "spread": json.dumps({name: asdict(distribution) for name, distribution in spread.items()}),
-        "assumed": assumed,
+        "assumed": assumption,
         "drawn_by": json.dumps([plan.seed, plan.least_turns, plan.most_turns, plan.worn_um]),
         "dynamic_tolerance": dynamic_scene.model.dynamic_tolerance,
         "run_sources": result_hash("bearingwear.applications.cage.run"),
     }
-
-    rows = _rows_before(before, attributes)
-    journal_file = None if journal is None else Journal(journal, attributes)
-    if journal_file is not None:
-        journal_file.read(rows)
+    rows = _rows_to_continue(earlier, attributes)
+    journal = None if path is None else Journal(path, attributes)
+    if journal is not None:
+        journal.read(rows)
     jobs = [_Job(dynamic_scene, spread, plan, k) for k in range(len(rows), plan.runs)]
-    new_runs = _solved_rows(jobs, workers)
-    begun = last = time.monotonic()
-    rows_before = len(rows)
-    with contextlib.closing(new_runs):
-        while not _is_enough(rows, plan) and (row := next(new_runs, None)) is not None:
-            if journal_file is not None:
-                journal_file.add(len(rows), row)
-            rows.append(row)
-            now = time.monotonic()
-            if tell and now - last > LINE_EVERY:
-                last, done = now, len(rows) - rows_before
-                left = (now - begun) / done * (_expected_runs(rows, plan) - len(rows))
-                tell(f"{done} of at most {len(jobs)} runs, about {left:.0f} s left")
+    _add_runs(rows, jobs, plan, workers, tell, journal)
     return _dataset(rows[: plan.runs], names, attributes)
 
 
+def _add_runs(
+    rows: list[RunRow],
+    jobs: Sequence[_Job],
+    plan: Ensemble,
+    workers: int,
+    tell: Tell | None,
+    journal: Journal | None,
+) -> None:
+    """Solves runs and adds them to the rows and to the journal, until these are enough."""
+    initial_count = len(rows)
+    start_time = line_time = time.monotonic()
+    with contextlib.closing(_solved_rows(jobs, workers)) as new_rows:
+        while not _is_enough(rows, plan):
+            row = next(new_rows, None)
+            if row is None:
+                break
+            if journal is not None:
+                journal.add(len(rows), row)
+            rows.append(row)
+            now = time.monotonic()
+            if tell and now - line_time > LINE_EVERY:
+                line_time = now
+                solved = len(rows) - initial_count
+                seconds_per_run = (now - start_time) / solved
+                seconds_left = seconds_per_run * (_expected_runs(rows, plan) - len(rows))
+                tell(f"{solved} of at most {len(jobs)} runs, about {seconds_left:.0f} s left")
+
+
 def _solved_rows(jobs: Sequence[_Job], workers: int) -> Generator[RunRow, None, None]:
-    """Yields runs one by one in their order; whoever closes this waits for no other run."""
+    """Yields the results of runs in their order; closing it waits for no other run.
+
+    ValueError: a run could not be computed.
+    """
     with Workers(workers, "bearingwear.cage", progress=False) as pool:
         pool.start()
         for answer in pool.answers_at(_run_row, jobs, at_once=1):
@@ -226,16 +259,19 @@ def _solved_rows(jobs: Sequence[_Job], workers: int) -> Generator[RunRow, None, 
 
 
 def _is_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
-    return len(rows) >= plan.runs or (len(rows) % _CHECKED_EVERY == 0 and is_met(rows, plan))
+    """Returns whether an ensemble needs no further run; the interval is checked every ten runs."""
+    if len(rows) >= plan.runs:
+        return True
+    return len(rows) % _CHECKED_EVERY == 0 and is_narrow_enough(rows, plan)
 
 
 def _expected_runs(rows: Sequence[RunRow], plan: Ensemble) -> int:
     """Estimates the number of runs that meet the interval, if all scatter like those so far."""
-    values = work(rows)
-    if len(values) < 3 or not values.any():
+    work = work_per_turn(rows)
+    if len(work) < _FEWEST_OF_ESTIMATE or not work.any():
         return plan.runs
-    narrower = half_interval(values) / (plan.within * abs(float(values.mean())))
-    needed = len(rows) * narrower**2
+    half_width_ratio = half_interval(work) / (plan.within * abs(float(work.mean())))
+    needed = len(rows) * half_width_ratio**2
     checked = _CHECKED_EVERY * math.ceil(max(needed, FEWEST, len(rows)) / _CHECKED_EVERY)
     return min(checked, plan.runs)
 
@@ -246,6 +282,7 @@ def _dataset(
     """Returns runs and their summary as a dataset.
 
     names: names of the sampled values.
+    attributes: of the dataset; `ensemble` is the plan as JSON.
     """
     plan = Ensemble(**json.loads(attributes["ensemble"]))
     value = Variable("value", ("value",), "", "name of the sampled value", "i1", flags=tuple(names))
@@ -255,41 +292,50 @@ def _dataset(
     axes: dict[Any, Any] = {OF_RUN: range(len(rows)), ACROSS: None}
     run_dataset = dataset_of_rows(runs, axes | ({value: None} if names else {}), stored_rows)
     summary_dataset = dataset_of_rows(
-        SUMMARY, {OF_MOTION: None, GROUP: None, END: None}, [summary(rows)]
+        SUMMARY, {OF_MOTION: None, GROUP: None, END: None}, [ensemble_summary(rows)]
     )
-    met = np.int64(len(rows) > 0 and is_met(rows, plan))
+    met = np.int64(is_narrow_enough(rows, plan))
     return xr.merge([run_dataset, summary_dataset], combine_attrs="override").assign_attrs(
         attributes, met=met
     )
 
 
-def _rows_before(before: xr.Dataset | None, attributes: Mapping[str, Any]) -> list[RunRow]:
-    """Returns the runs of an ensemble that was begun, or none if it is another one."""
-    if before is None or any(before.attrs.get(k) != attributes[k] for k in _SAME_RUNS):
+def _rows_to_continue(earlier: xr.Dataset | None, attributes: Mapping[str, Any]) -> list[RunRow]:
+    """Returns the runs of an earlier ensemble; none if its attributes state other runs.
+
+    A value that is NaN, or has one, is left out of its row.
+    """
+    if earlier is None or any(earlier.attrs.get(key) != attributes[key] for key in _SAME_RUNS):
         return []
-    names = [name for name in (*CAGE_RUN, "drawn") if name in before]
+    names = [name for name in (*CAGE_RUN, "drawn") if name in earlier]
     rows = []
-    for k in range(before.sizes["run"]):
-        values = {name: before[name].values[k] for name in names}
+    for k in range(earlier.sizes["run"]):
+        values = {name: earlier[name].values[k] for name in names}
         finite_values = {name: value for name, value in values.items() if np.isfinite(value).all()}
         rows.append({name: np.asarray(value).tolist() for name, value in finite_values.items()})
     return rows
 
 
 class Journal:
-    """Runs that are not in a file yet, one on each line, so that a killed process loses none."""
+    """A hidden file beside a result file that keeps its runs, so that a killed process loses none.
+
+    The first line states scene and draws; each other line is a JSON list of number and `RunRow`.
+    """
 
     def __init__(self, path: Path, attributes: Mapping[str, Any]) -> None:
         self.path = path.with_name(f".{path.name}.runs")
         self.head = json.dumps([attributes[key] for key in _SAME_RUNS])
 
     def read(self, rows: list[RunRow]) -> None:
-        """Adds the runs that follow the given rows; drops a line that is incomplete."""
+        """Appends the stored runs that follow those in `rows`; starts anew for other runs.
+
+        Removes a last line that was not written to its end.
+        """
         lines = self.path.read_text(encoding="utf-8").split("\n") if self.path.is_file() else []
         if lines[:1] != [self.head]:
             write_text(self.path, f"{self.head}\n")
             return
-        *complete, incomplete = lines[1:]  # the last one is empty if it was written to its end
+        *complete, incomplete = lines[1:]  # the text after the last line break is empty
         for number, row in map(json.loads, complete):
             if number == len(rows):
                 rows.append(row)
@@ -297,7 +343,7 @@ class Journal:
             write_text(self.path, "\n".join([self.head, *complete, ""]))
 
     def add(self, number: int, row: RunRow) -> None:
-        """Adds a run."""
+        """Appends a run with its number in the ensemble to the file."""
         with self.path.open("a", encoding="utf-8") as file:
             file.write(f"{json.dumps([number, row])}\n")
 
@@ -306,14 +352,15 @@ class Journal:
 def resumed_ensemble(
     path: Path, scene: Scene, plan: Ensemble, workers: int = 1, tell: Tell | None = None
 ) -> Iterator[xr.Dataset]:
-    """Yields an ensemble that continues from its file, or from where a run was killed.
+    """Yields an ensemble that continues from its file, or from the journal of a killed process.
 
-    Its journal is removed after the block, which must write the file.
+    The `with` block must write the file at `path`; the journal is removed after it. Arguments:
+    `cage_ensemble`.
     """
-    before = None
+    earlier = None
     if path.is_file():
         with contextlib.suppress(CaseFileError):
-            before = load(path)
-    ensemble = ensemble_of(scene, plan, workers, tell, before, path)
+            earlier = load(path)
+    ensemble = cage_ensemble(scene, plan, workers, tell, earlier, path)
     yield ensemble
     Journal(path, ensemble.attrs).path.unlink(missing_ok=True)

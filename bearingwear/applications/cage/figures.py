@@ -26,19 +26,24 @@ from bearingwear.plotting.drawing import (
     new_figure,
 )
 from bearingwear.results.units import digits, display
-from bearingwear.results.words import name_in_words, scene_of
+from bearingwear.results.words import name_in_words, plain_scene
 from bearingwear.studies.dataset import load_with_axes
 
-_HIGH, _WIDE = 0.62, 0.9
+_BAR_HEIGHT, _BAR_WIDTH = 0.62, 0.9
+"""Size of the bar of a cage, whose cell is 1 by 1."""
 
 
 def cage_figure(motions: Path) -> Figure:
-    """Draws `shares_and_work` of a file."""
-    return shares_and_work(load_with_axes(motions, cage_friction=(), gravity=()))
+    """Returns the figure of the map of cages in a file."""
+    return cage_map_figure(load_with_axes(motions, cage_friction=(), gravity=()))
 
 
-def shares_and_work(motions: xr.Dataset) -> Figure:
-    """Draws shares of motions and the work per turn of each cage; quiet cages are framed."""
+def cage_map_figure(motions: xr.Dataset) -> Figure:
+    """Returns a figure of a map: shares of motions and work per turn of each cage.
+
+    It has a panel for each level of gravity, a row for each design and a column for each friction.
+    Quiet cages are framed.
+    """
     varied = [axis for axis in DESIGN[:-1] if motions.sizes[axis] > 1]
     designs = list(itertools.product(*(motions[axis].values.tolist() for axis in varied)))
     gravities = motions["gravity"].values
@@ -50,15 +55,14 @@ def shares_and_work(motions: xr.Dataset) -> Figure:
     unit = display("J", total.values)
     fixed_axes = {axis: 0 for axis in DESIGN[:-1] if axis not in varied}
     for k, (panel, gravity) in enumerate(zip(panels[0], gravities, strict=True)):
-        subset = motions.isel(fixed_axes | {"gravity": k})
+        shares = motions["share"].isel(fixed_axes | {"gravity": k})
         work = total.isel(fixed_axes | {"gravity": k})
         for row, values in enumerate(designs):
             design = dict(zip(varied, values, strict=True))
-            shares = subset["share"].sel(design).values
-            for column, (share, mean) in enumerate(
-                zip(shares, work.sel(design).values, strict=True)
-            ):
-                _cell(panel, column, row, share, digits(float(unit.of(mean))))
+            design_shares, design_work = shares.sel(design).values, work.sel(design).values
+            for column in range(motions.sizes["cage_friction"]):
+                text = digits(float(unit.of(design_work[column])))
+                _draw_cage(panel, column, row, design_shares[column], text)
         mu = motions["cage_friction"].values
         panel.set_xticks(range(mu.size), [f"{value:g}" for value in mu])
         panel.set_xlim(-0.6, mu.size - 0.4)
@@ -73,19 +77,21 @@ def shares_and_work(motions: xr.Dataset) -> Figure:
         for code in np.flatnonzero(occurs).tolist()
     ]
     handles.append(key(f"quiet; numbers: work per turn ({unit.printed})", color="black"))
-    frame(figure, f"{scene_of(motions)['name']}: {cage_choice_sentence(motions)}", handles, 3)
+    frame(figure, f"{plain_scene(motions)['name']}: {cage_choice_sentence(motions)}", handles, 3)
     return figure
 
 
-def _cell(panel: Any, column: int, row: int, shares: np.ndarray, text: str) -> None:
-    """Draws one cage: a bar of its shares of motions, and a text."""
-    left, top = column - 0.5 * _WIDE, row - 0.5 * _HIGH
+def _draw_cage(panel: Any, column: int, row: int, shares: np.ndarray, text: str) -> None:
+    """Draws one cage: a bar of the shares of its motions, a frame if it is quiet, and a text.
+
+    shares: of the runs that end in each of `MOTIONS`; NaN where there are no runs.
+    """
+    corner = column - 0.5 * _BAR_WIDTH, row - 0.5 * _BAR_HEIGHT
+    left, top = corner
     for code, share in enumerate(np.nan_to_num(shares).tolist()):
-        panel.add_patch(
-            Rectangle((left, top), _WIDE * share, _HIGH, color=MOTION_COLOURS[code], linewidth=0)
-        )
-        left += _WIDE * share
+        width, colour = _BAR_WIDTH * share, MOTION_COLOURS[code]
+        panel.add_patch(Rectangle((left, top), width, _BAR_HEIGHT, color=colour, linewidth=0))
+        left += width
     panel.text(column, row, text, ha="center", va="center")
     if shares[list(QUIET)].sum() >= MOSTLY:
-        corner = (column - 0.5 * _WIDE, top)
-        panel.add_patch(Rectangle(corner, _WIDE, _HIGH, fill=False, edgecolor="black"))
+        panel.add_patch(Rectangle(corner, _BAR_WIDTH, _BAR_HEIGHT, fill=False, edgecolor="black"))

@@ -42,7 +42,8 @@ CAGE_AXES = {
         1.0,
     ),
 }
-"""Dimensions of a map and their factors to SI, by the keys of config/cage.yaml; codes have none."""
+"""Dimension of a map and its factor to SI, by the key of config/cage.yaml; None for a dimension of
+names, which are stored as codes."""
 
 
 def gathered_ensembles(
@@ -51,12 +52,12 @@ def gathered_ensembles(
     axes: Mapping[str, Sequence[Any]],
     changes: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Returns the ensembles of all cages, over the axes of their map.
+    """Returns the means and shares of the ensembles of all cages, over the axes of their map.
 
     scene: file with all values that are not varied.
     paths: files of the ensembles in the order of `plan.cage_points`.
-    axes: values along the dimensions, from `plan.cage_axes`.
-    changes: keys to set in the scene.
+    axes: values along each dimension by the keys of config/cage.yaml, from `plan.cage_axes`.
+    changes: values to set in the scene, by dotted keys.
     """
     parts = [load(path) for path in paths]
     shape = {CAGE_AXES[name][0].name: len(values) for name, values in axes.items()}
@@ -66,8 +67,8 @@ def gathered_ensembles(
     ensembles = ensembles.assign(runs=(tuple(shape), counts, attributes))
     for name, values in axes.items():
         axis, factor = CAGE_AXES[name]
-        codes = [GUIDES.index(code) if factor is None else factor * code for code in values]
-        ensembles = ensembles.assign_coords(coordinate(axis, codes))
+        stored = [GUIDES.index(value) if factor is None else factor * value for value in values]
+        ensembles = ensembles.assign_coords(coordinate(axis, stored))
     changed = variant(scene, changes)
     ensembles.attrs = dict(parts[0].attrs) | {
         "title": f"Cage map: {changed.name}",

@@ -19,7 +19,7 @@ import xarray as xr
 
 from bearingwear import Scene, SceneError
 from bearingwear.applications.cage.draws import WEAR, cage_spread
-from bearingwear.applications.cage.ensemble import END, OF_MOTION, ensemble_of, resumed_ensemble
+from bearingwear.applications.cage.ensemble import END, OF_MOTION, cage_ensemble, resumed_ensemble
 from bearingwear.applications.cage.plan import Ensemble
 from bearingwear.kernels.status import OK
 from bearingwear.lives.dynamic_life import steady_life
@@ -34,7 +34,7 @@ from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.coefficients import with_usual_spread
-from bearingwear.scene.distributions import quantile, values_at
+from bearingwear.scene.distributions import quantile, sampled_values
 from bearingwear.scene.scene import WORN, EndOfLife
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.state import State
@@ -51,6 +51,7 @@ _UM = 1e-6
 _BEYOND = 1.02  # of a step, so that the last one reaches the end
 _ENDS_WITHIN = 1e-3  # of the depth at which the life ends
 _SAMPLES = 4096
+"""Samples of K_s and hardness, which scale a life; their quantiles then scatter by a few percent"""
 
 PART = Variable("part", ("part",), "", "part of the cage", "i1", flags=WEARING)
 NODE = Variable("node", ("node",), "1", "index of the ensemble", "i8")
@@ -88,9 +89,9 @@ WornEnsembles = Callable[[int, np.ndarray], xr.Dataset]
 
 
 def with_cage_end(scene: Scene) -> Scene:
-    """Returns the scene with an end for its cage: a film worn through, if it has no other.
+    """Returns the scene with an end-of-life criterion for its cage, by default a worn-through film.
 
-    SceneError: nothing ends the life of the cage, or it has ended.
+    SceneError: the cage has neither a criterion nor a film, or already meets a criterion.
     """
     cage, end = scene.cage, scene.wear.end_of_life or EndOfLife()
     assert cage is not None
@@ -112,8 +113,9 @@ def with_cage_end(scene: Scene) -> Scene:
 class EnsembleWear(Motion):
     """The wear of a cage by ensembles; balls and races do not wear.
 
-    The values of a state are the mean work in pockets and at the land (2,) [J], the half-width of
-    its interval relative to it, and the share of each motion.
+    The values of a state are `work`, the mean work per turn in pockets and at the land (2,) [J],
+    `work_error`, the half-width of its interval relative to it (2,), and `share`, that of each
+    motion. Time is in seconds.
     """
 
     def __init__(
@@ -129,7 +131,7 @@ class EnsembleWear(Motion):
         self.per_second = wear_per_joule(scene, scene.cage.material) / self.turn
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
-        """Returns the state at a wear, from an ensemble there."""
+        """Returns the state at worn depths, from a new ensemble there; `near` is not used."""
         ensemble = self.ensemble_at(self.ensembles, self.parts.cage_depths(worn))
         self.ensembles += 1
         work = np.array([float(ensemble[f"mean_{part}_work"][0]) for part in CAGE_PARTS])
@@ -141,6 +143,7 @@ class EnsembleWear(Motion):
         return self.with_worn((State(status, values),), worn)
 
     def with_worn(self, states: States, worn: np.ndarray) -> States:
+        """Returns the state with the values of the worn cage: depths, clearances, and films."""
         return (states[0].with_values(self.parts.cage_values(worn)),)
 
     def rates(self, node: Node) -> np.ndarray:
@@ -150,12 +153,18 @@ class EnsembleWear(Motion):
         return self.parts.cage_rates({"pocket_wear_rate": per_pocket, "cage_land_wear_rate": land})
 
     def wears(self, node: Node) -> bool:
+        """Returns whether any part of the cage wears."""
         return bool(self.rates(node).any())
 
     def longest_step(self, node: Node, rates: np.ndarray) -> float:
+        """Returns the length of the next step [s], slightly beyond the share of the way to the end.
+
+        Otherwise the last step might miss the end by rounding.
+        """
         return _BEYOND * super().longest_step(node, rates)
 
     def report_progress(self, node: Node, horizon: float) -> None:
+        """Reports the turns so far, those of the expected life, and the wear depths."""
         if self.progress is not None:
             pocket, land = self.parts.cage_depths(node.worn) / _UM
             self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
@@ -170,36 +179,45 @@ class BetweenEnsembles(Trapezoid):
     """
 
     def node_after_event(self, node: Node) -> Node:
+        """Returns the node at a worn-through film unchanged: no ensemble is solved there."""
         return node
 
     def node_after(self, x: float) -> Node:
-        """Returns the node at a time after the last one, between two ensembles if there are two."""
+        """Returns a node at a time [s] after the last one: the end of the step is solved first.
+
+        Times before this end are interpolated between the ensembles of both ends.
+        """
         end = max(self.nodes_by_time.values(), key=lambda node: node.x, default=None)
         if end is None:
             return super().node_after(x)
         wearing, now = self.wearing, self.now
-        h, share = x - now.x, (x - now.x) / (end.x - now.x)
-        first_rate, last_rate = wearing.rates(now), wearing.rates(end)
-        worn = now.worn + h * (first_rate + 0.5 * share * (last_rate - first_rate))
-        first, last = now.states[0].values, end.states[0].values
-        between = {
-            name: (1.0 - share) * value + share * last[name] for name, value in first.items()
+        elapsed = x - now.x
+        share = elapsed / (end.x - now.x)
+        first_rates, last_rates = wearing.rates(now), wearing.rates(end)
+        worn = now.worn + elapsed * (first_rates + 0.5 * share * (last_rates - first_rates))
+        last_values = end.states[0].values
+        interpolated = {
+            name: (1.0 - share) * value + share * last_values[name]
+            for name, value in now.states[0].values.items()
         }
-        states = wearing.with_worn((State(OK, between),), worn)
+        states = wearing.with_worn((State(OK, interpolated),), worn)
         return Node(x, worn, states, x)
 
 
 def ensemble_life(
     scene: Scene, ensemble_at: WornEnsembles, tell: Callable[[str], None] | None = None
 ) -> Life:
-    """Returns the life of a cage, from ensembles along it."""
+    """Returns the life of a cage, with an ensemble at each of its nodes.
+
+    ensemble_at: makes the ensemble with a number along the life, at worn depths.
+    tell: receives a line of progress at each step.
+    """
     wearing = EnsembleWear(scene, ensemble_at, tell)
-    method = BetweenEnsembles(_MOST_STEPS)
-    return follow(wearing, Criteria(wearing.scene), method)
+    return follow(wearing, Criteria(wearing.scene), BetweenEnsembles(_MOST_STEPS))
 
 
 def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Dataset:
-    """Returns the life of a cage from the ensembles along it.
+    """Returns the life of a cage by the names of `CAGE_LIFE`, and the nodes along it.
 
     with_other_parts: whether to add the steady life of balls and races.
     """
@@ -207,9 +225,7 @@ def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Datase
     scene, parts = wearing.scene, wearing.parts
     depths = np.array([parts.cage_depths(node.worn) for node in life.nodes])
     turns = np.array([node.x for node in life.nodes]) / wearing.turn
-    share, relative_error = (
-        np.array([state[variable] for state in life.states]) for variable in ("share", "work_error")
-    )
+    share = np.array([state["share"] for state in life.states])
     results: dict[str, Any] = {"cage_end": life.criterion}
     attrs = {}
     if life.status == OK:
@@ -217,11 +233,10 @@ def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Datase
         measure, limit = ENDS[criterion], getattr(wearing.end, criterion)
         value, variable = measure.critical(life.states[-1].__getitem__)
         attrs = {"cage_ended_by": measure.criterion_phrase(value, limit, variable)}
-        # Runs along the life draw alike, so errors add.
-        half_width = (
-            np.trapezoid(relative_error[:, int(not variable.startswith(CAGE_PARTS[0]))], turns)
-            / turns[-1]
-        )
+        ending_part = 0 if variable.startswith(CAGE_PARTS[0]) else 1
+        relative_error = np.array([state["work_error"][ending_part] for state in life.states])
+        # the ensembles of a life have the same draws, so that their errors add
+        half_width = np.trapezoid(relative_error, turns) / turns[-1]
         interval = turns[-1] * np.array([1.0 - half_width, 1.0 + half_width])
         results |= {
             "cage_life": turns[-1],
@@ -229,10 +244,9 @@ def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Datase
             "cage_life_interval_with_wear": interval / _wear_quantiles(scene)[::-1],
             "cage_hours": life.last.x,
         }
+    film_thickness = parts.coating.new_thickness[0]
     results |= {
-        "film_gone": [
-            _film_gone_turns(parts.coating.new_thickness[0], depth, turns) for depth in depths.T
-        ],
+        "film_gone": [_film_gone_turns(film_thickness, depth, turns) for depth in depths.T],
         "motion_changes": _motion_change_turns(share, turns),
         "node_turns": turns,
         "node_depth": depths,
@@ -244,34 +258,51 @@ def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Datase
     return dataset_of_rows(CAGE_LIFE, axes, [results], **attrs)
 
 
-def _film_gone_turns(film: float, depth: np.ndarray, turns: np.ndarray) -> float:
-    """Returns when a film is worn through; infinite if it is not, NaN without one."""
-    if not film:
+def _film_gone_turns(thickness: float, depth: np.ndarray, turns: np.ndarray) -> float:
+    """Returns the turns after which a film is worn through; infinite if it is not, NaN without one.
+
+    thickness: of the new film, 0 without one [m].
+    depth, turns: wear depths [m] and turns (n,) along the life.
+    """
+    if not thickness:
         return math.nan
-    is_gone = depth[-1] >= (1.0 - _ENDS_WITHIN) * film
-    return float(np.interp(film, depth, turns)) if is_gone else math.inf
+    is_gone = depth[-1] >= (1.0 - _ENDS_WITHIN) * thickness
+    return float(np.interp(thickness, depth, turns)) if is_gone else math.inf
 
 
 def _wear_quantiles(scene: Scene) -> np.ndarray:
-    """Returns the ends of the cage's wear coefficient interval, relative to the scene's value."""
+    """Returns the 5 % and 95 % quantiles (2,) of the cage's wear coefficient over the scene's."""
     spread, _ = cage_spread(scene)
     if WEAR not in spread:
         return np.ones(2)
-    nominal = scene.materials[scene.cage.material].wear_coefficient if scene.cage else 1.0
-    if scene.cage and scene.cage.film and scene.cage.film.wear_coefficient:
-        nominal = scene.cage.film.wear_coefficient
+    cage = scene.cage
+    assert cage is not None
+    nominal = scene.materials[cage.material].wear_coefficient
+    if cage.film and cage.film.wear_coefficient:
+        nominal = cage.film.wear_coefficient
     return quantile(spread[WEAR], nominal, (0.0, 1.0), np.array(INTERVAL)) / nominal
 
 
 def _motion_change_turns(share: np.ndarray, turns: np.ndarray) -> tuple[float, float]:
-    """Returns the turns between which another motion than that of the new cage prevails."""
+    """Returns the turns of two nodes between which the most frequent motion changes first.
+
+    Both are NaN if it stays that of the new cage.
+
+    share: of the runs that end in each motion (nodes, motions).
+    """
     motions = share.argmax(axis=1)
-    changed = np.flatnonzero(motions != motions[0])
-    return (turns[changed[0] - 1], turns[changed[0]]) if changed.size else (math.nan, math.nan)
+    changed_nodes = np.flatnonzero(motions != motions[0])
+    if not changed_nodes.size:
+        return math.nan, math.nan
+    first = changed_nodes[0]
+    return turns[first - 1], turns[first]
 
 
 def _steady_life_values(scene: Scene) -> dict[str, Any]:
-    """Returns the steady life of balls and races; nothing where it has none."""
+    """Returns `other_hours`, its interval and `other_end` from the steady life of balls and races.
+
+    Empty if they have no criterion, or if their life cannot be computed.
+    """
     end = scene.wear.end_of_life
     if end is None or not end.without_cage.criteria:
         return {}
@@ -284,7 +315,7 @@ def _steady_life_values(scene: Scene) -> dict[str, Any]:
     time = life.last.time
     spread, _ = with_usual_spread(scene)
     names = [name for name in WORN if name in (spread.uncertainty or {})]
-    sampled = values_at(spread, names, np.random.default_rng(0).random((_SAMPLES, len(names))))
+    sampled = sampled_values(spread, names, np.random.default_rng(0).random((_SAMPLES, len(names))))
     factor = wear_factor(spread, names, sampled)
     return {
         "other_hours": time,
@@ -301,21 +332,25 @@ def cage_results(
     tell: Tell | None = None,
     path: Path | None = None,
 ) -> xr.Dataset:
-    """Returns the ensemble of a cage, and its life if that is required.
+    """Returns the ensemble of a cage as a dataset, with the variables of `CAGE_LIFE` for a life.
 
+    life: whether to compute the life of the cage as well.
+    workers: number of processes, which affects only the time.
     path: file to write, from which a killed calculation continues. Ensembles along the life stand
         beside it, NAME-1.nc and so on.
     """
     if life:
-        with_cage_end(scene)  # refused before anything is solved
-    with contextlib.ExitStack() as journals:  # that no interruption loses
+        with_cage_end(scene)  # a scene without an end is refused before anything is solved
+    # the journals of all ensembles are removed when the last file is written
+    with contextlib.ExitStack() as journals:
         ensembles: list[xr.Dataset] = []
 
         def ensemble_at(number: int, depth: np.ndarray) -> xr.Dataset:
+            """Returns the ensemble with a number along the life, and writes its file."""
             pocket_um, land_um = (1e6 * depth).tolist()
             worn_plan = replace(plan, worn_um=(pocket_um, land_um))
             if path is None:
-                ensemble = ensemble_of(scene, worn_plan, workers, tell)
+                ensemble = cage_ensemble(scene, worn_plan, workers, tell)
             else:
                 file = path.with_name(f"{path.stem}-{number}{path.suffix}") if number else path
                 ensemble = journals.enter_context(
@@ -328,8 +363,9 @@ def cage_results(
         if not life:
             return ensemble_at(0, np.zeros(2))
         life_data = cage_life_dataset(ensemble_life(scene, ensemble_at, tell))
-        new = ensembles[0]
-        results = xr.merge([new, life_data]).assign_attrs(life_data.attrs | new.attrs)
+        new_ensemble = ensembles[0]
+        results = xr.merge([new_ensemble, life_data])
+        results = results.assign_attrs(life_data.attrs | new_ensemble.attrs)
         if path is not None:
             write_dataset(results, path)
         return results

@@ -11,39 +11,44 @@ MOTIONS = ("floats", "hangs", "turns_with_the_balls", "whirls", "irregular", "ja
 FLOATS, HANGS, WITH_BALLS, WHIRLS, IRREGULAR, JAMS = range(len(MOTIONS))
 
 ONE_SIDED = 0.5
-"""Mean place over the root mean square of the distance from which on a cage hangs."""
+"""Distance of the mean position, over the rms distance, above which a cage hangs on one side."""
 
 WITH_THEM = 0.03
-"""Relative difference from the balls' rate up to which a cage goes round with them."""
+"""Largest relative difference of the whirl rate of a cage that turns with the balls from theirs."""
 
 EVEN = 0.1
-"""Scatter of the distance from the axis up to which a cage whirls evenly."""
+"""Largest standard deviation of the distance from the axis, over its mean, of an even whirl."""
 
 
 @dataclass(frozen=True)
 class CagePath:
-    """A cage's path over a stretch: where its centre is, and how it goes round."""
+    """The path of the centre of a cage over some time, and the motion that it is classified as."""
 
-    centre: complex  # mean place, Y + i Z [m]
+    centre: complex  # mean position, Y + i Z [m]
     offset: float  # mean distance from the axis [m]
-    scatter: float  # standard deviation of it [m]
-    whirl: float  # turns round the axis for a turn of the shaft [1]
-    motion: int
+    scatter: float  # standard deviation of the distance [m]
+    whirl: float  # orbits about the axis per shaft turn
+    motion: int  # index in `MOTIONS`
 
 
-def cage_path(place: np.ndarray, turns: float, power: float, ball_ratio: float) -> CagePath:
-    """Returns the motion of a cage over a stretch of time.
+def cage_path(positions: np.ndarray, turns: float, power: float, ball_ratio: float) -> CagePath:
+    """Returns the path of a cage over some time, classified as one of `MOTIONS`.
 
-    place: positions Y + i Z of its centre from the axis of its guide, at even instants [m].
-    turns: shaft turns from one instant to the next.
+    positions: Y + i Z of its centre from the axis of its guide, evenly spaced in time (n,) [m].
+    turns: shaft turns from one position to the next.
     power: mean of normal force times slip in pockets and at the land [W].
     ball_ratio: orbit rate of the balls over the speed of the shaft.
     """
-    distance = np.abs(place)
-    # The angle from one instant to the next, by its area: noise about the axis counts little.
-    step = np.angle(np.sum(place[1:] * np.conj(place[:-1])))
+    distance = np.abs(positions)
+    # Mean angle from one position to the next. Each is weighted by the distances from the axis, so
+    # that noise near the axis counts little.
+    step = np.angle(np.sum(positions[1:] * np.conj(positions[:-1])))
     whirl = float(step / (2.0 * np.pi * turns))
-    centre, offset, scatter = complex(place.mean()), float(distance.mean()), float(distance.std())
+    centre, offset, scatter = (
+        complex(positions.mean()),
+        float(distance.mean()),
+        float(distance.std()),
+    )
     if power == 0.0:
         motion = FLOATS
     elif abs(centre) > ONE_SIDED * np.sqrt(np.mean(distance**2)):
@@ -57,11 +62,11 @@ def cage_path(place: np.ndarray, turns: float, power: float, ball_ratio: float) 
     return CagePath(centre=centre, offset=offset, scatter=scatter, whirl=whirl, motion=motion)
 
 
-def is_drifting(values: Sequence[float], allowed: float) -> bool:
-    """Returns whether successive values rise, or fall, all the way by more than allowed.
+def is_drifting(values: Sequence[float], tolerance: float) -> bool:
+    """Returns whether values rise at every step, or fall at every step, by more than a tolerance.
 
-    allowed: largest change, relative to the last value.
+    tolerance: largest change from the first to the last value, relative to the last.
     """
     steps = np.diff(values)
-    one_way = bool((steps > 0.0).all() or (steps < 0.0).all())
-    return one_way and abs(values[-1] - values[0]) > allowed * abs(values[-1])
+    is_monotonic = bool((steps > 0.0).all() or (steps < 0.0).all())
+    return is_monotonic and abs(values[-1] - values[0]) > tolerance * abs(values[-1])

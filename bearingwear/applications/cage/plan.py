@@ -47,6 +47,7 @@ class Ensemble:
     # fmt: on
 
     def __post_init__(self) -> None:
+        """Checks the numbers of turns. Raises SceneError."""
         for name in ("least_turns", "most_turns"):
             if (turns := getattr(self, name)) % STRETCH:
                 raise SceneError(name, f"got {turns}, expected a multiple of {STRETCH}")
@@ -68,6 +69,7 @@ class CagePoint(NamedTuple):
 
     @property
     def name(self) -> str:
+        """Returns the name of its file, which states all values."""
         return (
             f"g{self.gravity_m_s2:g}-{self.guiding_race}-imbalance{self.imbalance_um:g}"
             f"-pocket{self.pocket_clearance_mm:g}-guide{self.guide_clearance_mm:g}"
@@ -76,7 +78,7 @@ class CagePoint(NamedTuple):
 
     @property
     def changes(self) -> dict[str, Any]:
-        """Returns the keys of a scene that make it this cage."""
+        """Returns the values that this cage has in a scene, by dotted keys."""
         return {
             "operation.gravity_m_s2": [0.0, 0.0, -self.gravity_m_s2],
             "cage.guiding_race": self.guiding_race,
@@ -88,9 +90,9 @@ class CagePoint(NamedTuple):
 
 
 def cage_axes(cage: Mapping[str, Any]) -> dict[str, list[Any]]:
-    """Returns the values along each dimension of a map, in the order of `CagePoint`.
+    """Returns the values along each dimension of a map by their keys, in the order of `CagePoint`.
 
-    cage: content of config/cage.yaml.
+    cage: content of config/cage.yaml. ValueError: the numbers of a dimension do not rise.
     """
     axes = {name: [*cage[name]] for name in ("gravity_m_s2", "guiding_race", "imbalance_um")}
     for name in ("gravity_m_s2", "imbalance_um"):
@@ -102,7 +104,10 @@ def cage_axes(cage: Mapping[str, Any]) -> dict[str, list[Any]]:
 
 
 def cage_points(cage: Mapping[str, Any]) -> dict[str, CagePoint]:
-    """Returns the cages of the map by the names of their files; none without a scene."""
+    """Returns the cages of the map by the names of their files; none without a scene.
+
+    cage: content of config/cage.yaml.
+    """
     if "scene" not in cage:
         return {}
     points = itertools.starmap(CagePoint, itertools.product(*cage_axes(cage).values()))
@@ -110,7 +115,10 @@ def cage_points(cage: Mapping[str, Any]) -> dict[str, CagePoint]:
 
 
 def check_cage(cage: Mapping[str, Any], path: Path = CAGE_FILE) -> None:
-    """Reads the scene as every cage of the map changes it. Raises ValueError."""
+    """Checks the ensemble and the scene of every cage of a map. Raises ValueError.
+
+    cage: content of the file at `path`, which errors name.
+    """
     with place_of_errors(str(path)):
         record(Ensemble, cage["ensemble"], "ensemble")
         for name, point in cage_points(cage).items():

@@ -67,12 +67,14 @@ POINTS = 20  # instants a turn
 
 
 def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) -> dict[str, Any]:
-    """Returns the values of `CAGE_RUN` of one start.
+    """Returns the results of a run from one start, by the names of `CAGE_RUN`.
 
-    A run whose energy balance does not close is repeated with a tighter tolerance.
+    A run that failed has its status but no results. One whose energy balance does not close is
+    repeated with a tighter tolerance.
 
-    scene: with its cage and with given temperatures.
-    least_turns, most_turns: shaft turns, multiples of `STRETCH`.
+    scene: with a cage and without a thermal network.
+    least_turns, most_turns: shaft turns after which a run may end and must end, multiples of
+        `STRETCH`.
     """
     model = replace(
         scene.model,
@@ -91,16 +93,20 @@ def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) 
 def _single_run(
     scene: Scene, start: CageStart, least_turns: int, tolerance: float
 ) -> dict[str, Any]:
-    """Returns the values of one run, which ends when its motion has settled."""
+    """Returns the results of a run, which ends when its motion has settled.
+
+    The status is UNVERIFIED if the energy balance or a force balance does not close.
+    """
     system = DynamicSystem.of(scene, start_of(scene).u)
     system.start_cage(start)
-    start_state = system.packed(), system.time
+    start_vector, start_time = system.packed(), system.time
     status = system.diagnose(system.update())
     if status != OK:
         return _failed_run(status)
     with Interrupt():
         run = TimeRun(scene, system, None, tolerance)
-        system.unpack(*start_state)  # what compiles first has moved it
+        # to compile the kernels, TimeRun has advanced the system
+        system.unpack(start_vector, start_time)
         stretches: list[_Stretch] = []
         for length in run.grid.windows:
             status = run.window(length)
@@ -111,16 +117,17 @@ def _single_run(
                 break
     values = window_values(scene, run)
     energy_error = values["energy_account_error"]
-    verified = values["equilibrium_residual"] <= LARGEST_UNBALANCED
-    if not (verified and abs(energy_error) <= LARGEST_ACCOUNT):
+    if values["equilibrium_residual"] > LARGEST_UNBALANCED or abs(energy_error) > LARGEST_ACCOUNT:
         return {"status": UNVERIFIED, "energy_account_error": energy_error}
     return _run_values(run, stretches) | {"energy_account_error": energy_error}
 
 
 def _failed_run(status: int) -> dict[str, Any]:
-    """Returns the values of a run that failed with a status."""
-    jams = {"motion": JAMS} if status == CAGE_JAMMED else {}
-    return {"status": int(status)} | jams
+    """Returns the results of a run that failed: its status, and the motion if the cage jams."""
+    row = {"status": int(status)}
+    if status == CAGE_JAMMED:
+        row["motion"] = JAMS
+    return row
 
 
 class _Stretch(NamedTuple):
@@ -132,19 +139,22 @@ class _Stretch(NamedTuple):
 
 
 def _stretch(run: TimeRun, length: int) -> _Stretch:
-    """Returns motion, work and torque over the last intervals of a run."""
+    """Returns motion, work and torque over the last `length` recorded instants of a run."""
     last = slice(run.done - length, run.done)
     trend, history = run.trend, run.recorder.history
     torques = np.array(
         [trend.sums[0], trend.values[0, TREND_OF_TORQUE], trend.values[2, TREND_OF_TORQUE]]
     )
-    torques /= (1.0, POINTS, POINTS**2)  # a turn's value is the sum over its instants
+    torques /= (1.0, POINTS, POINTS**2)  # the value of a turn is the sum over its instants
     power = float(history.pocket_power[last].sum(axis=1).mean() + history.land_power[last].mean())
-    return _Stretch(_path(run, last, power), power * run.system.turn, torques)
+    return _Stretch(path=_path(run, last, power), work=power * run.system.turn, torques=torques)
 
 
 def _path(run: TimeRun, stretch: slice, power: float) -> CagePath:
-    """Returns the motion over a stretch of the recorded instants."""
+    """Returns the path of the cage over a stretch of the recorded instants.
+
+    power: mean of normal force times slip at the cage [W].
+    """
     y, z = run.cage_offset(stretch).T
     return cage_path(y + 1j * z, 1.0 / POINTS, power, run.system.ball_ratio)
 
@@ -161,21 +171,22 @@ def _is_settled(stretches: list[_Stretch]) -> bool:
 
 
 def _run_values(run: TimeRun, stretches: list[_Stretch]) -> dict[str, Any]:
-    """Returns the results over the last stretches of a run."""
-    history, turn = run.recorder.history, run.system.turn
+    """Returns the results over the last stretches of a solved run, by the names of `CAGE_RUN`."""
+    history, seconds_per_turn = run.recorder.history, run.system.turn
     last = slice(run.done - EVALUATED * STRETCH * POINTS, run.done)
-    pockets = float(history.pocket_power[last].sum(axis=1).mean())
-    land = float(history.land_power[last].mean())
-    path = _path(run, last, pockets + land)
+    pocket_power = float(history.pocket_power[last].sum(axis=1).mean())
+    land_power = float(history.land_power[last].mean())
+    path = _path(run, last, pocket_power + land_power)
     count, total, squares = np.sum([stretch.torques for stretch in stretches[-EVALUATED:]], axis=0)
     torque = total / count
+    # the last two contacts are those of the guiding land
     pocket_force, land_force = history.force[last, :-2], history.force[last, -2:].sum(axis=1)
     return {
         "status": OK,
         "motion": path.motion,
-        "work": (pockets + land) * turn,
-        "pocket_work": pockets * turn,
-        "land_work": land * turn,
+        "work": (pocket_power + land_power) * seconds_per_turn,
+        "pocket_work": pocket_power * seconds_per_turn,
+        "land_work": land_power * seconds_per_turn,
         "pocket_force": float(pocket_force.mean()),
         "pocket_force_99": float(np.quantile(pocket_force, 0.99)),
         "land_force": float(land_force.mean()),

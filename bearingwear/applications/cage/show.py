@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,18 +14,26 @@ import xarray as xr
 from bearingwear.applications.cage.life import WEARING
 from bearingwear.applications.cage.motion import HANGS, JAMS, MOTIONS
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import stored_scene, values
+from bearingwear.document.rows import stored_scene, variable_values
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
-from bearingwear.results.units import Interval, Rough, display, key_in_words, text_to_error
-from bearingwear.results.words import name_in_words, scene_of
+from bearingwear.results.units import (
+    Display,
+    Interval,
+    Rough,
+    display,
+    key_in_words,
+    text_to_error,
+)
+from bearingwear.results.words import name_in_words, plain_scene
 from bearingwear.scene.accuracy import CAGE_ERROR, CAGE_TOLERANCE
 from bearingwear.scene.blocks import CRITERIA
 
 MOTION_COLOURS = dict(enumerate(("0.85", "C2", "C5", "0.4", "C4", "C3")))
 
 LONG_RUN = 450
-"""Shaft turns in which every cage of gyro_s1 that hung for thirty has changed."""
+"""Shaft turns that a run of a hanging cage needs: every cage of gyro_s1 that hung for thirty turns
+had changed its motion by then."""
 
 _ROWS = (
     ("work", "work at the cage per turn"),
@@ -41,38 +50,57 @@ _ROWS = (
 
 
 def shares_in_words(shares: Any) -> str:
-    """Lists the motions with the share of the runs that end in each, most frequent first."""
-    codes = [
-        int(code) for code in np.argsort(-np.asarray(shares), kind="stable") if shares[code] > 0.0
-    ]
+    """Lists the motions with the share of the runs that end in each, most frequent first.
+
+    shares: of each of `MOTIONS`. Empty if all are zero or NaN.
+    """
+    by_frequency = np.argsort(-np.asarray(shares), kind="stable").tolist()
     return ", ".join(
-        f"{name_in_words(MOTIONS[code])} {100.0 * shares[code]:.0f} %" for code in codes
+        f"{name_in_words(MOTIONS[code])} {100.0 * shares[code]:.0f} %"
+        for code in by_frequency
+        if shares[code] > 0.0
     )
 
 
 def ensemble_sheet(file: Any) -> Document:
-    """Reports the motions of an ensemble, their wear, and the life of the cage."""
+    """Returns the sheet of an open file: motions, their wear, and the life of the cage."""
     scene, plan = stored_scene(file), json.loads(file.ensemble)
-    status = values(file, "status").astype(int)
-    share, runs = values(file, "share"), status.size
-    heading = [
+    share, runs = variable_values(file, "share"), variable_values(file, "status").size
+    if file.met:
+        width = f"at most {100.0 * plan['within']:g} %"
+    else:
+        width = f"above {100.0 * plan['within']:g} % after {runs} runs"
+    heading = (
         f"{scene['name']}: cage, {runs} runs: {shares_in_words(share) or 'no motion'}",
-        f"90 % intervals; half-width for the work {'at most' if int(file.met) else 'above'} "
-        f"{100.0 * plan['within']:g} %{'' if int(file.met) else f' after {runs} runs'}",
-    ]
+        f"90 % intervals; half-width for the work {width}",
+    )
     facts = {"kind": "cage ensemble", "scene": scene["name"], "runs": runs, "met": int(file.met)}
-    blocks = [_motion_block(file), _mean_block(file), *_life_blocks(file)]
-    unsolved = [STATUS_NAMES[code] for code in status if code != OK]
-    lines = [file.assumed] if file.assumed else []
-    unclassified = sum(values(file, "motion")[status != OK] != JAMS)
-    if unsolved:
-        counted = {name: unsolved.count(name) for name in dict.fromkeys(unsolved)}
-        counts = ", ".join(f"{name_in_words(name)} {n}" for name, n in counted.items())
-        lines.append(
-            f"runs not solved: {len(unsolved)} ({counts}); motion that could not be classified: "
-            f"{unclassified}"
-        )
-    if share[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
+    blocks = (_motion_block(file), _mean_block(file), *_life_blocks(file))
+    lines = _ensemble_lines(file, scene, plan)
+    return Document(heading, facts, (*blocks, Block("", lines=tuple(lines))))
+
+
+def _unsolved_line(file: Any) -> str:
+    """Counts the runs of each status but `ok`, and those without a motion; empty if none."""
+    status = variable_values(file, "status").astype(int)
+    unsolved = Counter(STATUS_NAMES[code] for code in status if code != OK)
+    if not unsolved:
+        return ""
+    unclassified = sum(variable_values(file, "motion")[status != OK] != JAMS)
+    counts = ", ".join(f"{name_in_words(name)} {count}" for name, count in unsolved.items())
+    return (
+        f"runs not solved: {unsolved.total()} ({counts}); motion that could not be classified: "
+        f"{unclassified}"
+    )
+
+
+def _ensemble_lines(file: Any, scene: Mapping[str, Any], plan: Mapping[str, Any]) -> list[str]:
+    """Returns sentences on assumptions, unsolved runs, hanging cages, tolerance and gravity.
+
+    plan: the fields of the `Ensemble`.
+    """
+    lines = [line for line in (file.assumed, _unsolved_line(file)) if line]
+    if variable_values(file, "share")[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
         lines.append(
             "the motion of a hanging cage may change after hundreds of turns; use --least-turns "
             f"{LONG_RUN} --turns {LONG_RUN}"
@@ -88,21 +116,24 @@ def ensemble_sheet(file: Any) -> Document:
         lines.append(f"step tolerance {tolerance:g}: {accuracy}")
     if not any(scene["operation"].get("gravity_m_s2") or [0.0]):
         lines.append("weightless: operation.gravity_m_s2 is 0")
-    return Document(tuple(heading), facts, (*blocks, Block("", lines=tuple(lines))))
+    return lines
 
 
 def _interval(file: Any, name: str, group: int, factor: float) -> Interval:
-    """Returns the interval of a mean in another unit."""
-    low, high = (factor * values(file, f"mean_{name}_interval")[group]).tolist()
+    """Returns the interval of the mean of a variable over a group of runs, times a factor.
+
+    group: 0 for all runs, 1 + code for those of a motion.
+    """
+    low, high = (factor * variable_values(file, f"mean_{name}_interval")[group]).tolist()
     return Interval(low, high)
 
 
 def _motion_block(file: Any) -> Block:
     """Returns a row for each motion that occurs: share, work and whirl rate."""
-    share, ends = values(file, "share"), values(file, "share_interval")
-    work = [values(file, f"mean_{name}") for name in ("pocket_work", "land_work")]
+    share, ends = variable_values(file, "share"), variable_values(file, "share_interval")
+    work = [variable_values(file, f"mean_{name}") for name in ("pocket_work", "land_work")]
     unit = display("J", *work)
-    whirl = values(file, "mean_whirl_ratio")
+    whirl = variable_values(file, "mean_whirl_ratio")
     rows = []
     for k, motion in enumerate(MOTIONS):
         if share[k] > 0.0:
@@ -119,7 +150,7 @@ def _mean_block(file: Any) -> Block:
     rows = []
     for name, label in _ROWS:
         units = str(file[f"mean_{name}"].units)
-        mean = float(values(file, f"mean_{name}")[0])
+        mean = float(variable_values(file, f"mean_{name}")[0])
         unit = display(units, mean)
         cells = (float(unit.of(mean)), _interval(file, name, 0, unit.factor))
         rows.append(Row(label, unit.unit if unit.unit != "1" else "", cells, name))
@@ -130,7 +161,7 @@ def _life_blocks(file: Any) -> Iterator[Block]:
     """Yields the block of the cage's life, if that was computed."""
     if "cage_end" not in file.variables:
         return
-    life, hours = (float(values(file, f"cage_{name}")) for name in ("life", "hours"))
+    life, hours = (float(variable_values(file, f"cage_{name}")) for name in ("life", "hours"))
     rows = []
     lines = [
         "the end of life was not reached" if math.isnan(life) else f"ended by: {file.cage_ended_by}"
@@ -141,25 +172,25 @@ def _life_blocks(file: Any) -> Iterator[Block]:
             ("cage_life_interval", "scatter between runs only"),
             ("cage_life_interval_with_wear", "scatter between runs and uncertainty in K_s"),
         ):
-            low, high = values(file, name).tolist()
+            low, high = variable_values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
             cells = f"{low:.2g} to {high:.2g}", in_hours
             rows.append(Row(f"  90 %, {label}", "", cells, name))
     lines += _film_lines(file)
-    low, high = values(file, "motion_changes").tolist()
+    low, high = variable_values(file, "motion_changes").tolist()
     lines.append(
         "no other motion becomes dominant before the end of the calculation"
         if math.isnan(low)
         else f"another motion becomes dominant after {low:.3g} to {high:.3g} turns"
     )
-    if "other_hours" in file.variables and math.isfinite(values(file, "other_hours")):
+    if "other_hours" in file.variables and math.isfinite(variable_values(file, "other_hours")):
         lines.append(_other_life_line(file, hours))
     yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
 
 
 def _film_lines(file: Any) -> Iterator[str]:
     """States when each film of the cage is worn through."""
-    for part, turns in zip(WEARING, values(file, "film_gone").tolist(), strict=True):
+    for part, turns in zip(WEARING, variable_values(file, "film_gone").tolist(), strict=True):
         if math.isfinite(turns):
             yield f"film on the {part}: worn through after {turns:.3g} turns"
         elif not math.isnan(turns):
@@ -168,9 +199,9 @@ def _film_lines(file: Any) -> Iterator[str]:
 
 def _other_life_line(file: Any, cage_hours: float) -> str:
     """Compares the life of balls and races with that of the cage."""
-    hours = float(values(file, "other_hours"))
-    interval = Interval(*values(file, "other_hours_interval").tolist())
-    criterion = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
+    hours = float(variable_values(file, "other_hours"))
+    interval = Interval(*variable_values(file, "other_hours_interval").tolist())
+    criterion = key_in_words(CRITERIA[int(variable_values(file, "other_end"))])[0]
     longer = "the balls and races last" if cage_hours <= hours else "the cage lasts"
     return (
         f"balls and races: {Rough(hours).text} h (90 % interval due to uncertainty in K_s/H: "
@@ -179,23 +210,19 @@ def _other_life_line(file: Any, cage_hours: float) -> str:
 
 
 def ensemble_figure(ensemble: xr.Dataset) -> Figure:
-    """Draws the work in pockets and at the land of every run, and the wear along a life."""
+    """Returns a figure of every run: work in pockets and at the land, offset and torque noise.
+
+    A third panel shows the wear along a life, if that was computed.
+    """
     has_life = "node_turns" in ensemble and ensemble.sizes["node"] > 1
-    figure, panels = new_figure(1, 2 + has_life, 3.6 * (2 + has_life), 3.4)
+    columns = 3 if has_life else 2
+    figure, panels = new_figure(1, columns, 3.6 * columns, 3.4)
     motion = ensemble["motion"].values
-    unit = display("J", ensemble["pocket_work"].values, ensemble["land_work"].values)
-    torque = display("N m", ensemble["torque_noise"].values)
-    pairs = (("pocket_work", "land_work", unit, unit), ("offset", "torque_noise", None, torque))
-    for panel, (x_name, y_name, x_unit, y_unit) in zip(panels[0], pairs, strict=False):
-        x_unit = x_unit or display("m", ensemble[x_name].values)
-        for code, colour in MOTION_COLOURS.items():
-            in_motion = motion == code
-            x, y = (ensemble[name].values[in_motion] for name in (x_name, y_name))
-            panel.plot(
-                x_unit.of(x), y_unit.of(y), "o", color=colour, markersize=4, fillstyle="none"
-            )
-        panel.set_xlabel(x_unit.label(name_in_words(x_name)))
-        panel.set_ylabel(y_unit.label(name_in_words(y_name)))
+    work_unit = display("J", ensemble["pocket_work"].values, ensemble["land_work"].values)
+    offset_unit = display("m", ensemble["offset"].values)
+    torque_unit = display("N m", ensemble["torque_noise"].values)
+    _draw_runs(panels[0, 0], ensemble, {"pocket_work": work_unit, "land_work": work_unit})
+    _draw_runs(panels[0, 1], ensemble, {"offset": offset_unit, "torque_noise": torque_unit})
     if has_life:
         _draw_life(panels[0, 2], ensemble)
     codes = [code for code in MOTION_COLOURS if (motion == code).any()]
@@ -203,24 +230,42 @@ def ensemble_figure(ensemble: xr.Dataset) -> Figure:
         key(name_in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linestyle="none", marker="o")
         for code in codes
     ]
-    name = scene_of(ensemble)["name"]
+    name = plain_scene(ensemble)["name"]
     frame(figure, f"{name}: {shares_in_words(ensemble['share'].values)}", handles, 4)
     return figure
+
+
+def _draw_runs(panel: Any, ensemble: xr.Dataset, units: Mapping[str, Display]) -> None:
+    """Draws two variables of every run against each other, in the colour of its motion.
+
+    units: of the variable of the abscissa, then of that of the ordinate, by their names.
+    """
+    x_name, y_name = units
+    for code, colour in MOTION_COLOURS.items():
+        runs = ensemble.isel(run=ensemble["motion"].values == code)
+        x, y = (unit.of(runs[name].values) for name, unit in units.items())
+        panel.plot(x, y, "o", color=colour, markersize=4, fillstyle="none")
+    panel.set_xlabel(units[x_name].label(name_in_words(x_name)))
+    panel.set_ylabel(units[y_name].label(name_in_words(y_name)))
 
 
 def _draw_life(panel: Any, ensemble: xr.Dataset) -> None:
     """Draws the wear depths along the life of a cage."""
     turns = ensemble["node_turns"].values
-    for k, (part, line) in enumerate(zip(WEARING, ("-", "--"), strict=True)):
-        depth = 1e6 * ensemble["node_depth"].values[:, k]
-        panel.plot(turns, depth, line, color="black", marker=".", label=part)
+    for k, (part, dashes) in enumerate(zip(WEARING, ("-", "--"), strict=True)):
+        depth_um = 1e6 * ensemble["node_depth"].values[:, k]
+        panel.plot(turns, depth_um, dashes, color="black", marker=".", label=part)
     panel.set_xlabel("shaft turns")
     panel.set_ylabel("wear depth of the cage (µm)")
     panel.legend()
 
 
 def mean_with_interval(mean: float, ends: Any, unit: Any) -> str:
-    """Writes a mean and its interval in a unit."""
+    """Returns a mean and its interval in a unit as text, `1.5 (1.2 to 1.8)`.
+
+    mean, ends: in the unit of files.
+    """
     low, high = (float(unit.of(float(end))) for end in ends)
-    number, first, last = (text_to_error(x, 0.5 * (high - low)) for x in (unit.of(mean), low, high))
-    return f"{number} ({first} to {last})"
+    half_width = 0.5 * (high - low)
+    texts = [text_to_error(number, half_width) for number in (unit.of(mean), low, high)]
+    return f"{texts[0]} ({texts[1]} to {texts[2]})"

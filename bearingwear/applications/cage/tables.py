@@ -17,7 +17,7 @@ from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
 from bearingwear.results.units import digits, display
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.dynamic.windows import wear_per_joule
@@ -25,17 +25,20 @@ from bearingwear.studies.dataset import load_with_axes
 
 
 def cage_table(motions: Path) -> str:
-    """Returns every cage of a map, as Markdown."""
+    """Returns Markdown of the report on the map of cages in a file."""
     return as_markdown(cage_document(motions))
 
 
 def cage_answer(motions: Path) -> str:
-    """Returns the report on a map of cages as the page stores it."""
+    """Returns JSON of the report on the map of cages in a file, which the page reads."""
     return cage_document(motions).stored
 
 
 def cage_document(path: Path) -> Document:
-    """Reports the recommended cage, the quiet region, and every cage of a map."""
+    """Returns the report on the map of cages in a file.
+
+    It states the recommended cage, the quiet cages, and the results of every cage.
+    """
     motions = load_with_axes(path, cage_friction=(), gravity=())
     lines = [
         "Work is normal force times slip per shaft turn; its mean and 90 % interval are listed. "
@@ -43,7 +46,7 @@ def cage_document(path: Path) -> Document:
     ]
     if (motions["share"].sel(of_motion=HANGS) > 0.0).any():
         lines.append("The motion of a hanging cage may change after hundreds of turns.")
-    scene = scene_of(motions)
+    scene = plain_scene(motions)
     choice = Block(
         "Choice of a cage",
         lines=(f"{cage_choice_sentence(motions)}.", f"{quiet_region(motions)}."),
@@ -61,9 +64,10 @@ def cage_document(path: Path) -> Document:
 def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
     """Returns a row for each property of the cages of a map, with a cell for each cage."""
     axes = [axis.name for axis, _ in CAGE_AXES.values()]
+    index_ranges = [range(motions.sizes[axis]) for axis in axes]
     cages = [
-        motions.isel(dict(zip(axes, index, strict=True)))
-        for index in itertools.product(*(range(motions.sizes[axis]) for axis in axes))
+        motions.isel(dict(zip(axes, indices, strict=True)))
+        for indices in itertools.product(*index_ranges)
     ]
     pocket_work = display("J", motions["mean_pocket_work"].values[..., 0])
     land_work = display("J", motions["mean_land_work"].values[..., 0])
@@ -71,9 +75,11 @@ def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
     noise = display("N m", motions["mean_torque_noise"].values[..., 0])
 
     def column(label: str, texts: list[str], unit: str = "") -> Row:
+        """Returns a property of the cages, which a page shows as a column."""
         return Row(label, unit, tuple(texts))
 
     def means(name: str, unit: object) -> list[str]:
+        """Returns the mean of a variable over the runs of each cage, with its interval."""
         return [
             mean_with_interval(
                 float(cage[f"mean_{name}"][0]), cage[f"mean_{name}_interval"].values[0], unit
@@ -82,6 +88,7 @@ def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
         ]
 
     def wear_rates(name: str) -> list[str]:
+        """Returns the wear rate of `pocket` or `land` of each cage."""
         return [wear.text(value) for value in rates[name].values.ravel()]
 
     return (
@@ -117,16 +124,19 @@ DESIGN = ("guide", "imbalance", "pocket_clearance", "guide_clearance", "cage_fri
 class MappedCage(NamedTuple):
     """A cage of a map, the worst of all gravities, by the names of `DESIGN`."""
 
-    at: dict[str, float]
-    work: float  # mean in a turn, pockets and land [J]
-    low: float  # ends of its interval [J]
-    high: float
-    quiet: float  # least share of quiet runs
-    shares: np.ndarray
+    design: dict[str, float]
+    work: float  # mean per turn, pockets and land [J]
+    low: float  # lower end of the interval of the work [J]
+    high: float  # upper end [J]
+    quiet: float  # least share of quiet runs at any gravity
+    shares: np.ndarray  # of the runs that end in each motion
 
 
 def mapped_cages(motions: xr.Dataset) -> list[MappedCage]:
-    """Returns every cage of a map under the gravity at which it wears most."""
+    """Returns every cage of a map under the gravity at which it wears most.
+
+    A cage without a solved run is left out.
+    """
     cages = []
     for values in itertools.product(*(motions[axis].values.tolist() for axis in DESIGN)):
         design = dict(zip(DESIGN, values, strict=True))
@@ -139,7 +149,7 @@ def mapped_cages(motions: xr.Dataset) -> list[MappedCage]:
         shares = ensembles["share"].values
         cages.append(
             MappedCage(
-                at=design,
+                design=design,
                 work=float(work[worst]),
                 low=low,
                 high=high,
@@ -151,26 +161,34 @@ def mapped_cages(motions: xr.Dataset) -> list[MappedCage]:
 
 
 def present_cage(motions: xr.Dataset, cages: list[MappedCage]) -> MappedCage | None:
-    """Returns the cage of a map that is nearest to the scene's; None if there is none."""
-    scene = scene_of(motions)
+    """Returns the cage of a map that is nearest to that of its scene; None if there are no cages.
+
+    Any cage with the same guide is nearer than one with another.
+    """
+    scene = plain_scene(motions)
     cage = scene["cage"]
-    present = (
-        GUIDES.index(cage["guiding_race"]),
-        1e-6 * cage.get("imbalance_um", 0.0),
-        1e-3 * cage["pocket_clearance_mm"],
-        1e-3 * cage["guide_clearance_mm"],
-        scene["friction"]["cage"],
-    )
+    present = {
+        "guide": GUIDES.index(cage["guiding_race"]),
+        "imbalance": 1e-6 * cage.get("imbalance_um", 0.0),
+        "pocket_clearance": 1e-3 * cage["pocket_clearance_mm"],
+        "guide_clearance": 1e-3 * cage["guide_clearance_mm"],
+        "cage_friction": scene["friction"]["cage"],
+    }
 
     def distance(mapped: MappedCage) -> float:
-        difference = 0.0
-        for axis, value in zip(DESIGN, present, strict=True):
-            scale = max(abs(value), float(np.max(np.abs(motions[axis].values))), 1e-12)
-            difference += abs(mapped.at[axis] - value) / scale * (1e3 if axis == "guide" else 1.0)
-        return difference
+        """Returns the sum of the differences, each relative to the largest value of its axis."""
+        total = 0.0
+        for axis, value in present.items():
+            largest = max(abs(value), float(np.max(np.abs(motions[axis].values))))
+            weight = _GUIDE_WEIGHT if axis == "guide" else 1.0
+            total += weight * abs(mapped.design[axis] - value) / max(largest, _NO_DIVISION_BY_ZERO)
+        return total
 
     return min(cages, key=distance, default=None)
 
+
+_GUIDE_WEIGHT = 1e3  # more than the sum of all other differences, each of which is at most 2
+_NO_DIVISION_BY_ZERO = 1e-12  # for an axis with no other value than zero
 
 _IN_DESIGN = {
     "imbalance": "an imbalance of {}",
@@ -181,7 +199,10 @@ _IN_DESIGN = {
 
 
 def in_design_words(axis: str, value: float) -> str:
-    """Describes a value of a design in words."""
+    """Returns a value of a design in words: `a land clearance of 0.2 mm`.
+
+    axis: one of `DESIGN`, whose value is in SI units or the index of a guide.
+    """
     text = _design_value(axis, value)
     if axis == "guide":
         return f"guided by the {'balls' if text == 'ball' else f'{text} race'}"
@@ -203,14 +224,15 @@ def quiet_region(motions: xr.Dataset) -> str:
     varied = [axis for axis in DESIGN[:-1] if motions.sizes[axis] > 1]
     for values in itertools.product(*(motions[axis].values.tolist() for axis in varied)):
         axes = dict(zip(varied, values, strict=True))
-        matching = [cage for cage in quiet if axes.items() <= cage.at.items()]
-        if matching:
-            friction = _friction_range(
-                sorted(cage.at["cage_friction"] for cage in matching),
-                motions["cage_friction"].values.tolist(),
-            )
-            design = ", ".join(map(in_design_words, varied, values))
-            parts.append(f"{design + ', ' if design else ''}friction {friction}")
+        quiet_frictions = sorted(
+            cage.design["cage_friction"]
+            for cage in quiet
+            if all(cage.design[axis] == value for axis, value in axes.items())
+        )
+        if quiet_frictions:
+            friction = _friction_range(quiet_frictions, motions["cage_friction"].values.tolist())
+            words = [in_design_words(axis, value) for axis, value in axes.items()]
+            parts.append(", ".join([*words, f"friction {friction}"]))
     return (
         f"Cages that are quiet{gravity} (they float, hang or turn with the balls in at least "
         f"{100.0 * MOSTLY:.0f} % of the runs): {'; '.join(parts)}"
@@ -218,7 +240,10 @@ def quiet_region(motions: xr.Dataset) -> str:
 
 
 def _friction_range(quiet: list[float], mapped: list[float]) -> str:
-    """Lists friction coefficients; "up to" the last if all mapped ones up to it are quiet."""
+    """Lists the friction coefficients of quiet cages; `up to 0.2` if all mapped ones are quiet.
+
+    quiet, mapped: in rising order, the former a part of the latter.
+    """
     if len(quiet) > 1 and quiet == [friction for friction in mapped if friction <= quiet[-1]]:
         return f"up to {digits(quiet[-1])}"
     return ", ".join(map(digits, quiet))
@@ -233,12 +258,12 @@ def cage_choice_sentence(motions: xr.Dataset) -> str:
     quiet = [cage for cage in cages if cage.quiet >= MOSTLY] or cages
     best = min(quiet, key=lambda cage: cage.high if math.isfinite(cage.high) else math.inf)
     present_words = f"the present cage ({shares_in_words(present.shares)})"
-    if best.at == present.at or not best.high < present.low:
+    if best.design == present.design or not best.high < present.low:
         return f"Keep {present_words}: no quieter cage in the map wears significantly less"
     changes = ", ".join(
-        f"{in_design_words(axis, best.at[axis])} (now {_design_value(axis, present.at[axis])})"
-        for axis in DESIGN
-        if best.at[axis] != present.at[axis]
+        f"{in_design_words(axis, value)} (now {_design_value(axis, present.design[axis])})"
+        for axis, value in best.design.items()
+        if value != present.design[axis]
     )
     factor = present.work / best.work if best.work > 0.0 else math.inf
     lowest = present.low / best.high
@@ -251,16 +276,25 @@ def cage_choice_sentence(motions: xr.Dataset) -> str:
 
 
 def _design_value(axis: str, value: float) -> str:
-    """Writes a value of a design with its unit."""
+    """Returns a value of a design with its unit as text.
+
+    axis: one of `DESIGN`, whose value is in SI units or the index of a guide.
+    """
     if axis == "guide":
         return GUIDES[int(value)]
-    factor, unit = {"imbalance": (1e6, " µm"), "cage_friction": (1.0, "")}.get(axis, (1e3, " mm"))
-    return f"{digits(factor * value)}{unit}"
+    if axis == "imbalance":
+        return f"{digits(1e6 * value)} µm"
+    if axis == "cage_friction":
+        return digits(value)
+    return f"{digits(1e3 * value)} mm"
 
 
 def mapped_wear(motions: xr.Dataset) -> dict[str, Any]:
-    """Returns the wear of pockets and land of a map [m3/s] by the scene's K_s/H, without film."""
-    scene = scene_from_dict(scene_of(motions))
+    """Returns the wear rates [m3/s] of `pocket` and `land` over the axes of a map.
+
+    By K_s/H of the cage material of the scene, without a film.
+    """
+    scene = scene_from_dict(plain_scene(motions))
     assert scene.cage is not None
     per_joule, rpm = wear_per_joule(scene, scene.cage.material), scene.operation.fastest_rpm
     return {

@@ -9,6 +9,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from bearingwear import Scene, SceneError
 from bearingwear.applications.calibrate.seen import SEEN, SEEN_AS, SEEN_LOSS, SEEN_PRELOAD
@@ -27,10 +28,10 @@ class BearingTest:
 
     row: int  # its line in the file
     scene: Scene  # under the conditions of the test
-    seen: str  # one of `SEEN`
-    value: float  # in the unit of its column
-    after: float  # when that was seen; of a life or a run-out, the value itself [h]
-    count: int  # bearings of this outcome
+    seen: str  # kind of result, one of `SEEN`
+    value: float  # result, in the unit of its column
+    after: float  # time of the result; equal to `value` except for a loss or a preload [h]
+    count: int  # number of bearings with this result
     error: float  # standard error of the measurement, relative
 
 
@@ -44,56 +45,78 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
 
     CaseFileError: names file, row and column, what was given and what is allowed.
     """
-    text = text_of(path, "CSV").lstrip("\ufeff")
-    header = text.partition("\n")[0]
-    separator = next((mark for mark in ";\t" if mark in header and "," not in header), ",")
-    table = csv.reader(io.StringIO(text), skipinitialspace=True, delimiter=separator)
-    rows = []
-    for cells in table:
-        stripped = [cell.strip() for cell in cells]
-        if any(stripped):
-            rows.append((table.line_num, stripped))
-    if separator != ",":
-        rows = [(number, [_with_point(cell) for cell in cells]) for number, cells in rows]
-    if len(rows) < 2:
+    names, *rows = _table_lines(path)
+    if not rows:
         raise CaseFileError(f"{path}: got no tests, expected a header and one row per test")
-    (_, names), *rows = rows
-    for name in names:
-        if names.count(name) > 1:
+    for name in names.cells:
+        if names.cells.count(name) > 1:
             raise CaseFileError(f"{path}: got the column {name!r} twice, expected it once")
         if name not in TEST_COLUMNS and "." not in name:
             allowed = f"a scene key (operation.preload_N), or one of {', '.join(TEST_COLUMNS)}"
             raise CaseFileError(f"{path}: got the column {short(name)!r}, expected {allowed}")
     tests = []
     for number, cells in rows:
-        if len(cells) > len(names):
+        if len(cells) > len(names.cells):
             raise CaseFileError(
-                f"{path}: row {number}: got {len(cells)} cells, expected {len(names)}"
+                f"{path}: row {number}: got {len(cells)} cells, expected {len(names.cells)}"
             )
-        filled_cells = {name: cell for name, cell in zip(names, cells, strict=False) if cell}
+        filled_cells = {name: cell for name, cell in zip(names.cells, cells, strict=False) if cell}
         tests.append(_Row(str(path), number, filled_cells).test(scene))
     return tests
 
 
-def _with_point(cell: str) -> str:
+class _TableLine(NamedTuple):
+    """A line of a CSV file that is not empty."""
+
+    number: int  # from 1
+    cells: list[str]  # without blanks around them
+
+
+def _table_lines(path: str | Path) -> list[_TableLine]:
+    """Reads the lines of a CSV file, the header first, with decimal points in all numbers.
+
+    CaseFileError: the file cannot be read, or is empty.
+    """
+    text = text_of(path, "CSV").lstrip("\ufeff")
+    header = text.partition("\n")[0]
+    separator = ","
+    if "," not in header:
+        separator = next((mark for mark in ";\t" if mark in header), ",")
+    reader = csv.reader(io.StringIO(text), skipinitialspace=True, delimiter=separator)
+    lines = []
+    for row in reader:
+        cells = [cell.strip() for cell in row]
+        if separator != ",":
+            cells = [_with_decimal_point(cell) for cell in cells]
+        if any(cells):
+            lines.append(_TableLine(reader.line_num, cells))
+    if not lines:
+        raise CaseFileError(f"{path}: got no tests, expected a header and one row per test")
+    return lines
+
+
+def _with_decimal_point(cell: str) -> str:
     """Returns a number with a decimal comma as one with a point; any other text unchanged."""
     return cell.replace(",", ".") if re.fullmatch(r"[-+]?\d+,\d+([eE][-+]?\d+)?", cell) else cell
 
 
 @dataclass(frozen=True)
 class _Row:
-    """A row of the file, and how its cells are read."""
+    """A row of a file of tests, which reads its cells into a test."""
 
     path: str
-    number: int
-    cells: Mapping[str, str]
+    number: int  # its line in the file
+    cells: Mapping[str, str]  # those that are not empty, by the names of their columns
 
     def refusal(self, column: str, problem: str) -> CaseFileError:
         """Returns the error that names this row and a column."""
         return CaseFileError(f"{self.path}: row {self.number}: {column}: {problem}")
 
     def number_in(self, column: str, default: float | None = None) -> float:
-        """Reads the number in a column, or returns the default if the cell is empty."""
+        """Returns the positive number in a column, or the default if the cell is empty.
+
+        A measurement error may be 0. CaseFileError: it is no such number, or there is no default.
+        """
         text = self.cells.get(column)
         if text is None and default is not None:
             return default
@@ -107,16 +130,19 @@ class _Row:
         return value
 
     def test(self, scene: Scene) -> BearingTest:
-        """Returns the test of this row."""
-        seen = [name for name in SEEN if name in self.cells]
-        if len(seen) != 1:
-            got = " and ".join(seen) or "nothing"
+        """Returns the test of this row, with the scene under its conditions.
+
+        CaseFileError: the row has no result, or two, or an invalid cell.
+        """
+        names = [name for name in SEEN if name in self.cells]
+        if len(names) != 1:
+            got = " and ".join(names) or "nothing"
             problem = f"got {got}, expected one of {', '.join(SEEN)}"
             raise CaseFileError(f"{self.path}: row {self.number}: {problem}")
-        (name,) = seen
+        (name,) = names
         value = self.number_in(name)
-        timed = name in (SEEN_LOSS, SEEN_PRELOAD)
-        if _AFTER in self.cells and not timed:
+        has_time = name in (SEEN_LOSS, SEEN_PRELOAD)
+        if _AFTER in self.cells and not has_time:
             problem = f"got {self.cells[_AFTER]!r}, only allowed with {SEEN_LOSS} or {SEEN_PRELOAD}"
             raise self.refusal(_AFTER, problem)
         count = self.number_in(_COUNT, 1.0)
@@ -130,13 +156,17 @@ class _Row:
             scene=self.under_conditions(scene, name, value),
             seen=name,
             value=value,
-            after=self.number_in(_AFTER) if timed else value,
+            after=self.number_in(_AFTER) if has_time else value,
             count=int(count),
             error=0.01 * error,
         )
 
     def under_conditions(self, scene: Scene, seen: str, value: float) -> Scene:
-        """Returns the scene of the test; a loss or a residual preload is the end of its life."""
+        """Returns the scene of the test; a loss or a residual preload is the end of its life.
+
+        seen, value: kind of result, one of `SEEN`, and its number in the unit of its column.
+        CaseFileError: a cell is invalid in the scene.
+        """
         changes = {
             key: data_of(text, self.path)
             for key, text in self.cells.items()

@@ -48,8 +48,8 @@ from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.blocks import Calibrated
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.coefficients import with_usual_spread
-from bearingwear.scene.distributions import value_at
-from bearingwear.scene.read import for_life
+from bearingwear.scene.distributions import value_quantiles
+from bearingwear.scene.read import scene_for_life
 from bearingwear.scene.scene import WORN, Distribution
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
@@ -60,6 +60,9 @@ from bearingwear.studies.uncertainty.sample import sampled_lives
 
 _NODES, _CHECKED = 9, 4
 """Points over ln mu at which lives are solved: for the interpolation, and to check its error."""
+
+_CHECKED_UP_TO = 0.4
+"""Distance of the outer checked points from the middle, as a share of `_SPAN`."""
 
 _SPAN = 3.0
 """Half the width of the range of these points, in standard deviations of the prior of ln mu."""
@@ -72,29 +75,41 @@ _CLOSEST = 0.99999  # largest correlation that is carried
 IMPOSSIBLE = 1e-6
 """Probability of tests below which they are refused."""
 
-_LIKE_A_UNIT = 0.2  # a factor from 250 to 4000, or one over these
+_LIKE_A_UNIT = 0.2
+"""Largest distance of the logarithm of a factor to base 1000 from 1 at which a unit is suspected:
+for factors from 250 to 4000, or one over these."""
 
-_NONE = -60.0  # logarithm of a life that is over when new
+_LOG_OF_ZERO = -60.0  # stands for the logarithm of a life that is over when new
+
+_SIGNIFICANT = 0.1
+"""Share of a standard deviation below which rounding of a median does not matter."""
+
+_PROBABILITIES = (np.arange(1024) + 0.5) / 1024
+"""At which a distribution is evaluated for the moments of its logarithm."""
 
 
 class Calibration:
-    """Results of tests on a scene.
+    """A calibrated scene and the data of its calibration.
 
-    scene: the scene with the calibrated friction, wear coefficients and distributions.
-    data: densities, lives and tests, before and after, for `bearingwear show` and `plot`.
+    scene: with the calibrated friction, wear coefficients and distributions.
+    data: dataset of densities, lives and tests, before and after, for `bearingwear show` and
+        `plot`.
     """
 
     def __init__(self, scene: Scene, data: xr.Dataset):
         self.scene, self.data = scene, data
 
     def write(self, path: Path) -> None:
-        """Writes the scene, and the data beside it."""
+        """Writes the scene to a new file, and the data beside it. Raises OutputError."""
         bearingwear.save(self.data, data_file(path))
         bearingwear.save(self.scene, path)
 
 
 def data_file(path: Path) -> Path:
-    """Returns the data file beside a new scene file. Raises OutputError."""
+    """Returns the path of the data file beside a new scene file.
+
+    OutputError: the scene file exists, or has another suffix than .yaml or .yml.
+    """
     if path.suffix not in SCENE_SUFFIXES:
         raise OutputError(f"{path}: got this file name, expected one that ends in .yaml or .yml")
     if path.exists():
@@ -106,11 +121,11 @@ def data_file(path: Path) -> Path:
 
 @dataclass(frozen=True)
 class Curve:
-    """The logarithm of a life [h] or a torque [N m] of the median bearing, by ln mu."""
+    """The logarithm of a life [h] or a torque [N m] as a function of ln mu."""
 
-    model: LogModel
+    model: LogModel  # mean over the bearings of a batch
     error: float  # largest error of the interpolation, where it was checked
-    scatter: float  # standard deviation between the bearings of a batch
+    scatter: float  # standard deviation of the logarithm between the bearings of a batch
 
 
 def calibration_by_tests(
@@ -119,31 +134,22 @@ def calibration_by_tests(
     workers: int = 1,
     tell: Callable[[str], None] | None = None,
 ) -> Calibration:
-    """Calibrates a scene with the tests of a CSV file.
+    """Returns a scene calibrated with the tests of a CSV file, and the data of the calibration.
 
     scene: with `uncertainty.wear_coefficient` and a value that scatters between bearings. Without
         `uncertainty`, that of the table of coefficients is used.
+    workers: number of processes that compute the lives.
     tell: receives a line of progress before each condition.
-    SceneError, CaseFileError: the scene lacks a distribution, a row is wrong, or the tests are out
-        of all proportion to the scene.
+    SceneError: the scene lacks a distribution.
+    CaseFileError: a row is invalid, or the tests are improbable in the scene.
     """
-    scene, assumption = with_usual_spread(for_life(scene))
+    scene, assumption = with_usual_spread(scene_for_life(scene))
     if tell and assumption:
         tell(assumption)
     friction = _uncertain_friction(scene)
     tests = bearing_tests(path, scene)
     digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
-    if scene.calibrated and scene.calibrated.sha256 == digest:
-        raise CaseFileError(
-            f"{path}: got the tests used to calibrate the scene, expected different tests"
-        )
-    torque_row = next((test.row for test in tests if test.seen == SEEN_TORQUE), None)
-    if torque_row is not None and not friction:
-        key = FRICTION_KEYS[scene.friction.film is not None]
-        problem = (
-            f"got a result that would determine uncertainty.{key}, which the scene does not contain"
-        )
-        raise CaseFileError(f"{path}: row {torque_row}: {SEEN_TORQUE}: {problem}")
+    _refuse_unusable_tests(path, tests, scene, friction, digest)
     prior = _prior(scene, friction)
     curve_of = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
     scene_curve = _curve_at(scene.name, curve_of, scene, _LIFE)
@@ -156,28 +162,59 @@ def calibration_by_tests(
         _observation(test, curve, row) for test, curve, row in zip(tests, curves, rows, strict=True)
     ]
     before, after = posterior(prior, []), posterior(prior, observations)
-    alone = [before.conformity(observation) for observation in observations]
     with_others = conformities(prior, observations)
-    _check_conformity(path, tests, alone, with_others, prior, after)
+    problems = (
+        _improbable_tests(tests, [before.conformity(observation) for observation in observations])
+        or _improbable_tests(tests, with_others)
+        or _improbable_shifts(prior, after)
+    )
+    if problems:
+        raise CaseFileError(
+            f"{path}: got results with a probability below {IMPOSSIBLE:g} in this scene: "
+            f"{'; '.join(problems)}; correct them, or increase `uncertainty` in the scene"
+        )
     calibration = Calibrated(tests=os.path.basename(path), sha256=digest, rows=len(tests))
     new_scene = _calibrated_scene(scene, friction, after, calibration)
     data = calibration_dataset(
         scene=new_scene,
-        unit=_wear_over_hardness(scene),
+        wear_over_hardness=_wear_over_hardness(scene),
         prior=prior,
         stages=(before, after),
         life=scene_curve.model,
         scatter=scene_curve.scatter,
         error=max(curve.error for curve in (scene_curve, *curves)),
         tests=tests,
-        seen=observations,
+        observations=observations,
         probabilities=[conformity.probability for conformity in with_others],
     )
     return Calibration(new_scene, data)
 
 
+def _refuse_unusable_tests(
+    path: str | Path, tests: Sequence[BearingTest], scene: Scene, friction: str, digest: str
+) -> None:
+    """Raises CaseFileError for tests that cannot calibrate a scene.
+
+    They have calibrated it already, or are torques although its friction is not uncertain.
+
+    friction: name of the uncertain friction, empty without one.
+    digest: SHA-256 of the file of the tests.
+    """
+    if scene.calibrated and scene.calibrated.sha256 == digest:
+        raise CaseFileError(
+            f"{path}: got the tests used to calibrate the scene, expected different tests"
+        )
+    for test in tests:
+        if test.seen == SEEN_TORQUE and not friction:
+            key = FRICTION_KEYS[scene.friction.film is not None]
+            raise CaseFileError(
+                f"{path}: row {test.row}: {SEEN_TORQUE}: got a result that would determine "
+                f"uncertainty.{key}, which the scene does not contain"
+            )
+
+
 def _uncertain_friction(scene: Scene) -> str:
-    """Returns the name of a scene's uncertain friction, empty without one.
+    """Returns the name in `uncertainty` of a friction that tests can determine; empty without one.
 
     SceneError: the scene lacks an uncertain wear coefficient, or a value that scatters.
     """
@@ -203,66 +240,62 @@ def _uncertain_friction(scene: Scene) -> str:
     return ""
 
 
-def _check_conformity(
-    path: str | Path,
-    tests: Sequence[BearingTest],
-    alone: Sequence[Conformity],
-    with_others: Sequence[Conformity],
-    prior: Prior,
-    after: Posterior,
-) -> None:
-    """Refuses tests that no bearing of the scene can have given: CaseFileError.
-
-    A test that is impossible in the scene alone is named; otherwise those that contradict others.
-    """
-    problems = _improbable(tests, alone) or _improbable(tests, with_others)
+def _improbable_shifts(prior: Prior, after: Posterior) -> list[str]:
+    """States by which factor tests shift friction and K_s/H, if that is improbable in the scene."""
     normals = (("friction", prior.x, after.normal("x")), ("K_s/H", prior.y, after.normal("y")))
-    problems = problems or [
-        f"together: {digits(math.exp(now.mean - was.mean))} times the {words} of the scene"
-        for words, was, now in normals
-        if was.deviation and 2.0 * ndtr(-abs(now.mean - was.mean) / was.deviation) < IMPOSSIBLE
-    ]
-    if problems:
-        raise CaseFileError(
-            f"{path}: got results with a probability below {IMPOSSIBLE:g} in this scene: "
-            f"{'; '.join(problems)}; correct them, or increase `uncertainty` in the scene"
-        )
+    sentences = []
+    for words, before, now in normals:
+        shift = now.mean - before.mean
+        if before.deviation and 2.0 * ndtr(-abs(shift) / before.deviation) < IMPOSSIBLE:
+            sentences.append(f"together: {digits(math.exp(shift))} times the {words} of the scene")
+    return sentences
 
 
-def _improbable(tests: Sequence[BearingTest], conformity: Sequence[Conformity]) -> list[str]:
+def _improbable_tests(tests: Sequence[BearingTest], conformity: Sequence[Conformity]) -> list[str]:
     """Describes each test whose probability is below `IMPOSSIBLE`."""
     return [
-        _deviation_words(test, agreed)
-        for test, agreed in zip(tests, conformity, strict=True)
-        if agreed.probability < IMPOSSIBLE
+        _deviation_words(test, agreement)
+        for test, agreement in zip(tests, conformity, strict=True)
+        if agreement.probability < IMPOSSIBLE
     ]
 
 
-def _deviation_words(test: BearingTest, agreed: Conformity) -> str:
+def _deviation_words(test: BearingTest, agreement: Conformity) -> str:
     """States how far a test is from the expected value, and whether a unit may be the reason."""
     words, unit, _ = SEEN_AS[test.seen]
-    timed = test.seen in (SEEN_LOSS, SEEN_PRELOAD)
-    time = " in time" if timed else ""
-    text = f"row {test.row}, {words}: {digits(agreed.factor)} times the expected value{time}"
-    thousands = abs(math.log(agreed.factor)) / math.log(1000.0)
+    has_time = test.seen in (SEEN_LOSS, SEEN_PRELOAD)
+    suffix = " in time" if has_time else ""
+    text = f"row {test.row}, {words}: {digits(agreement.factor)} times the expected value{suffix}"
+    thousands = abs(math.log(agreement.factor)) / math.log(1000.0)
     if abs(thousands - 1.0) < _LIKE_A_UNIT:
         text += f" (a factor near 1000 or 0.001 suggests a wrong unit; expected {unit}"
-        text += " after h)" if timed else ")"
+        text += " after h)" if has_time else ")"
     return text
 
 
 def _prior(scene: Scene, friction: str) -> Prior:
-    """Returns the prior of ln mu, and of ln K_s/H of a batch less that of the scene."""
+    """Returns the prior of ln mu, and of ln K_s/H of a batch less that of the scene.
+
+    friction: name of the uncertain friction; if empty, friction is known.
+    """
     x = Normal(0.0, 0.0)
     if friction:
         x = _log_normal(scene, friction)
     elif scene.friction.ball_race:
         x = Normal(math.log(scene.friction.ball_race), 0.0)
-    y = _log_wear(scene, of_batch=True)
+    y = _log_wear(scene, _wear_names_of_batch(scene))
     _, rho = friction_correlation(scene.uncertainty or {})
-    # hardness is part of y, and is correlated with nothing
+    # y contains the hardness, which is not correlated with friction
     wear_share = _log_normal(scene, "wear_coefficient").deviation / y.deviation
     return Prior(x, y, rho * wear_share if friction else 0.0)
+
+
+def _wear_names_of_batch(scene: Scene) -> list[str]:
+    """Returns the uncertain values of wear and hardness that are the same for all of a batch."""
+    uncertainty = scene.uncertainty or {}
+    return [
+        name for name in WORN if name in uncertainty and is_same_for_batch(name, uncertainty[name])
+    ]
 
 
 def _log_normal(scene: Scene, name: str) -> Normal:
@@ -271,19 +304,17 @@ def _log_normal(scene: Scene, name: str) -> Normal:
     if distribution.distribution == "lognormal":
         median = scene.nominal(name) if distribution.median is None else distribution.median
         return Normal(math.log(median), math.log(distribution.factor or 1.0))
-    logs = np.log(value_at(scene, name, (np.arange(1024) + 0.5) / 1024))
+    logs = np.log(value_quantiles(scene, name, _PROBABILITIES))
     return Normal(float(logs.mean()), float(logs.std()))
 
 
-def _log_wear(scene: Scene, of_batch: bool) -> Normal:
-    """Returns the distribution of ln K_s/H less that of the scene.
+def _log_wear(scene: Scene, names: Sequence[str]) -> Normal:
+    """Returns the distribution of ln K_s/H less that of the scene, due to some uncertain values.
 
-    of_batch: whether between batches, or between the bearings of one.
+    names: of `WORN`.
     """
-    uncertainty, mean, variance = scene.uncertainty or {}, 0.0, 0.0
-    for name in WORN:
-        if name not in uncertainty or is_same_for_batch(name, uncertainty[name]) != of_batch:
-            continue
+    mean = variance = 0.0
+    for name in names:
         log_value = _log_normal(scene, name)
         sign = -1.0 if name == "brinell_hardness_GPa" else 1.0
         mean += sign * (log_value.mean - math.log(scene.nominal(name)))
@@ -294,7 +325,7 @@ def _log_wear(scene: Scene, of_batch: bool) -> Normal:
 def _curve_at(
     place: str, curve_of: Callable[[Scene, _Result], Curve], scene: Scene, result: _Result
 ) -> Curve:
-    """Returns the curve of a result; an error names the place of the test, such as its row."""
+    """Returns the curve of a result; a CaseFileError starts with a place, such as a file's row."""
     try:
         return curve_of(scene, result)
     except CaseFileError as error:
@@ -302,17 +333,20 @@ def _curve_at(
 
 
 def _observation(test: BearingTest, curve: Curve, row: str) -> Observation:
-    """Returns the logarithm of a test's result, with its model and its scatter."""
+    """Returns the logarithm of a test's result, with its model and its scatter.
+
+    row: file and row, which an error names. CaseFileError: nothing of the test scatters.
+    """
     scatter = math.hypot(curve.scatter, test.error)
     if scatter == 0.0:
         problem = "got 0 for bearings without scatter, expected a measurement error > 0"
         raise CaseFileError(f"{row}: error_percent: {problem}")
-    torque = test.seen == SEEN_TORQUE
+    is_torque = test.seen == SEEN_TORQUE
     return Observation(
-        seen=math.log(1e-3 * test.value if torque else test.after),
+        seen=math.log(1e-3 * test.value if is_torque else test.after),
         model=curve.model,
         scatter=scatter,
-        of_wear=not torque,
+        depends_on_wear=not is_torque,
         censored=test.seen == SEEN_RUN_OUT,
         count=test.count,
     )
@@ -329,59 +363,68 @@ def _curve(
 ) -> Curve:
     """Computes lives or torques of a scene over the possible friction, and their scatter.
 
+    x: prior of ln mu.
+    friction: name of the uncertain friction; if empty, friction is known.
     CaseFileError: the model has no result at the median friction.
     """
     if tell:
         tell(f"computing {result.words} versus friction for one condition ...")
-    nodes = np.array([x.mean])
-    if friction:
-        cosines = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]
-        checked = np.linspace(-0.4, 0.4, _CHECKED)
-        nodes = x.mean + _SPAN * x.deviation * np.concatenate([cosines, checked])
-    frictions = np.exp(nodes)[:, None] if friction else np.empty((1, 0))
-    names = [friction] if friction else []
-    logs = result.logs(scene, names, frictions, workers)
-    median = float(logs[_NODES // 2]) if friction else float(logs[0])
-    if not median > _NONE:
-        problem = "got no life from the model: it is zero or could not be computed"
-        raise CaseFileError(f"{problem}; `bearingwear life` reports the reason")
-    scatter, shift = _scatter(scene, result, median, workers)
     if not friction:
-        constant = logs[0] + shift
-        return Curve(lambda x: np.full(len(x), constant), 0.0, scatter)
-    positions, node_values = nodes[:_NODES], logs[:_NODES]
-    solved = np.isfinite(node_values)
-    line = PchipInterpolator(positions[solved], node_values[solved])
-    errors = np.abs(line(nodes[_NODES:]) - logs[_NODES:])
+        (constant,) = result.logs(scene, [], np.empty((1, 0)), workers)
+        batch = _batch_scatter(scene, result, _existing_log(constant), workers)
+        return Curve(lambda x: np.full(len(x), constant + batch.mean), 0.0, batch.deviation)
+    nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]  # Chebyshev points
+    checked = np.linspace(-_CHECKED_UP_TO, _CHECKED_UP_TO, _CHECKED)
+    positions = x.mean + _SPAN * x.deviation * np.concatenate([nodes, checked])
+    logs = result.logs(scene, [friction], np.exp(positions)[:, None], workers)
+    batch = _batch_scatter(scene, result, _existing_log(logs[_NODES // 2]), workers)
+    node_positions, node_logs = positions[:_NODES], logs[:_NODES]
+    is_solved = np.isfinite(node_logs)
+    line = PchipInterpolator(node_positions[is_solved], node_logs[is_solved])
+    errors = np.abs(line(positions[_NODES:]) - logs[_NODES:])
     error = float(np.nanmax(errors)) if np.isfinite(errors).any() else math.nan
-    first, last = positions[solved][[0, -1]]
+    first, last = node_positions[is_solved][[0, -1]]
 
     def model(x: np.ndarray) -> np.ndarray:
-        near = np.clip(x, first, last)
-        return line(near) + line.derivative()(near) * (x - near) + shift
+        """Returns the interpolated logarithms; beyond the solved points, straight lines."""
+        inside = np.clip(x, first, last)
+        return line(inside) + line.derivative()(inside) * (x - inside) + batch.mean
 
-    return Curve(model, error, scatter)
+    return Curve(model, error, batch.deviation)
+
+
+def _existing_log(log: float) -> float:
+    """Returns the logarithm of a life or torque. CaseFileError: it is of zero, or NaN."""
+    if not log > _LOG_OF_ZERO:
+        problem = "got no life from the model: it is zero or could not be computed"
+        raise CaseFileError(f"{problem}; `bearingwear life` reports the reason")
+    return float(log)
 
 
 def _with_uncertain(scene: Scene, names: Sequence[str]) -> Scene:
-    """Returns the scene with no other uncertain values than those of some names."""
+    """Returns the scene in which only the values with these names are uncertain."""
     uncertainty = scene.uncertainty or {}
     return replace(scene, uncertainty={name: uncertainty[name] for name in names})
 
 
 def _log_lives(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: int) -> np.ndarray:
-    """Returns logarithms of lives [h] (n,); `_NONE` for a life of zero, NaN where not solved.
+    """Returns logarithms of lives [h] (n,); `_LOG_OF_ZERO` for a life of zero, NaN if not solved.
 
-    names, rows: uncertain values that differ from the scene's, and their values (n, names).
+    names: of the uncertain values that differ from the scene's.
+    rows: these values for each life (n, names).
     """
     scene = _with_uncertain(scene, names)
     with Workers(workers, "calibrate", progress=False) as pool:
         hours = sampled_lives(scene, rows, pool).life * HOURS_PER_SECOND
-    return np.log(np.maximum(hours, math.exp(_NONE)))
+    return np.log(np.maximum(hours, math.exp(_LOG_OF_ZERO)))
 
 
 def _log_torques(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: int) -> np.ndarray:
-    """Returns logarithms of torques [N m] (n,); NaN where not solved. Arguments: `_log_lives`."""
+    """Returns logarithms of torques [N m] (n,); NaN where not solved.
+
+    names: of the uncertain values that differ from the scene's.
+    rows: these values for each torque (n, names).
+    """
     scene = _with_uncertain(scene, names)
     with Workers(workers, "calibrate", progress=False) as pool:
         answers = list(pool.answers_at(partial(torque_answer, scene, names), rows.tolist()))
@@ -391,7 +434,10 @@ def _log_torques(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: 
 
 
 def torque_answer(scene: Scene, names: Sequence[str], row: Sequence[float]) -> dict[str, float]:
-    """Returns the logarithm of the torque [N m] at uncertain values; NaN where not solved."""
+    """Returns `log_torque`, the logarithm of the torque [N m]; NaN where not solved.
+
+    names, row: uncertain values that differ from the scene's. Those of wear change no torque.
+    """
     values = {name: value for name, value in zip(names, row, strict=True) if name not in WORN}
     changed = scene_with_values(scene, values)
     result = None if changed is None else solve(changed, "steady")
@@ -401,76 +447,98 @@ def torque_answer(scene: Scene, names: Sequence[str], row: Sequence[float]) -> d
 
 
 class _Result(NamedTuple):
-    """A result of a bearing that tests report."""
+    """A result of a bearing that tests report, and how it is computed."""
 
     words: str
-    logs: Callable[[Scene, Sequence[str], np.ndarray, int], np.ndarray]
-    of_wear: bool  # whether it is inversely proportional to K_s/H
+    logs: Callable[[Scene, Sequence[str], np.ndarray, int], np.ndarray]  # as `_log_lives`
+    depends_on_wear: bool  # whether it is inversely proportional to K_s/H
 
 
-_LIFE = _Result("life", _log_lives, of_wear=True)
-_TORQUE = _Result("torque", _log_torques, of_wear=False)
+_LIFE = _Result("life", _log_lives, depends_on_wear=True)
+_TORQUE = _Result("torque", _log_torques, depends_on_wear=False)
 
 
-def _scatter(scene: Scene, result: _Result, middle: float, workers: int) -> tuple[float, float]:
-    """Returns the standard deviation of the logarithm within a batch, and its shift.
+def _batch_scatter(scene: Scene, result: _Result, log_median: float, workers: int) -> Normal:
+    """Returns the distribution within a batch of the logarithm of a result, less `log_median`.
 
-    The shift is the mean of the logarithm less `middle`, that of the median bearing.
+    log_median: logarithm of the result of the median bearing.
     """
     uncertainty = scene.uncertainty or {}
-    names = [
+    varying = [
         name
         for name, distribution in uncertainty.items()
-        if not is_same_for_batch(name, distribution) and name not in WORN
+        if not is_same_for_batch(name, distribution)
     ]
-    wear = _log_wear(scene, of_batch=False) if result.of_wear else Normal(0.0, 0.0)
+    names = [name for name in varying if name not in WORN]
+    wear = Normal(0.0, 0.0)
+    if result.depends_on_wear:
+        wear = _log_wear(scene, [name for name in WORN if name in varying])
+    by_wear_alone = Normal(-wear.mean, wear.deviation)
     if not names:
-        return wear.deviation, -wear.mean
+        return by_wear_alone
     probabilities = qmc.Sobol(len(names), seed=1).random(_SAMPLES)
     rows = np.stack(
-        [value_at(scene, name, probabilities[:, k]) for k, name in enumerate(names)], axis=-1
+        [value_quantiles(scene, name, probabilities[:, k]) for k, name in enumerate(names)], axis=-1
     )
     logs = result.logs(scene, names, rows, workers)
-    logs = logs[np.isfinite(logs) & (logs > _NONE)]
+    logs = logs[np.isfinite(logs) & (logs > _LOG_OF_ZERO)]
     if not logs.size:
-        return wear.deviation, -wear.mean
-    shift = float(logs.mean()) - middle - wear.mean
-    return math.hypot(float(logs.std()), wear.deviation), shift
+        return by_wear_alone
+    mean = float(logs.mean()) - log_median - wear.mean
+    return Normal(mean, math.hypot(float(logs.std()), wear.deviation))
 
 
 def _calibrated_scene(
     scene: Scene, friction: str, after: Posterior, calibration: Calibrated
 ) -> Scene:
-    """Returns the scene with the calibrated medians and their remaining uncertainty."""
+    """Returns the scene with the calibrated medians and their remaining uncertainty.
+
+    friction: name of the uncertain friction, empty without one.
+    calibration: the block of the scene that names the tests.
+    """
     x, y = after.normal("x"), after.normal("y")
-    spread = dict(scene.uncertainty or {})
-    for name in (name for name in WORN if name in spread and is_same_for_batch(name, spread[name])):
-        del spread[name]
-
-    def remaining(deviation: float, rho: float | None = None) -> Distribution:
-        factor = _rounded(math.exp(deviation))
-        return Distribution(distribution="lognormal", factor=factor, friction_correlation=rho)
-
-    rho = max(-_CLOSEST, min(_CLOSEST, _rounded(after.correlation()))) if friction else None
-    spread["wear_coefficient"] = remaining(y.deviation, rho)
+    batch_names = _wear_names_of_batch(scene)
+    spread = {
+        name: distribution
+        for name, distribution in (scene.uncertainty or {}).items()
+        if name not in batch_names
+    }
+    rho = None
+    if friction:
+        rho = max(-_CLOSEST, min(_CLOSEST, _rounded(after.correlation())))
+    spread["wear_coefficient"] = _lognormal(y.deviation, rho)
     calibrated = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
     if friction:
-        spread[friction] = remaining(x.deviation)
+        spread[friction] = _lognormal(x.deviation)
         with_friction = scene_with_values(calibrated, {friction: _median_friction(x)})
         assert with_friction is not None
         calibrated = with_friction
     return replace(calibrated, uncertainty=spread, calibrated=calibration)
 
 
+def _lognormal(deviation: float, rho: float | None = None) -> Distribution:
+    """Returns a lognormal distribution about the value of its scene.
+
+    deviation: standard deviation of the logarithm.
+    rho: correlation with friction; None without one.
+    """
+    factor = _rounded(math.exp(deviation))
+    return Distribution(distribution="lognormal", factor=factor, friction_correlation=rho)
+
+
 def _median_friction(x: Normal) -> float:
-    """Returns the median friction, in the three decimals of a study where these are enough."""
+    """Returns the median friction, with the three decimals of a study if that changes little.
+
+    x: distribution of ln mu.
+    """
     value = math.exp(x.mean)
     three_decimals = round(value, 3)
-    is_enough = abs(three_decimals / value - 1.0) < 0.1 * x.deviation
-    return three_decimals if is_enough else _rounded(value)
+    changes_little = abs(three_decimals / value - 1.0) < _SIGNIFICANT * x.deviation
+    return three_decimals if changes_little else _rounded(value)
 
 
 def _rounded(value: float) -> float:
+    """Returns a number with the five significant digits that a calibrated scene has."""
     return float(f"{value:.5g}")
 
 

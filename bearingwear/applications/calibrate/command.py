@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def calibrate_command(args: argparse.Namespace) -> int:
-    """Calibrates a scene, writes it and its data, and prints the sheet of these."""
+    """Calibrates a scene, writes scene and data, prints their sheet, and returns an exit status."""
     from bearingwear.applications.calibrate.calibration import calibration_by_tests, data_file
     from bearingwear.atomic import check_output
     from bearingwear.studies.sampling import usable_cores
@@ -59,8 +59,8 @@ def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration
     """
     from bearingwear.applications.calibrate.calibration import calibration_by_tests
     from bearingwear.results.labels import labelled
-    from bearingwear.scene.read import as_scene, for_life
+    from bearingwear.scene.read import as_scene, scene_for_life
 
-    calibration = calibration_by_tests(for_life(as_scene(scene)), tests, workers)
+    calibration = calibration_by_tests(scene_for_life(as_scene(scene)), tests, workers)
     calibration.data = labelled(calibration.data)
     return calibration

@@ -31,6 +31,10 @@ LIFE_PROBABILITIES = (_ENDS[0], 0.1, 0.5, _ENDS[1])
 _POINTS = 161
 """Number of points of each curve."""
 
+_LIFE_MARGIN, _DRAWN_DEVIATIONS = 3.0, 3.5
+"""A curve reaches beyond the quantiles of a life by this factor, or from the mean of a normal
+distribution by so many standard deviations, where it is close to zero."""
+
 _STAGE = Variable("stage", ("stage",), "", "before or after the tests", "i1", flags=STAGES)
 _LIFE_PROBABILITY = Variable(
     "probability",
@@ -82,26 +86,32 @@ CALIBRATION_VARIABLES = table(
 def calibration_dataset(
     *,
     scene: Scene,
-    unit: float,
+    wear_over_hardness: float,
     prior: Prior,
     stages: tuple[Posterior, Posterior],
     life: LogModel,
     scatter: float,
     error: float,
     tests: Sequence[BearingTest],
-    seen: Sequence[Observation],
+    observations: Sequence[Observation],
     probabilities: Sequence[float],
 ) -> xr.Dataset:
     """Returns a calibration as a dataset.
 
-    unit: K_s/H of the scene before the tests [m2/N].
-    scatter, error: scatter of the log life of the scene, and its interpolation error.
+    wear_over_hardness: K_s/H of the scene before the tests [m2/N].
+    stages: the distribution of friction and K_s/H before and after the tests.
+    scatter, error: standard deviation of the log life of the scene within a batch, and the largest
+        error of its interpolation.
+    observations, probabilities: what the posterior uses of each test, and its probability given
+        the others.
     """
-    results = _stage_values(unit, stages, life, scatter)
-    results |= {"interpolation_error": error} | _test_values(tests, seen, probabilities, stages[0])
-    normals = [(stage.normal("x"), stage.normal("y")) for stage in stages]
-    x_axis, y_axis = (_spanning_points([pair[k] for pair in normals]) for k in (0, 1))
-    axes = {_WEAR: unit * np.exp(y_axis), "hours": _hours(results)}
+    results = _stage_values(wear_over_hardness, stages, life, scatter)
+    results |= _test_values(tests, observations, probabilities, stages[0])
+    results["interpolation_error"] = error
+    x_axis, y_axis = (
+        _spanning_points([stage.normal(axis) for stage in stages]) for axis in ("x", "y")
+    )
+    axes = {_WEAR: wear_over_hardness * np.exp(y_axis), "hours": _life_axis(results)}
     results["wear_density"] = [
         _density_at(stage.y, stage.shares.sum(axis=0), y_axis) for stage in stages
     ]
@@ -113,10 +123,6 @@ def calibration_dataset(
         results["friction_density"] = [
             _density_at(stage.x, stage.shares.sum(axis=1), x_axis) for stage in stages
         ]
-    moved = [
-        (after.mean - before.mean) / before.deviation if before.deviation else 0.0
-        for before, after in zip(prior[:2], normals[1], strict=True)
-    ]
     return dataset_of_rows(
         {name: variable for name, variable in CALIBRATION_VARIABLES.items() if name in results},
         {
@@ -129,27 +135,38 @@ def calibration_dataset(
         title=f"Calibration: {scene.name}",
         kind=CALIBRATION_KIND,
         scene=scene,
-        friction_moved=moved[0],
-        wear_moved=moved[1],
+        friction_moved=_shift(prior.x, stages[1].normal("x")),
+        wear_moved=_shift(prior.y, stages[1].normal("y")),
     )
 
 
+def _shift(before: Normal, after: Normal) -> float:
+    """Returns the shift of a mean in standard deviations before the tests; 0 for a known value."""
+    return (after.mean - before.mean) / before.deviation if before.deviation else 0.0
+
+
 def _stage_values(
-    unit: float, stages: Sequence[Posterior], life: LogModel, scatter: float
+    wear_over_hardness: float, stages: Sequence[Posterior], life: LogModel, scatter: float
 ) -> dict[str, Any]:
-    """Returns intervals of friction, K_s/H and life, before and after."""
-    log_L10 = float(ndtri(0.1)) * scatter
+    """Returns intervals of friction, K_s/H and life before and after, by names of variables.
+
+    Arguments: `calibration_dataset`.
+    """
+    log_L10 = float(ndtri(0.1)) * scatter  # less that of the median bearing
 
     def carried_interval(axis: str) -> np.ndarray:
-        """Returns the interval in the calibrated scene, which carries a normal distribution on."""
+        """Returns the interval in the calibrated scene, which has lognormal distributions."""
         normal = stages[-1].normal(axis)
         return np.exp(normal.mean + ndtri(_ENDS) * normal.deviation)
 
+    friction_interval, wear_interval = (
+        np.exp([stage.axis_quantiles(axis, _ENDS) for stage in stages]) for axis in ("x", "y")
+    )
     return {
-        "friction_interval": np.exp([stage.ends("x", _ENDS) for stage in stages]),
+        "friction_interval": friction_interval,
         "friction_carried": carried_interval("x"),
-        "wear_over_hardness_interval": unit * np.exp([stage.ends("y", _ENDS) for stage in stages]),
-        "wear_over_hardness_carried": unit * carried_interval("y"),
+        "wear_over_hardness_interval": wear_over_hardness * wear_interval,
+        "wear_over_hardness_carried": wear_over_hardness * carried_interval("y"),
         "life_quantile": [
             [stage.quantile(life, probability, scatter) for probability in LIFE_PROBABILITIES]
             for stage in stages
@@ -167,19 +184,22 @@ def _stage_values(
 
 def _test_values(
     tests: Sequence[BearingTest],
-    seen: Sequence[Observation],
+    observations: Sequence[Observation],
     probabilities: Sequence[float],
     before: Posterior,
 ) -> dict[str, Any]:
-    """Returns the results of the tests, and what the model expected before them."""
+    """Returns the results of the tests, and what was expected before them, by names of variables.
+
+    Arguments: `calibration_dataset`; `before` is the first of its stages.
+    """
     expected = [
         [
             before.quantile(
-                observation.model, probability, observation.scatter, observation.of_wear
+                observation.model, probability, observation.scatter, observation.depends_on_wear
             )
             for probability in _ENDS
         ]
-        for observation in seen
+        for observation in observations
     ]
     is_torque = np.array([test.seen == SEEN_TORQUE for test in tests])
     return {
@@ -192,21 +212,24 @@ def _test_values(
     }
 
 
-def _hours(results: Mapping[str, Any]) -> np.ndarray:
-    """Returns lives [h] along the axis of the failed share."""
+def _life_axis(results: Mapping[str, Any]) -> np.ndarray:
+    """Returns lives [h] around the quantiles before the tests, at which curves are drawn."""
     low, *_, high = results["life_quantile"][0]
-    return np.geomspace(low / 3.0, high * 3.0, _POINTS)
+    return np.geomspace(low / _LIFE_MARGIN, high * _LIFE_MARGIN, _POINTS)
 
 
 def _spanning_points(normals: Sequence[Normal]) -> np.ndarray:
-    """Returns points that span several distributions."""
-    low = min(normal.mean - 3.5 * normal.deviation for normal in normals)
-    high = max(normal.mean + 3.5 * normal.deviation for normal in normals)
+    """Returns evenly spaced points that span several distributions."""
+    low = min(normal.mean - _DRAWN_DEVIATIONS * normal.deviation for normal in normals)
+    high = max(normal.mean + _DRAWN_DEVIATIONS * normal.deviation for normal in normals)
     return np.linspace(low, high, _POINTS)
 
 
 def _density_at(grid: np.ndarray, shares: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Returns the density along one axis at some points, from shares on a grid."""
+    """Returns the density of one axis at some points; zero for a known value.
+
+    shares: of probability at the evenly spaced points of a grid.
+    """
     if len(grid) == 1:
         return np.zeros(len(points))
     return np.interp(points, grid, shares / (grid[1] - grid[0]), left=0.0, right=0.0)

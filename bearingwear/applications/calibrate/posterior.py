@@ -30,13 +30,22 @@ _WIDE = 7.0
 
 _SPACING = 0.3  # of the first grid along y, over the least scatter
 _NEGLIGIBLE = 1e-16  # share of the largest density below which the grid ends
+_TOLERANCE = 1e-13  # of logarithms that roots determine; lives are then exact to twelve digits
+_CERTAIN = 9.0  # standard deviations, within which all of a normal distribution lies
+_BRACKET_MARGIN = 1.0  # beyond all possible logarithms, so that a bracket contains the root
 
 
 class Normal(NamedTuple):
-    """A normal distribution; a known value has a deviation of zero."""
+    """A normal distribution; a known value has a standard deviation of zero."""
 
     mean: float
     deviation: float
+
+    def deviates(self, values: np.ndarray) -> np.ndarray:
+        """Returns the distances of values from the mean in standard deviations; 0 if known."""
+        if self.deviation == 0.0:
+            return np.zeros_like(values)
+        return (values - self.mean) / self.deviation
 
 
 class Conformity(NamedTuple):
@@ -55,10 +64,7 @@ class Prior(NamedTuple):
 
     def log_density(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Returns the log density on a grid (x, y), up to a constant."""
-        u, v = (
-            (values - normal.mean) / normal.deviation if normal.deviation else 0.0 * values
-            for normal, values in ((self.x, x[:, None]), (self.y, y[None, :]))
-        )
+        u, v = self.x.deviates(x)[:, None], self.y.deviates(y)[None, :]
         rho = self.correlation
         return -0.5 * (u * u - 2.0 * rho * u * v + v * v) / (1.0 - rho * rho)
 
@@ -70,14 +76,14 @@ class Observation:
     seen: float
     model: LogModel
     scatter: float  # standard deviation between bearings, with that of the measurement
-    of_wear: bool = True  # a life, or a loss as the time it took; else a torque
-    censored: bool = False  # it had not ended by then
+    depends_on_wear: bool = True  # a life, or the time to a loss; otherwise a torque
+    censored: bool = False  # the run had not ended at the time `seen`
     count: int = 1  # number of bearings with the same result
 
     def deviate(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Returns measured less predicted value (x, y), in standard deviations."""
-        shift = y[None, :] if self.of_wear else 0.0 * y[None, :]
-        return (self.seen - self.model(x)[:, None] + shift) / self.scatter
+        """Returns measured less predicted value on a grid (x, y), in standard deviations."""
+        wear = y if self.depends_on_wear else np.zeros_like(y)
+        return (self.seen - self.model(x)[:, None] + wear[None, :]) / self.scatter
 
     def log_likelihood(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Returns the log likelihood of one such bearing (x, y)."""
@@ -85,14 +91,19 @@ class Observation:
         return log_ndtr(-z) if self.censored else -0.5 * z * z
 
 
+def _predicted(model: LogModel, x: np.ndarray, y: np.ndarray, depends_on_wear: bool) -> np.ndarray:
+    """Returns the logarithm of the median bearing's life or torque on a grid (x, y)."""
+    wear = y if depends_on_wear else np.zeros_like(y)
+    return model(x)[:, None] - wear[None, :]
+
+
 @dataclass(frozen=True)
 class Posterior:
-    """Shares of probability on a grid of x and y."""
+    """The joint distribution of x and y on a grid; y is continuous, x has weights at its points."""
 
     x: np.ndarray  # (n,)
-    y: np.ndarray  # (m,)
-    # (n, m) of y, times the share of each x: its integral over y and sum over x is 1
-    density: np.ndarray
+    y: np.ndarray  # (m,), evenly spaced
+    density: np.ndarray  # of y at each x (n, m); summed over x and integrated over y it is 1
     _integral: CubicSpline = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -105,30 +116,35 @@ class Posterior:
         step = self.y[1] - self.y[0]
         return self.density * step
 
-    def mean(self, values: np.ndarray) -> float:
-        """Returns the mean of a function given on the grid, (n, 1), (1, m) or (n, m)."""
+    def expectation(self, values: np.ndarray) -> float:
+        """Returns the expectation of a function on the grid, (n, 1), (1, m) or (n, m)."""
         return float((self.shares * values).sum())
 
     def normal(self, axis: str) -> Normal:
-        """Returns mean and standard deviation of x or y."""
+        """Returns mean and standard deviation of `x` or `y`."""
         axis_values = self.x[:, None] if axis == "x" else self.y[None, :]
-        mean = self.mean(axis_values)
-        return Normal(mean, float(np.sqrt(max(self.mean((axis_values - mean) ** 2), 0.0))))
+        mean = self.expectation(axis_values)
+        variance = max(self.expectation((axis_values - mean) ** 2), 0.0)
+        return Normal(mean, math.sqrt(variance))
 
-    def ends(self, axis: str, probabilities: Sequence[float]) -> list[float]:
-        """Returns quantiles of x or y."""
+    def axis_quantiles(self, axis: str, probabilities: Sequence[float]) -> list[float]:
+        """Returns the quantiles of `x` or `y` at some probabilities."""
         grid = self.x if axis == "x" else self.y
         if len(grid) == 1:
             return [float(grid[0])] * len(probabilities)
         density = self.shares.sum(axis=1 if axis == "x" else 0)
-        below = CubicSpline(grid, density).antiderivative()
-        total, limits = float(below(grid[-1])), (grid[0], grid[-1])
-        return [
-            float(
-                brentq(lambda v, share=share: float(below(v)) - share * total, *limits, xtol=1e-13)
-            )
-            for share in probabilities
-        ]
+        distribution = CubicSpline(grid, density).antiderivative()
+        total = float(distribution(grid[-1]))
+
+        def axis_quantile(probability: float) -> float:
+            """Returns the value below which a share of the distribution lies."""
+
+            def excess(value: float) -> float:
+                return float(distribution(value)) - probability * total
+
+            return float(brentq(excess, grid[0], grid[-1], xtol=_TOLERANCE))
+
+        return [axis_quantile(probability) for probability in probabilities]
 
     def correlation(self) -> float:
         """Returns the correlation of x and y; zero if one of them is known."""
@@ -136,12 +152,13 @@ class Posterior:
         if 0.0 in (x.deviation, y.deviation):
             return 0.0
         product = (self.x[:, None] - x.mean) * (self.y[None, :] - y.mean)
-        return self.mean(product) / (x.deviation * y.deviation)
+        return self.expectation(product) / (x.deviation * y.deviation)
 
-    def below(self, model: LogModel, value: float) -> float:
+    def share_of_medians_below(self, model: LogModel, value: float) -> float:
         """Returns the probability that the median bearing's life, m(x) - y, is below exp(value)."""
         lower_limit = np.clip(model(self.x) - value, self.y[0], self.y[-1])
         spline = self._integral
+        # each row of the grid is integrated up to a limit of its own, by Horner's method
         piece = np.clip(np.searchsorted(spline.x, lower_limit) - 1, 0, len(spline.x) - 2)
         offset, rows = lower_limit - spline.x[piece], np.arange(len(self.x))
         integral = np.zeros(len(rows))
@@ -152,39 +169,52 @@ class Posterior:
     def median_quantile(self, model: LogModel, probability: float, deviates: float = 0.0) -> float:
         """Returns a quantile over batches of a quantile over their bearings.
 
-        deviates: logarithm of that quantile over the bearings, less that of their median.
+        probability: of a batch with a lower life.
+        deviates: logarithm of the quantile over the bearings, less that of their median.
         """
-        m = model(self.x)
-        ends = float(m.min() - self.y[-1]) - 1.0, float(m.max() - self.y[0]) + 1.0
-        log_quantile = brentq(
-            lambda value: self.below(model, value) - probability, *ends, xtol=1e-13
-        )
-        return float(np.exp(log_quantile + deviates))
-
-    def quantile(
-        self, model: LogModel, probability: float, scatter: float, of_wear: bool = True
-    ) -> float:
-        """Returns a quantile of a bearing's life or torque, over batches and their scatter."""
-        mean = model(self.x)[:, None] - (self.y[None, :] if of_wear else 0.0 * self.y[None, :])
-        wide = 9.0 * scatter + 1.0
+        log_medians = model(self.x)
+        low = float(log_medians.min() - self.y[-1]) - _BRACKET_MARGIN
+        high = float(log_medians.max() - self.y[0]) + _BRACKET_MARGIN
 
         def excess(value: float) -> float:
-            return float((self.shares * ndtr((value - mean) / scatter)).sum()) - probability
+            return self.share_of_medians_below(model, value) - probability
 
-        ends = float(mean.min()) - wide, float(mean.max()) + wide
-        return float(np.exp(brentq(excess, *ends, xtol=1e-13)))
+        return float(np.exp(brentq(excess, low, high, xtol=_TOLERANCE) + deviates))
+
+    def quantile(
+        self, model: LogModel, probability: float, scatter: float, depends_on_wear: bool = True
+    ) -> float:
+        """Returns a quantile of a bearing's life or torque, over batches and their scatter.
+
+        scatter: standard deviation of the logarithm within a batch.
+        depends_on_wear: false for a torque.
+        """
+        medians = _predicted(model, self.x, self.y, depends_on_wear)
+        reach = _CERTAIN * scatter + _BRACKET_MARGIN
+
+        def excess(value: float) -> float:
+            return float((self.shares * ndtr((value - medians) / scatter)).sum()) - probability
+
+        low, high = float(medians.min()) - reach, float(medians.max()) + reach
+        return float(np.exp(brentq(excess, low, high, xtol=_TOLERANCE)))
 
     def failed_share(self, model: LogModel, life: float, scatter: float) -> float:
-        """Returns the share of bearings that have failed by a life, over batches and scatter."""
-        mean = model(self.x)[:, None] - self.y[None, :]
-        return float((self.shares * ndtr((math.log(life) - mean) / scatter)).sum())
+        """Returns the share of bearings with a shorter life, over batches and their scatter.
+
+        scatter: standard deviation of the logarithm within a batch.
+        """
+        medians = _predicted(model, self.x, self.y, depends_on_wear=True)
+        return float((self.shares * ndtr((math.log(life) - medians) / scatter)).sum())
 
     def conformity(self, test: Observation) -> Conformity:
-        """Returns how a test that is not part of the posterior conforms to it."""
+        """Returns how well a test agrees with this distribution, to which it must not belong."""
         z = test.deviate(self.x, self.y)
-        above = float((self.shares * ndtr(-z)).sum())
-        probability = above if test.censored else 2.0 * min(above, 1.0 - above)
-        return Conformity(probability, math.exp(test.scatter * self.mean(z)))
+        share_above = float((self.shares * ndtr(-z)).sum())
+        if test.censored:
+            probability = share_above
+        else:
+            probability = 2.0 * min(share_above, 1.0 - share_above)
+        return Conformity(probability, math.exp(test.scatter * self.expectation(z)))
 
 
 def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
@@ -192,46 +222,57 @@ def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
 
     The first grid spans the prior, the second one the posterior on the first.
     """
-    x, y, _ = prior
-    least_scatter = (
-        min((test.scatter for test in tests), default=y.deviation) if y.deviation else 1.0
+    wear_points = _WEARS
+    if tests and prior.y.deviation:
+        least_scatter = min(test.scatter for test in tests)
+        fine_points = int(2.0 * _WIDE * prior.y.deviation / (_SPACING * least_scatter)) + 1
+        wear_points = max(_WEARS, fine_points)
+    first = _posterior_on_grid(
+        prior, tests, _axis(prior.x, _FRICTIONS), _axis(prior.y, wear_points)
     )
-    fine_points = int(2.0 * _WIDE * y.deviation / (_SPACING * least_scatter)) + 1
-    grids = _axis(x, _WIDE, _FRICTIONS), _axis(y, _WIDE, max(_WEARS, fine_points))
-    for _ in range(2):
-        log = prior.log_density(*grids)
-        for test in tests:
-            log = log + test.count * test.log_likelihood(*grids)
-        density = np.exp(log - log.max())
-        result = Posterior(*grids, density / (density.sum() * (grids[1][1] - grids[1][0])))
-        grids = (
-            _dense_part(grids[0], density.max(axis=1), _FRICTIONS),
-            _dense_part(grids[1], density.max(axis=0), _WEARS),
-        )
-    return result
+    x = _dense_part(first.x, first.density.max(axis=1), _FRICTIONS)
+    y = _dense_part(first.y, first.density.max(axis=0), _WEARS)
+    return _posterior_on_grid(prior, tests, x, y)
+
+
+def _posterior_on_grid(
+    prior: Prior, tests: Sequence[Observation], x: np.ndarray, y: np.ndarray
+) -> Posterior:
+    """Returns the posterior on a grid, y with at least two points."""
+    log = prior.log_density(x, y)
+    for test in tests:
+        log = log + test.count * test.log_likelihood(x, y)
+    density = np.exp(log - log.max())
+    return Posterior(x, y, density / (density.sum() * (y[1] - y[0])))
 
 
 def conformities(prior: Prior, tests: Sequence[Observation]) -> list[Conformity]:
-    """Returns how each test conforms to the others alone."""
+    """Returns how well each test agrees with the prior and the other tests.
+
+    Of several bearings with one result, the others are among these tests.
+    """
     results = []
     for k, test in enumerate(tests):
-        rest = [*tests[:k], *tests[k + 1 :]]
+        other_tests = [*tests[:k], *tests[k + 1 :]]
         if test.count > 1:
-            rest.append(replace(test, count=test.count - 1))
-        results.append(posterior(prior, rest).conformity(test))
+            other_tests.append(replace(test, count=test.count - 1))
+        results.append(posterior(prior, other_tests).conformity(test))
     return results
 
 
-def _axis(normal: Normal, wide: float, points: int) -> np.ndarray:
-    """Returns points within `wide` standard deviations of the mean."""
-    half = wide * normal.deviation
-    if half == 0.0:
+def _axis(normal: Normal, points: int) -> np.ndarray:
+    """Returns evenly spaced points within `_WIDE` standard deviations; the mean if it is known."""
+    half_width = _WIDE * normal.deviation
+    if half_width == 0.0:
         return np.array([normal.mean])
-    return np.linspace(normal.mean - half, normal.mean + half, points)
+    return np.linspace(normal.mean - half_width, normal.mean + half_width, points)
 
 
 def _dense_part(grid: np.ndarray, density: np.ndarray, points: int) -> np.ndarray:
-    """Returns new points over the part of a grid with some density."""
+    """Returns evenly spaced points over the part of a grid whose density is not negligible.
+
+    density: at the points of the grid, in any unit.
+    """
     if len(grid) == 1:
         return grid
     dense = np.flatnonzero(density > _NEGLIGIBLE * density.max())

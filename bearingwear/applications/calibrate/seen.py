@@ -14,11 +14,11 @@ preload after a time, a shaft torque."""
 
 
 class Seen(NamedTuple):
-    """A result in words, its unit, and its standard error, assumed where none is given [%]."""
+    """A kind of result that a test may have."""
 
     words: str
     unit: str
-    error: float
+    error: float  # standard error of its measurement, assumed if the file states none [%]
 
 
 SEEN_AS = {

@@ -38,19 +38,22 @@ def export_options(sub: argparse.ArgumentParser) -> None:
 
 
 def _speeds(text: str) -> list[float]:
-    """Reads shaft speeds [r/min], written as LOW:HIGH:COUNT or as numbers with commas."""
+    """Returns shaft speeds [r/min], written as LOW:HIGH:COUNT or as numbers with commas.
+
+    Eight speeds without a COUNT. ArgumentTypeError: the text is neither.
+    """
     import argparse
     import math
 
-    low, _, rest = text.partition(":")
+    low_text, _, remainder = text.partition(":")
     try:
-        if not rest:
+        if not remainder:
             return [float(speed) for speed in text.split(",")]
-        high, _, count = rest.partition(":")
-        start, end, n = float(low), float(high), int(count or 8)
-        if not (0.0 <= start < end < math.inf and 2 <= n <= 1000):
+        high_text, _, count_text = remainder.partition(":")
+        low, high, count = float(low_text), float(high_text), int(count_text or 8)
+        if not (0.0 <= low < high < math.inf and 2 <= count <= 1000):
             raise ValueError
-        return [start + (end - start) * k / (n - 1) for k in range(n)]
+        return [low + (high - low) * k / (count - 1) for k in range(count)]
     except ValueError:
         raise argparse.ArgumentTypeError(
             f"got {text!r}, expected LOW:HIGH:COUNT or increasing numbers such as 1000,2000,5000"

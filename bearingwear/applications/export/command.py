@@ -12,7 +12,7 @@ from bearingwear.printing import tell_of_new_folder
 
 
 def export_command(args: argparse.Namespace) -> int:
-    """Writes the stiffness over speed as CSV, or as ROSS's TOML."""
+    """Writes the stiffness over speed as CSV or as TOML for ROSS, and returns an exit status."""
     from bearingwear.applications.export.stiffness import NotExported, StiffnessOverSpeed
     from bearingwear.atomic import write_text
 
@@ -24,12 +24,11 @@ def export_command(args: argparse.Namespace) -> int:
     except NotExported as error:
         sys.stderr.write(one_line(f"{args.scene}: {error}"))
         return NOT_SOLVED
-    name = re.sub(r"[^A-Za-z0-9_-]", "_", path.stem)
     if path.suffix == ".csv":
         text = stiffness.csv
     else:
         text = stiffness.toml(
-            name,
+            re.sub(r"[^A-Za-z0-9_-]", "_", path.stem),
             bearing=args.bearing,
             tilt=args.tilt,
             damping=args.damping,

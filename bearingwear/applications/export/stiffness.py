@@ -29,29 +29,34 @@ ROSS_NAMES = {2: "frequency", 3: "speed"}
 FEWEST_SPEEDS = 5
 """The fewest speeds that ROSS interpolates between."""
 
-_NOTHING = 1e-14  # of the largest stiffness: rounding of what balls in a circle cancel
-_FROM_ROSS = (1, 2, 0)  # its x, y, z here
+_NEGLIGIBLE_SHARE = 1e-14
+"""Share of the largest stiffness below which one is only rounding, as balls in a circle cancel."""
+
+_FROM_ROSS = (1, 2, 0)  # places in this program's X, Y, Z of ROSS's x, y and z
 _RPM = math.pi / 30.0  # [rad/s]
 
 
 class NotExported(ValueError):
-    """A bearing whose stiffness at a speed is not known; its text is one line."""
+    """The stiffness at a speed cannot be computed; the text is one line."""
 
 
 @dataclass(frozen=True)
 class StiffnessOverSpeed:
-    """Dynamic stiffness of the bearings of a scene."""
+    """Dynamic stiffness of the bearings of a scene.
+
+    matrices: (speeds, bearings, 5, 5), over X, Y, Z [m] and tilts about Y and Z [rad] of the frame
+        of each bearing [N/m, N, N m]. Bearings in tandem count as one.
+    """
 
     scene: Scene
     speeds_rpm: tuple[float, ...]
-    # (speeds, bearings, 5, 5) each in its own frame, of all in tandem together [N/m, N, N m]
     matrices: np.ndarray
 
     @classmethod
     def of(cls, source: Source, speeds_rpm: Sequence[float]) -> StiffnessOverSpeed:
-        """Solves a scene at each speed of the shaft [r/min].
+        """Returns the stiffness of a scene, solved at each speed of the shaft [r/min].
 
-        NotExported: the scene has no stiffness at one of them.
+        SceneError: the speeds do not rise. NotExported: the scene has no stiffness at a speed.
         """
         from bearingwear.solvers.effects.choice import choice
         from bearingwear.solvers.solve import solve
@@ -80,7 +85,8 @@ class StiffnessOverSpeed:
     def ross_matrices(self, bearing: int = 1, tilt: str = "held") -> np.ndarray:
         """Returns the stiffness (speeds, 3, 3) of a bearing along ROSS's x, y and z [N/m].
 
-        Raises SceneError.
+        bearing: number of the bearing, from 1. tilt: one of `TILTS`.
+        SceneError: an argument has none of these values.
         """
         for name, value, allowed in (
             ("tilt", tilt, TILTS),
@@ -94,12 +100,17 @@ class StiffnessOverSpeed:
         if tilt == "released":
             K_shift = K_shift - K[:, :3, 3:] @ np.linalg.solve(K_tilt, K[:, 3:, :3])
         K_shift = K_shift[:, _FROM_ROSS][:, :, _FROM_ROSS]
-        return np.where(abs(K_shift) > _NOTHING * abs(K_shift).max(), K_shift, 0.0)
+        return np.where(abs(K_shift) > _NEGLIGIBLE_SHARE * abs(K_shift).max(), K_shift, 0.0)
 
     def coefficients(
         self, bearing: int = 1, tilt: str = "held", damping: float = 0.0
     ) -> dict[str, list[float]]:
-        """Returns ROSS's coefficients of a bearing by their names [N/m], [N s/m]."""
+        """Returns the coefficients of a bearing at each speed, by their names in ROSS.
+
+        They are stiffness `kxx` and so on [N/m], and damping `cxx`, `cyy`, `czz` [N s/m].
+
+        SceneError: there are too few speeds for ROSS.
+        """
         if len(self.speeds_rpm) < FEWEST_SPEEDS:
             problem = f"got {len(self.speeds_rpm)}, expected at least {FEWEST_SPEEDS} for ROSS"
             raise SceneError("", problem, source="speeds")
@@ -111,15 +122,15 @@ class StiffnessOverSpeed:
     def effective_arm(self, bearing: int = 1) -> float:
         """Returns the axial distance from the bearing at which a radial force causes no tilt [m].
 
-        Mean over the speeds, towards where its contact lines meet the axis. A node of a rotor
-        there has no coupling of displacement and tilt.
+        The mean over the speeds, positive towards the point where the contact lines meet the axis.
+        At a rotor node there, displacement and tilt are not coupled.
         """
         K = self.matrices[:, bearing - 1]
         return float(np.mean(np.abs(K[:, 1, 4] - K[:, 2, 3]) / (K[:, 1, 1] + K[:, 2, 2])))
 
     @property
     def csv(self) -> str:
-        """Returns a line for each speed and bearing: 25 numbers in the bearing's own frame."""
+        """Returns CSV with a line for each speed and bearing, which has the 25 stiffnesses."""
         text = io.StringIO()
         table = csv.writer(text, lineterminator="\n")
         names = [f"k_{row}_{column}" for row in DOFS for column in DOFS]
@@ -138,7 +149,11 @@ class StiffnessOverSpeed:
         node: int = 0,
         ross: int = 2,
     ) -> str:
-        """Returns a bearing as text that `ross.BearingElement.load` reads."""
+        """Returns a bearing as TOML that `ross.BearingElement.load` reads.
+
+        name: of the table and tag. damping: in x, y and z [N s/m]; None counts as 0, assumed.
+        node: of the rotor. ross: major version of ROSS, a key of `ROSS_NAMES`.
+        """
         coefficients = self.coefficients(bearing, tilt, damping or 0.0)
         coefficients[ROSS_NAMES[ross]] = (np.array(self.speeds_rpm) * _RPM).tolist()
         damping_text = "none given, 0 assumed" if damping is None else f"{damping:g} N s/m, given"
@@ -167,7 +182,7 @@ def to_ross(
     tilt: str = "held",
     damping: float = 0.0,
 ) -> Any:
-    """Makes a bearing of a scene into a bearing element of ROSS, which must be installed.
+    """Returns a bearing of a scene as a bearing element of ROSS, which must be installed.
 
     Parameters
     ----------

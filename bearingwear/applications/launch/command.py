@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def launch_command(args: argparse.Namespace) -> int:
-    """Prints the sheet of a launch."""
+    """Prints the sheet of the bearings of a rotor at launch, and returns an exit status."""
     from bearingwear.applications.launch.sheet import launch_document
     from bearingwear.lives.margin import launched_by_wear
     from bearingwear.solvers.bearing.launch import check_launch
@@ -46,7 +46,7 @@ def launch(scene: Source, axial: float | None = None, radial: float | None = Non
     xarray.Dataset
         By `state` of wear (in each case, if there are several): the accelerations at which a
         bearing gaps and dents; by `load`, the displacement of the rotor; by `bearing`, its load,
-        its gap and its peak pressures. What nothing holds is NaN.
+        its gap and its peak pressures. They are NaN where no force supports the rotor.
 
     Raises
     ------

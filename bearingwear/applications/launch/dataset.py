@@ -50,13 +50,16 @@ LAUNCH = table(
 
 
 def launch_dataset(scene: Scene, states: Mapping[str, LaunchResult]) -> xr.Dataset:
-    """Returns loads and gaps by the state of wear, from `lives.margin.launched_by_wear`."""
+    """Returns loads and gaps at launch as a dataset over state of wear, load and bearing.
+
+    states: results by the name of the state of wear, from `lives.margin.launched_by_wear`.
+    """
     loads = [load.name for load in next(iter(states.values())).loads]
     axes: dict[Any, Any] = {WEAR_STATE: list(states), LAUNCH_LOAD: loads, EACH_BEARING: (1, 2)}
     return dataset_of_rows(
         LAUNCH,
         axes,
-        [_row(state) for state in states.values()],
+        [_launch_row(state) for state in states.values()],
         title=f"Launch of {scene.name}",
         kind="launch",
         scene=scene,
@@ -64,8 +67,8 @@ def launch_dataset(scene: Scene, states: Mapping[str, LaunchResult]) -> xr.Datas
     )
 
 
-def _row(state: LaunchResult) -> dict[str, Any]:
-    """Returns the values of one state of wear by the names of `LAUNCH`."""
+def _launch_row(state: LaunchResult) -> dict[str, Any]:
+    """Returns the values of one state of wear by the names of `LAUNCH`, lists for its loads."""
     row: dict[str, Any] = {
         "axial_acceleration": GRAVITY * state.axial_g,
         "radial_acceleration": GRAVITY * state.radial_g,
@@ -82,11 +85,16 @@ def _row(state: LaunchResult) -> dict[str, Any]:
 
 
 def _rotor_row(load: LaunchLoad) -> dict[str, Any]:
-    """Returns the values of rotor and bearings under one load; NaN where nothing supports it."""
+    """Returns the values of rotor and bearings under one load by the names of `LAUNCH`.
+
+    They are NaN where the spring does not support the rotor.
+    """
     rotor = load.rotor
     if rotor is None:
-        missing = {_OF_LOAD: math.nan, _OF_BEARING: [math.nan] * 2}
-        return {name: missing[variable.dims] for name, variable in LAUNCH.items() if variable.dims}
+        nan_by_dims = {_OF_LOAD: math.nan, _OF_BEARING: [math.nan, math.nan]}
+        return {
+            name: nan_by_dims[variable.dims] for name, variable in LAUNCH.items() if variable.dims
+        }
     bearings = rotor.bearings
     return {
         "shift": rotor.shift,

@@ -24,6 +24,7 @@ from bearingwear.solvers.bearing.launch import LaunchLoad, LaunchResult, Resting
 
 _UM, _MM, _GPA = 1e6, 1e3, 1e-9
 _ROUNDING = 1e-9
+"""Size of a number below which it is nothing but rounding, in each unit of these tables."""
 _NEW_ONLY = "new bearings only: without an end of life that can be computed, wear is not known"
 
 _BEARING_ROWS: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
@@ -44,7 +45,7 @@ _BEARING_ROWS: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ..
 def launch_document(scene: Scene, states: Mapping[str, LaunchResult]) -> Document:
     """Returns the report on the bearings of a scene at launch.
 
-    states: result of `lives.margin.launched_by_wear`.
+    states: results by the name of the state of wear, from `lives.margin.launched_by_wear`.
     """
     columns = tuple(states)
     blocks = [
@@ -66,7 +67,10 @@ def launch_document(scene: Scene, states: Mapping[str, LaunchResult]) -> Documen
 
 
 def _load_blocks(loads: Sequence[LaunchLoad], suffix: str) -> list[Block]:
-    """Returns blocks of the rotor and of both bearings, with a column for each load."""
+    """Returns blocks of the rotor and of both bearings, with a column for each load.
+
+    suffix: of the titles, which names the state of wear. Empty without loads.
+    """
     if not loads:
         return []
     columns = tuple(load.name for load in loads)
@@ -80,10 +84,14 @@ def _load_blocks(loads: Sequence[LaunchLoad], suffix: str) -> list[Block]:
 
 
 def _states_with_load_blocks(states: Mapping[str, LaunchResult]) -> list[str]:
-    """Returns the states shown at each load: new and worn, or of several cases the worst ones."""
+    """Returns the names of the states that are shown in detail.
+
+    These are all states of one case; of several cases, those of the largest gap and pressure.
+    """
     if len(states) <= NEW_AND_WORN:
         return list(states)
-    return list(dict.fromkeys([state_of_largest_gap(states), state_of_largest_pressure(states)]))
+    gap_state, pressure_state = state_of_largest_gap(states), state_of_largest_pressure(states)
+    return [gap_state] if gap_state == pressure_state else [gap_state, pressure_state]
 
 
 def _vibration_lines(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
@@ -100,7 +108,8 @@ def _vibration_lines(scene: Scene, states: Mapping[str, LaunchResult]) -> list[s
     if any(radial_g):
         phrases.append(f"{span(radial_g)} g radial")
     lines = [", ".join(phrases)]
-    lines += [_NEW_ONLY] if len(states) == len(scene.in_cases) else []
+    if len(states) == len(scene.in_cases):
+        lines.append(_NEW_ONLY)
     if launch.axial_density_g2_Hz is not None or launch.radial_density_g2_Hz is not None:
         frequencies = _natural_frequencies(states.values())
         axial_Hz, radial_Hz = (span(float(state[k]) for state in frequencies) for k in range(2))
@@ -115,12 +124,18 @@ def _vibration_lines(scene: Scene, states: Mapping[str, LaunchResult]) -> list[s
 
 
 def _natural_frequencies(states: Iterable[LaunchResult]) -> list[np.ndarray]:
-    """Returns axial, radial and conical frequency [Hz] of each state whose span is known."""
+    """Returns axial, radial and conical natural frequency (3,) [Hz] of each state.
+
+    Empty if the scene does not contain the distance of the bearings.
+    """
     return [state.frequencies for state in states if state.frequencies is not None]
 
 
 def _acceleration_limit_rows(states: Collection[LaunchResult]) -> tuple[Row, ...]:
-    """Returns rows of the accelerations [g] at which gapping and denting start, and frequencies."""
+    """Returns rows of the accelerations at which gapping and denting start, and of frequencies.
+
+    Each has a value for each state.
+    """
     rows = [
         Row("gapping starts at", "g", tuple(state.opening_g for state in states), "opening_g"),
         Row("denting starts at", "g", tuple(state.denting_g for state in states), "denting_g"),
@@ -134,7 +149,10 @@ def _acceleration_limit_rows(states: Collection[LaunchResult]) -> tuple[Row, ...
 
 
 def _random_rows(states: Sequence[LaunchResult]) -> tuple[Row, ...]:
-    """Returns rows of the largest accelerations expected, in rms values and beside three sigma."""
+    """Returns rows of the largest accelerations expected, their ratios to rms, and three sigma.
+
+    Each has a value for each state.
+    """
     rows = []
     for direction in states[0].random:
         responses = [state.random[direction] for state in states]
@@ -150,7 +168,7 @@ def _random_rows(states: Sequence[LaunchResult]) -> tuple[Row, ...]:
 
 
 def _rotor_rows(loads: Sequence[LaunchLoad]) -> list[Row]:
-    """Returns rows of the forces on the rotor and of its shifts; NaN where nothing supports it."""
+    """Returns rows of forces and shifts of the rotor; NaN where the spring does not support it."""
     rows = [
         Row("axial force", "N", tuple(load.axial for load in loads), "axial_force"),
         Row("radial force", "N", tuple(load.radial for load in loads), "radial_force"),
@@ -172,22 +190,20 @@ def _rotor_rows(loads: Sequence[LaunchLoad]) -> list[Row]:
 
 
 def _bearing_rows(loads: Sequence[LaunchLoad], k: int) -> list[Row]:
-    """Returns rows of loads, pressures and gap of bearing k; NaN where nothing supports it."""
-    bearings = [load.rotor.bearings[k] if load.rotor is not None else None for load in loads]
-    return [
-        Row(
-            label,
-            unit,
-            tuple(
-                math.nan if bearing is None else _without_rounding(value_of(bearing))
-                for bearing in bearings
-            ),
-            name,
+    """Returns rows of loads, pressures and gap of bearing k (0 or 1) under each load.
+
+    They are NaN where the spring does not support the rotor.
+    """
+    rows = []
+    for label, unit, name, value_of in _BEARING_ROWS:
+        values = tuple(
+            math.nan if load.rotor is None else _without_rounding(value_of(load.rotor.bearings[k]))
+            for load in loads
         )
-        for label, unit, name, value_of in _BEARING_ROWS
-    ]
+        rows.append(Row(label, unit, values, name))
+    return rows
 
 
 def _without_rounding(value: float) -> float:
-    """Returns 0 for a value that is nothing but rounding, as of forces that cancel in a circle."""
+    """Returns a value, or 0 if it is only rounding, as where forces cancel in a circle of balls."""
     return 0.0 if abs(value) < _ROUNDING else value

@@ -18,9 +18,12 @@ if TYPE_CHECKING:
 
 
 def margin_command(args: argparse.Namespace) -> int:
-    """Prints the sheet of a torque margin."""
+    """Prints the sheet of a torque margin, and returns an exit status.
+
+    INFEASIBLE: the margin is negative. NOT_SOLVED: a corner has no torque.
+    """
     from bearingwear.applications.margin.sheet import margin_document
-    from bearingwear.document.margin import worst_corner
+    from bearingwear.document.margin import is_missing, worst_corner
     from bearingwear.lives.margin import torque_corners
 
     changes = {"torque_Nm": args.drive, "standard": args.standard, "data": args.data}
@@ -31,7 +34,7 @@ def margin_command(args: argparse.Namespace) -> int:
     print_sheet(margin_document(scene, corners), args)
     if worst_corner(corners).margin < 0.0:
         return INFEASIBLE
-    return SUCCESS if all(corner.torque == corner.torque for corner in corners) else NOT_SOLVED
+    return NOT_SOLVED if any(is_missing(corner) for corner in corners) else SUCCESS
 
 
 def margin(
@@ -78,7 +81,7 @@ def margin(
 
 
 def _check_drive(scene: Scene, source: str) -> None:
-    """Refuses a scene without a drive."""
+    """Raises SceneError for a scene without a drive; the error names `source`."""
     if scene.drive is None:
         problem = "got nothing, expected a drive block, or the torque of the drive (--drive N_M)"
         raise SceneError("drive", problem, source=source)

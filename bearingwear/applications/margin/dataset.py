@@ -29,7 +29,10 @@ CORNERS = table(
 
 
 def margin_dataset(scene: Scene, corners: Sequence[Corner]) -> xr.Dataset:
-    """Returns the corners of a scene with a drive, along `corner`."""
+    """Returns the torque margins of a scene with a drive as a dataset along `corner`.
+
+    Its attributes name the standard, the torque of the drive and the key of the friction.
+    """
     drive = scene.drive
     assert drive is not None
     rows = [

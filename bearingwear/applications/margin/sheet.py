@@ -12,7 +12,7 @@ from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 
 
 def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:
-    """Returns the report on the torque margin of a scene with a drive."""
+    """Returns the report on the torque margin of a scene with a drive, in all corners."""
     worst = worst_corner(corners)
     heading = (
         f"{scene.name}: torque margin at a preload of {scene.operation.preload_N:g} N",

@@ -12,7 +12,7 @@ from bearingwear.scene.duty import Duty, phase_cases
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import (
     LEAST_REGULARISATION,
-    at_share,
+    at_speed_share,
     regularisation_is_given,
     with_regularisation,
 )
@@ -33,6 +33,7 @@ def ramp_points(n: int) -> tuple[np.ndarray, np.ndarray]:
     """
     legendre = np.polynomial.legendre
     low, high = legendre.Legendre.basis(n - 1), legendre.Legendre.basis(n)
+    # Radau's points on -1 to 1: -1, and the roots of (P_(n-1) + P_n)/(1 + x)
     inner = np.sort(((low + high) // legendre.Legendre([1.0, 1.0])).roots().real)
     weights = (1.0 - inner) / (n * low(inner)) ** 2
     squares = 0.5 * (1.0 - np.append(-1.0, inner))  # mirrored, so that the first is full speed
@@ -58,23 +59,24 @@ class Cycle:
 
     @property
     def bearings(self) -> int:
-        """Number of bearings that are solved in each condition."""
-        return len(self.scenes[0].one_of_alike.sides)
+        """Returns the number of bearings that are solved in each condition."""
+        return len(self.scenes[0].symmetric_half.sides)
 
     @property
     def case_scenes(self) -> tuple[Scene, ...]:
-        """Scenes of the cases, which are the first conditions."""
+        """Returns the scenes of the cases, which are the first conditions."""
         return self.scenes[: len(self.cases)]
 
     @property
     def shares(self) -> np.ndarray:
-        """Weights (conditions,) of the rates in the mean over a cycle, in any order of phases."""
+        """Returns the weights (conditions,) of the rates in the mean over a cycle."""
         of_conditions = np.concatenate([self.running, self.starting]).T
+        # an exact sum does not depend on the order of the phases
         return np.array([math.fsum(shares) for shares in of_conditions])
 
 
 def cycle_of(scene: Scene, points: int = 2) -> Cycle:
-    """Returns the cycle of a scene's duty, with so many points of each ramp."""
+    """Returns the cycle of a scene's duty, with a number of points of each ramp."""
     duty = scene.duty
     assert duty is not None
     scene_of_case = _solved_alike(phase_cases(scene))
@@ -110,14 +112,18 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
     """Returns the cycle with the instants of its starts, which warm the bearings."""
     from bearingwear.lives.duty.warm import warm_start  # loads slowly; few lives need it
 
-    scenes, running, starting = [*cycle.scenes], cycle.running.copy(), cycle.starting
+    scenes = [*cycle.scenes]
+    running = cycle.running.copy()
+    starting = cycle.starting
     phases = [*zip(cycle.case_of_phase, duty.phases.values(), strict=True)]
 
     def order(k: int) -> tuple[float, ...]:
+        """Returns what the phases are sorted by: case, hours and starts."""
         case, phase = phases[k]
         return case, phase.hours, phase.starts
 
-    for k in sorted(range(len(phases)), key=order):  # of conditions, whatever that of the phases
+    # the conditions are in one order, whatever that of the phases
+    for k in sorted(range(len(phases)), key=order):
         case, phase = phases[k]
         if not phase.starts:
             continue
@@ -136,7 +142,7 @@ def at_speed(scene: Scene, share: float) -> Scene:
 
     A regularisation that the scene gives is scaled alike: its error depends on it over the slip.
     """
-    slower = at_share(scene, share)
+    slower = at_speed_share(scene, share)
     if not regularisation_is_given(scene):
         return slower
     v_r = max(share * scene.friction.slip_regularisation_m_s, LEAST_REGULARISATION)
@@ -146,7 +152,7 @@ def at_speed(scene: Scene, share: float) -> Scene:
 
 def _solved_alike(scenes: dict[str, Scene]) -> dict[str, Scene]:
     """Returns the scenes of cases with as many bearings to solve in each: one or two."""
-    reduced = {case: scene.one_of_alike for case, scene in scenes.items()}
+    reduced = {case: scene.symmetric_half for case, scene in scenes.items()}
     if len({len(scene.sides) for scene in reduced.values()}) == 1:
         return reduced
     of_two = {"arrangement.external_axial_N": NO_FORCE_N}

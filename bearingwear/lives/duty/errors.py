@@ -18,7 +18,7 @@ from bearingwear.lives.duty.lives import (
 from bearingwear.lives.duty.wearing import DutyCriteria, DutySurfaces
 from bearingwear.lives.errors import WEIGHTS, relative_life_change
 from bearingwear.lives.follow import Life
-from bearingwear.lives.grooves import EXACT_GROOVES, QUICK_GROOVES, Grooves
+from bearingwear.lives.grooves import EXACT_GROOVES, QUICK_GROOVES, GrooveMode, Grooves
 from bearingwear.lives.surfaces import is_one_integral, steps_error
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.compose import solver_of
@@ -26,7 +26,10 @@ from bearingwear.solvers.estimates import ROUNDING
 
 
 def duty_errors(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, float]:
-    """Returns a bound on the error of the steps [s], and relative errors of all and of ramps."""
+    """Returns result variables of the errors of a life over a duty.
+
+    They are a bound on the error by steps [s], and relative errors by all settings and by ramps.
+    """
     life, cycle = over_duty.life, over_duty.cycle
     length = life.last.time
     if life.status != code.OK or not length > 0.0:
@@ -48,22 +51,27 @@ def duty_errors(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, f
         estimate += _accuracy_error(cycle, life) if fidelity == "steady" else math.nan
     estimate += values.get("ramp_error_estimate", 0.0)
     values["life_error_bound"] = bound
-    return values | ({"life_error_estimate": estimate} if math.isfinite(estimate) else {})
+    if math.isfinite(estimate):
+        values["life_error_estimate"] = estimate
+    return values
 
 
 def _groove_errors(cycle: Cycle, life: Life) -> tuple[float, float]:
     """Returns a bound on the error of the steps [s], and the relative error of steps and cells."""
-    modes = QUICK_GROOVES._replace(cells=EXACT_GROOVES.cells), QUICK_GROOVES
-    coarse, few_cells = (
-        other.last.time if other.ends_like(life) else math.nan
-        for other in [worn_duty_life(cycle, mode, Grooves) for mode in modes]
-    )
+
+    def length(mode: GrooveMode) -> float:
+        """Returns the length of the life in a mode [s]; NaN if it ends otherwise."""
+        other = worn_duty_life(cycle, mode, Grooves)
+        return other.last.time if other.ends_like(life) else math.nan
+
+    coarse = length(QUICK_GROOVES._replace(cells=EXACT_GROOVES.cells))
+    few_cells = length(QUICK_GROOVES)
     bound = 2.0 * abs(coarse - life.last.time)
     return bound, ROUNDING + (bound + abs(few_cells - coarse)) / life.last.time
 
 
 def _accuracy_error(cycle: Cycle, life: Life) -> float:
-    """Returns the relative error of a life by v_r and by points; NaN where it is not known."""
+    """Returns the relative error of a life by v_r and by points [1]; NaN where it is not known."""
     total = 0.0
     for accuracy, weight in WEIGHTS.items():
         solvers = [solver_of(scene, "steady", accuracy) for scene in cycle.scenes]
@@ -78,7 +86,10 @@ def _accuracy_error(cycle: Cycle, life: Life) -> float:
 
 
 def _change_by_wearing(life: Life, wearing: DutySurfaces, cycle: Cycle) -> float:
-    """Returns the relative change of a life by other states along it; NaN if not known."""
+    """Returns the relative change of a life by other states along it [1]; NaN if not known.
+
+    wearing: way to wear with the other states.
+    """
     nodes = life.three_nodes()
     others = [node._replace(states=wearing.state(np.array([node.x]))) for node in nodes]
     if any(other.status != code.OK for other in others):

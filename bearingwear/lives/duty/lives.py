@@ -42,11 +42,11 @@ class DutyLife:
 
     @property
     def by_case(self) -> dict[str, Life]:
-        """The life as its bearings are in each case of the duty: equal times, other states."""
+        """Returns the life by the names of the cases of the duty: equal times, other states."""
         return {name: self.in_case(k) for k, name in enumerate(self.cycle.cases)}
 
     def in_case(self, case: int) -> Life:
-        """Returns the life with the states and the way to wear of one case."""
+        """Returns the life with the states and the way to wear of one case, by its index."""
         life, n = self.life, self.cycle.bearings
         nodes = [
             node._replace(states=node.states[case * n : (case + 1) * n]) for node in life.nodes
@@ -55,12 +55,12 @@ class DutyLife:
 
     @property
     def ends_in_all_cases(self) -> bool:
-        """Whether its criterion is met in all cases at once, as that of an even loss."""
+        """Returns whether its criterion is met in all cases at once, as that of an even loss."""
         return self.life.status == code.OK and max(self._final_margins()) <= _MET
 
     @property
     def ending_case_index(self) -> int:
-        """Index of the case that ends the life: it meets the criterion, or is not solved.
+        """Returns the index of the case that ends the life: it meets the criterion, or fails.
 
         A life without an end of its own has the first case.
         """
@@ -90,8 +90,9 @@ def duty_life(
 ) -> DutyLife:
     """Returns the life of a scene over its duty; its grooves wear where any phase requires it.
 
-    A quick one takes longer steps and, along grooves, fewer cells. The states of the `kind`
-    `Grooves` have no stiffness unless the life ends by it, which saves time.
+    quick: whether steps are longer and, along grooves, cells are fewer.
+    kind: of grooves. States of the kind `Grooves` have no stiffness unless the life ends by it,
+        which saves time.
     """
     cycle = cycle_with_enough_points(scene, fidelity)
     choice = duty_groove_choice(scene, fidelity)
@@ -108,6 +109,7 @@ def duty_life(
 
 
 def _even_duty_life(cycle: Cycle, fidelity: str, quick: bool) -> Life:
+    """Returns the life over a cycle whose contacts stay Hertzian, by new solvers."""
     tolerance = WELL_BALANCED if quick else None
     solvers = [solver_of(scene, fidelity, tolerance=tolerance) for scene in cycle.scenes]
     return hertzian_duty_life(cycle, solvers, quick)
@@ -125,7 +127,7 @@ def lives_alone(over_duty: DutyLife, fidelity: str = "steady") -> dict[str, Life
 
 
 def duty_groove_choice(scene: Scene, fidelity: str = "steady") -> GrooveChoice:
-    """Returns whether a life over a duty follows the grooves, which any phase may require."""
+    """Returns whether a life over a duty follows the grooves, and why; any phase may require it."""
     choices = [groove_choice(case, fidelity) for case in phase_cases(scene).values()]
     return next((choice for choice in choices if choice.follows), choices[0])
 
@@ -143,7 +145,11 @@ def criteria_of(scene: Scene) -> Criteria:
 
 
 def hertzian_duty_life(cycle: Cycle, solvers: Sequence[Remembered], quick: bool = False) -> Life:
-    """Returns the life over a cycle whose contacts stay Hertzian."""
+    """Returns the life over a cycle whose contacts stay Hertzian.
+
+    solvers: of each condition.
+    quick: as in `surface_life`.
+    """
     scene = cycle.scenes[0]
     life = follow_surfaces(DutySurfaces(cycle, solvers), DutyCriteria(cycle), scene, quick)
     life.solves = sum(solver.solves for solver in solvers)
@@ -153,7 +159,10 @@ def hertzian_duty_life(cycle: Cycle, solvers: Sequence[Remembered], quick: bool 
 def worn_duty_life(
     cycle: Cycle, mode: GrooveMode = EXACT_GROOVES, kind: type[Grooves] = StiffGrooves
 ) -> Life:
-    """Returns the life over a cycle with grooves as they wear."""
+    """Returns the life over a cycle with grooves as they wear.
+
+    kind: as in `duty_life`.
+    """
     return follow_grooves(DutyGrooves(cycle, mode, kind), DutyCriteria(cycle))
 
 
@@ -178,10 +187,11 @@ def loss_rates(cycle: Cycle, losses: Sequence[float], fidelity: str = "steady") 
 def ramp_error(
     scene: Scene, points: int, losses: Sequence[float] | None = None, fidelity: str = "steady"
 ) -> float:
-    """Returns the relative error of the mean rate of loss by so many points of each ramp.
+    """Returns the relative error of the mean rate of loss by a number of points of each ramp [1].
 
-    More points show it, with even losses of the bearings, else those of the scene. It is NaN where
-    a condition is not solved.
+    More points show it. It is NaN where a condition is not solved.
+
+    losses: of each bearing, if not those of the scene [m].
     """
     cycle, finer = cycle_of(scene, points), cycle_of(scene, MOST_RAMP_POINTS)
     if not cycle.starting.any():
@@ -197,7 +207,7 @@ def ramp_error(
 
 def present_losses(cycle: Cycle) -> list[float]:
     """Returns the loss of each bearing at the start of a life [m]."""
-    bearings = cycle.scenes[0].one_of_alike.sides
+    bearings = cycle.scenes[0].symmetric_half.sides
     return [side.wear.ball_diameter_loss_um[0] * UM for side in bearings]
 
 

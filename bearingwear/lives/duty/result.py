@@ -22,7 +22,10 @@ from kerneljit.interrupt import Interrupt
 
 
 def choices_of_phases(scene: Scene, fidelity: str | None = None) -> dict[str, Choice]:
-    """Returns the model of each case of a duty; NotAvailable where one has no steady state."""
+    """Returns the choice of the model by the names of the cases of a duty.
+
+    Raises NotAvailable where one has no steady state, or where they need different models.
+    """
     scenes = phase_cases(scene)
     choices = {case: choice_for_life(scenes[case], fidelity) for case in scenes}
     for case, choice in choices.items():
@@ -46,11 +49,13 @@ def life_over_duty(scene: Scene, fidelity: str | None = None) -> Result:
     Histories are those of the phase that ends the life. NotAvailable as `choices_of_phases`.
     """
     assert scene.duty is not None
-    choices, started = choices_of_phases(scene, fidelity), time.perf_counter()
+    choices = choices_of_phases(scene, fidelity)
+    started = time.perf_counter()
     model = next(iter(choices.values())).fidelity
     with Interrupt():
         over_duty = duty_life(scene, model)
-        cycle, ending_case = over_duty.cycle, over_duty.cycle.cases[over_duty.ending_case_index]
+        cycle = over_duty.cycle
+        ending_case = cycle.cases[over_duty.ending_case_index]
         values_by_case = _values_by_case(scene, over_duty, model)
     elapsed = time.perf_counter() - started
     values = values_by_case[ending_case]
@@ -78,9 +83,9 @@ def life_over_duty(scene: Scene, fidelity: str | None = None) -> Result:
 
 
 def _values_by_case(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, dict]:
-    """Returns the result variables of the bearings in each case that is solved.
+    """Returns the result variables of the bearings by the names of the cases that are solved.
 
-    Those of the case that ends the life have also what the life alone has.
+    Those of the case that ends the life have also the errors and the shares of the phases.
     """
     assert scene.duty is not None
     cycle, life = over_duty.cycle, over_duty.life

@@ -17,6 +17,7 @@ from bearingwear.lives.many import worse_states
 from bearingwear.lives.methods import QUARTERS
 from bearingwear.measures import WORST, Measure
 from bearingwear.scene.duty import Duty
+from bearingwear.solvers.effects.warnings import LARGEST_EXCESS
 from bearingwear.solvers.state import State
 
 LARGEST_ACCELERATION = 0.1  # share of the friction that accelerates the balls
@@ -62,6 +63,8 @@ def palmgren_miner_life(shares: np.ndarray, lives: np.ndarray) -> float:
 
     The inverse life is the sum of the share of each phase over its life. The life is NaN where that
     of a phase with a share is not known.
+
+    shares, lives: share of the time of each phase, and life in it alone (phases,).
     """
     has_share = shares > 0.0
     damage = float((shares[has_share] / lives[has_share]).sum())
@@ -69,7 +72,10 @@ def palmgren_miner_life(shares: np.ndarray, lives: np.ndarray) -> float:
 
 
 def worst_by_case(over_duty: DutyLife) -> dict[str, np.ndarray]:
-    """Returns the worst of each measure along the life (cases,), and preloads (nodes, cases)."""
+    """Returns result variables: the worst of each measure (cases,), and preloads (nodes, cases).
+
+    A measure that a case does not know is left out.
+    """
     states_of_cases = [
         worse_states(life, scene)
         for life, scene in zip(over_duty.by_case.values(), over_duty.cycle.case_scenes, strict=True)
@@ -89,21 +95,19 @@ def worst_by_case(over_duty: DutyLife) -> dict[str, np.ndarray]:
 
 
 def _worst_along_life(measure: Measure, extremes: Sequence[float]) -> float:
-    """Returns the worst extreme of a life; between its ends, values that are not known (NaN) are
-    left out.
-    """
+    """Returns the worst extreme of a life. Between its ends, NaN is left out: not known."""
     between = [extreme for extreme in extremes[1:-1] if not math.isnan(extreme)]
     return measure.extreme(np.array([extremes[0], *between, extremes[-1]]))
 
 
 def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
-    """Returns the volume worn off the surfaces of bearing k by a full share of each condition [m3].
+    """Returns the volumes (nodes, conditions, surfaces) worn off bearing k [m3].
 
-    (nodes, conditions, surfaces): from the start of the life to each of its nodes, off the inner
-    race, the outer race and all balls.
+    They are those from the start of the life to each of its nodes, off inner race, outer race and
+    all balls, as if each condition took all the time.
     """
     cycle, life = over_duty.cycle, over_duty.life
-    balls = cycle.scenes[0].one_of_alike.sides[k].bearing.ball_count
+    balls = cycle.scenes[0].symmetric_half.sides[k].bearing.ball_count
     rates = [
         [
             [*state["race_wear_rate"], balls * state["ball_wear_rate"]]
@@ -115,7 +119,9 @@ def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
 
 
 def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """Returns the integrals of rates (nodes, ...) up to each node, by monotone cubics.
+    """Returns the integrals of rates (nodes, ...) over times (nodes,) up to each node.
+
+    They are those of monotone cubics.
 
     Two nodes have the same time where a film is worn through. A new cubic starts there.
     """
@@ -132,9 +138,11 @@ def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
 
 
 def wear_shares(cycle: Cycle, worn: np.ndarray) -> dict[str, np.ndarray]:
-    """Returns shares of the wear by phase and surface, of starts and stops alone, and over time.
+    """Returns result variables of the shares of the wear [1].
 
-    worn: as of `worn_volumes`.
+    They are those by phase and surface, of starts and stops alone, and by phase over time.
+
+    worn: as of `worn_volumes` (nodes, conditions, surfaces) [m3].
     """
     surfaces = np.concatenate([worn, worn.sum(axis=-1, keepdims=True)], axis=-1)
     total = np.einsum("c,cs->s", cycle.shares, surfaces[-1])
@@ -149,11 +157,13 @@ def wear_shares(cycle: Cycle, worn: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def acceleration_values(duty: Duty, over_duty: DutyLife, k: int) -> dict[str, np.ndarray]:
-    """Returns the share of friction that accelerates the balls of bearing k in each phase.
+    """Returns the result variable of the friction that accelerates the balls of bearing k.
 
-    It is 0 in a phase without starts. The dictionary is empty where a share is not known.
+    It is the share of the friction in each phase, 0 in a phase without starts. The dictionary is
+    empty where a share is not known.
     """
-    cycle, ramps = over_duty.cycle, [t for t in (duty.start_s, duty.stop_s) if t > 0.0]
+    cycle = over_duty.cycle
+    ramps = [seconds for seconds in (duty.start_s, duty.stop_s) if seconds > 0.0]
     ends_of_life = over_duty.life.nodes[0], over_duty.life.last
     shares = []
     for name, case in zip(cycle.phases, cycle.case_of_phase, strict=True):
@@ -162,7 +172,9 @@ def acceleration_values(duty: Duty, over_duty: DutyLife, k: int) -> dict[str, np
             continue
         states = [node.states[case * cycle.bearings + k] for node in ends_of_life]
         shares.append(max(acceleration_share(state, min(ramps)) for state in states))
-    return {"acceleration_friction_share": np.array(shares)} if np.isfinite(shares).all() else {}
+    if not np.isfinite(shares).all():
+        return {}
+    return {"acceleration_friction_share": np.array(shares)}
 
 
 def acceleration_share(state: State, ramp_s: float) -> float:
@@ -180,21 +192,30 @@ def acceleration_share(state: State, ramp_s: float) -> float:
     mu, Q = (np.broadcast_to(state[name], 2) for name in ("friction_coefficient", "contact_load"))
     spin, orbit = float(np.linalg.norm(motion[:3])), abs(float(motion[3]))
     force = (ball_inertia(m, D) * spin / (0.5 * D) + m * 0.5 * g.dm * orbit) / ramp_s
-    available = friction_capacity(*mu.tolist(), *Q.tolist())
+    mu_i, mu_o = mu.tolist()
+    Q_i, Q_o = Q.tolist()
+    available = friction_capacity(mu_i, mu_o, Q_i, Q_o)
     return force / available if available > 0.0 else math.inf
 
 
 def duty_warnings(
     duty: Duty, over_duty: DutyLife, values: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
-    """Returns the warnings of a duty: balls that take much friction to accelerate, long cycles."""
-    life, warnings = over_duty.life, []
+    """Returns the warnings of a duty: balls that take much friction to accelerate, long cycles.
+
+    They have the form of `warnings_of`.
+
+    values: result variables of the life.
+    """
+    life = over_duty.life
+    warnings = []
     share = float(np.max(values.get("acceleration_friction_share", 0.0)))
     if share > LARGEST_ACCELERATION:
+        shortest_ramp = min(seconds for seconds in (duty.start_s, duty.stop_s) if seconds)
         warnings.append(
             _warning(
                 "duty_acceleration",
-                f"accelerating the balls in {min(filter(None, (duty.start_s, duty.stop_s))):.3g} s "
+                f"accelerating the balls in {shortest_ramp:.3g} s "
                 f"takes {100.0 * share:.3g} % of the available friction, so the wear of starts and "
                 "stops, computed as steady at each speed, is a lower bound",
                 "use longer start_s and stop_s",
@@ -203,7 +224,8 @@ def duty_warnings(
         )
     nodes = 1 if over_duty.is_worn else len(QUARTERS) + 1  # of a step
     step = nodes * float(np.median(np.diff(life.times))) if len(life.nodes) > 1 else math.inf
-    if (excess := duty.cycle_s / (LARGEST_CYCLE * step)) > 1.0:
+    excess = duty.cycle_s / (LARGEST_CYCLE * step)
+    if excess > 1.0:
         cycles = life.last.time / duty.cycle_s
         warnings.append(
             _warning(
@@ -220,7 +242,7 @@ def duty_warnings(
 
 def _warning(id: str, sentence: str, advice: str, excess: float) -> dict[str, Any]:
     """Returns a warning with its value over the limit, in the form of `warnings_of`."""
-    excess = float(f"{min(excess, 1e6):.3g}")
+    excess = float(f"{min(excess, LARGEST_EXCESS):.3g}")
     return {
         "id": id,
         "sentence": sentence,
@@ -242,8 +264,8 @@ def warnings_over_cases(
         for warning in warnings:
             by_id.setdefault(warning["id"], []).append((case, warning))
     merged = []
-    for of_id in by_id.values():
-        case, worst = max(of_id, key=lambda pair: pair[1]["excess"] or 0.0)
+    for warnings_of_id in by_id.values():
+        case, worst = max(warnings_of_id, key=lambda pair: pair[1]["excess"] or 0.0)
         is_in_all = all(
             any(warning["sentence"] == worst["sentence"] for warning in warnings)
             for warnings in warnings_by_case.values()

@@ -32,10 +32,14 @@ class WarmStart(NamedTuple):
 
 @functools.lru_cache(maxsize=32)
 def _steady_warm_up(scene: Scene, start_s: float) -> WarmUp:
-    """Returns the warm-up of a start; NotAvailable where it does not become steady."""
+    """Returns the warm-up of a start; raises NotAvailable where it does not become steady.
+
+    start_s: time from rest to the full speed [s].
+    """
     warmup = warm_up(scene, ramp(start_s))
     if warmup.status != code.OK:
-        end, ending = warmup.instants[-1].time, "runaway" if warmup.runs_away else "no state"
+        end = warmup.instants[-1].time
+        ending = "runaway" if warmup.runs_away else "no state"
         raise NotAvailable(
             f"{scene.name}: duty.warmup: got a start without a steady state ({ending} after "
             f"{end:.3g} s: {code.STATUS_NAMES[warmup.status]}), expected starts that warm up"
@@ -44,11 +48,12 @@ def _steady_warm_up(scene: Scene, start_s: float) -> WarmUp:
 
 
 def warm_start(scene: Scene, start_s: float, longest_s: float, points: int) -> WarmStart:
-    """Returns a start of a scene, by so many points of its ramp and a few more until it is warm.
+    """Returns a start of a scene from its mounting temperature.
 
-    Temperatures are those of the bearings as the scene describes them. Points are Gauss and
-    Legendre's.
+    Temperatures are those of the bearings as the scene describes them.
 
+    start_s: time from rest to the full speed [s].
+    points: number of Gauss and Legendre's points of the ramp; `LATER_POINTS` more are at speed.
     longest_s: time at speed after which the bearings stop, warm or not.
     """
     instants = _steady_warm_up(scene, start_s).instants
@@ -58,11 +63,13 @@ def warm_start(scene: Scene, start_s: float, longest_s: float, points: int) -> W
     )
     warming_s = min(float(instants[-1].time) - start_s, longest_s)
     x, w = np.polynomial.legendre.leggauss(points)
-    times, weights = 0.5 * start_s * (x + 1.0), 0.5 * start_s * w
+    ramp_times, ramp_weights = 0.5 * start_s * (x + 1.0), 0.5 * start_s * w
     x, w = np.polynomial.legendre.leggauss(points + LATER_POINTS)
-    x, w = 0.5 * (x + 1.0), 0.5 * w
-    times = np.append(times, start_s + warming_s * x**_EARLY_POWER)
-    weights = np.append(weights, warming_s * w * _EARLY_POWER * x ** (_EARLY_POWER - 1))
+    x, w = 0.5 * (x + 1.0), 0.5 * w  # on 0 to 1
+    later_times = start_s + warming_s * x**_EARLY_POWER
+    later_weights = warming_s * w * _EARLY_POWER * x ** (_EARLY_POWER - 1)
+    times = np.append(ramp_times, later_times)
+    weights = np.append(ramp_weights, later_weights)
     has_weight = weights > 0.0
     speed = ramp(start_s)
     scenes = [
@@ -77,7 +84,7 @@ def _scene_at(scene: Scene, share: float, time: float, temperatures: np.ndarray)
 
     temperatures (bearing, part): of one bearing or of two.
     """
-    sides = scene.one_of_alike.sides
+    sides = scene.symmetric_half.sides
     parts = []
     for side, T in zip(sides, temperatures.tolist(), strict=True):
         assert side.thermal is not None

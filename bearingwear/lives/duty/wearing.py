@@ -32,7 +32,7 @@ class DutyCriteria(Criteria):
         return margins
 
     def margins_by_case(self, states: Sequence[Any]) -> list[np.ndarray]:
-        """Returns the margins of each case."""
+        """Returns the margins to each criterion in each case, as `Criteria.margins`."""
         n = len(self.criteria[0].preloads_N)
         return [
             criteria.margins(states[k * n : (k + 1) * n])
@@ -49,7 +49,10 @@ class _Weighted(NamedTuple):
 
 
 class _DutyWear:
-    """The common part of the ways to wear over a duty: a way for each condition of its cycle."""
+    """The common part of both ways to wear over a duty.
+
+    ways: to wear in each condition of the cycle, `Surfaces` or `Grooves`.
+    """
 
     cycle: Cycle
     ways: Sequence[Any]
@@ -62,7 +65,10 @@ class _DutyWear:
         ]
 
     def states_by(self, solve: Callable[[Any], States]) -> States:
-        """Returns the states of the conditions, up to the first that is not solved."""
+        """Returns the states of the conditions, up to the first that is not solved.
+
+        solve: returns the states of one condition by its way to wear.
+        """
         states: list[Any] = []
         for way in self.ways:
             states += solve(way)
@@ -85,7 +91,7 @@ class DutySurfaces(_DutyWear):
     def __init__(self, cycle: Cycle, solvers: Sequence[Remembered]):
         self.cycle = cycle
         self.ways = [
-            Surfaces(scene.one_of_alike, solver)
+            Surfaces(scene.symmetric_half, solver)
             for scene, solver in zip(cycle.scenes, solvers, strict=True)
         ]
         first = self.ways[0]
@@ -95,25 +101,34 @@ class DutySurfaces(_DutyWear):
         self.start, self.origin, self.range = first.start, first.origin, first.range
 
     def state(self, worn: np.ndarray) -> States:
+        """Returns the bearings with some wear in all conditions."""
         return self.states_by(lambda way: way.state(worn))
 
     def rates(self, node: Node) -> np.ndarray:
-        rates: np.ndarray = sum(w.share * w.way.rates(w.node) for w in self.weighted(node))
+        """Returns the mean wear per second over a cycle."""
+        conditions = self.weighted(node)
+        rates: np.ndarray = sum(part.share * part.way.rates(part.node) for part in conditions)
         return rates
 
     def loss_rate(self, node: Node) -> float:
-        """Returns the sum of the mean `State.rate` of the bearings [m/s]."""
-        return float(sum(w.share * w.way.loss_rate(w.node) for w in self.weighted(node)))
+        """Returns the rate of loss of all bearings, the mean over a cycle [m/s]."""
+        conditions = self.weighted(node)
+        return float(sum(part.share * part.way.loss_rate(part.node) for part in conditions))
 
     def wears(self, node: Node) -> bool:
-        rates = [[w.share * state.rate for state in w.node.states] for w in self.weighted(node)]
+        """Returns whether all bearings lose diameter in the mean over a cycle."""
+        rates = [
+            [part.share * state.rate for state in part.node.states] for part in self.weighted(node)
+        ]
         return bool(np.sum(rates, axis=0).min() > 0.0)
 
     def events(self, node: Node) -> np.ndarray:
+        """Returns the shares left of the largest loss and of films, which all conditions share."""
         events: np.ndarray = self.ways[0].events(self.nodes(node)[0])
         return events
 
     def pass_event(self, event: int, node: Node) -> bool:
+        """Removes a film that is gone; returns False where the largest loss is reached."""
         return bool(self.ways[0].pass_event(event, self.nodes(node)[0]))
 
 
@@ -144,6 +159,7 @@ class DutyGrooves(_DutyWear, Grooves):
 
     @property
     def solves(self) -> int:  # type: ignore[override]
+        """Returns the number of solves in all conditions."""
         return sum(way.solves for way in self.ways)
 
     def nodes(self, node: Node) -> list[Node]:
@@ -157,11 +173,13 @@ class DutyGrooves(_DutyWear, Grooves):
         ]
 
     def state(self, worn: Wears) -> States:
+        """Returns the bearings with some wear in all conditions, or why they are not solved."""
         if self.status != code.OK:
             return self.states_by(lambda way: way.unsolved_states())
         return self.states_by(lambda way: way.state(worn))
 
     def middle_state(self, worn: Wears) -> States:
+        """Returns rough answers in all conditions, see `Grooves.middle_state`."""
         return self.states_by(lambda way: way.middle_state(worn))
 
     def completed(self, node: Node) -> Node:
@@ -178,7 +196,7 @@ class DutyGrooves(_DutyWear, Grooves):
 
     def rates(self, node: Node) -> Wears:
         """Returns the mean wear per second of a cycle, of each bearing."""
-        mean = [WornDepths(0.0, 0.0 * wear.grooves) for wear in self.start]
+        mean = [WornDepths(0.0, np.zeros_like(wear.grooves)) for wear in self.start]
         for weighted in self.weighted(node):
             rates = weighted.way.rates(weighted.node)
             pairs = zip(mean, rates, strict=True)
@@ -186,22 +204,27 @@ class DutyGrooves(_DutyWear, Grooves):
         return tuple(mean)
 
     def start_ahead(self, before: Node, now: Node, share: float) -> None:
+        """Starts the next solves of all conditions ahead, see `Grooves.start_ahead`."""
         for way, earlier, last in zip(self.ways, self.nodes(before), self.nodes(now), strict=True):
             way.start_ahead(earlier, last, share)
 
     def longest_step(self, now: Node, rates: Wears) -> float:
+        """Returns the shortest of the longest steps of all conditions [s]."""
         pairs = zip(self.ways, self.nodes(now), strict=True)
         return min(way.longest_step(part, rates) for way, part in pairs)
 
     def bares(self, before: Node, now: Node) -> bool:
+        """Returns whether a film begins to leave its deepest place, which all conditions share."""
         return bool(self.ways[0].bares(before, now))
 
     def wears(self, node: Node) -> bool:
+        """Returns whether anything wears in any condition."""
         return any(way.wears(part) for way, part in zip(self.ways, self.nodes(node), strict=True))
 
     def events(self, node: Node) -> np.ndarray:
+        """Returns the least share of the largest loss that is left in any condition (1,)."""
         events = [way.events(part) for way, part in zip(self.ways, self.nodes(node), strict=True)]
-        return np.min(events, axis=0, keepdims=True)[0]
+        return np.asarray(np.min(events, axis=0))
 
 
 def _are_same(states: Sequence[Any], others: Sequence[Any]) -> bool:

@@ -18,7 +18,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from bearingwear.scene.checking.errors import (
     DEEPEST,
@@ -28,6 +28,7 @@ from bearingwear.scene.checking.errors import (
     number_hint,
     short,
     shown,
+    synonym,
     yaml_number,
 )
 from bearingwear.scene.checking.records import COMPARISONS, NAME, Part, R, file_part, keys, part_at
@@ -63,13 +64,13 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
     """
     file = file_part(record_type)
     plain: dict[str, Any] = _plain_copy(data, "", 0, file)
-    faults = sorted(_faults(plain, file, "", file), key=lambda fault: fault[0])
+    faults = sorted(_faults(plain, file, "", file), key=lambda fault: fault.priority)
     if not faults:
         return plain
-    if faults[0][0] == _IMPOSSIBLE_NAME:  # keys below one contain it
-        faults = [fault for fault in faults if fault[0] == _IMPOSSIBLE_NAME]
-    first, *further = (error for _, error in faults[:MOST_FAULTS])
-    raise SceneError(first.key, first.problem, further=tuple(further))
+    if faults[0].priority == _IMPOSSIBLE_NAME:  # the other faults may follow from the name
+        faults = [fault for fault in faults if fault.priority == _IMPOSSIBLE_NAME]
+    gravest, *further = (fault.error for fault in faults[:MOST_FAULTS])
+    raise SceneError(gravest.key, gravest.problem, further=tuple(further))
 
 
 def changed_record(record: Any, part: Part, changes: Mapping[tuple[str, ...], Any]) -> Any:
@@ -81,28 +82,45 @@ def changed_record(record: Any, part: Part, changes: Mapping[tuple[str, ...], An
     ValueError: a value that does not fit, or a path that does not lead to one; `checked_data` of
     all values reports it in context.
     """
-    by_name: dict[str, dict[tuple[str, ...], Any]] = {}
+    changes_by_name: dict[str, dict[tuple[str, ...], Any]] = {}
     for (name, *path), value in changes.items():
-        by_name.setdefault(name, {})[tuple(path)] = value
-    is_mapping = isinstance(record, Mapping)
+        changes_by_name.setdefault(name, {})[tuple(path)] = value
+    if isinstance(record, Mapping):
+        return {**record, **_changed_items(record, part.item, changes_by_name)}
     new_values = {}
-    for name, inner_changes in by_name.items():
-        is_whole = () in inner_changes
-        inner_part = part.item if is_mapping else part.below.get(name)
-        if (
-            inner_part is None
-            or record is None
-            or (is_mapping and name not in record)
-            or (is_whole and len(inner_changes) > 1)
-        ):
+    for name, inner_changes in changes_by_name.items():
+        inner_part = part.below.get(name)
+        if inner_part is None or record is None:
             raise ValueError(f"{name}: got changes of what the record does not have")
-        field_name = name if is_mapping else inner_part.field
-        if is_whole:
-            new_values[field_name] = _checked_value(inner_changes[()], inner_part)
-        else:
-            inner = record[name] if is_mapping else getattr(record, field_name)
-            new_values[field_name] = changed_record(inner, inner_part, inner_changes)
-    return {**record, **new_values} if is_mapping else replace(record, **new_values)
+        inner = getattr(record, inner_part.field)
+        new_values[inner_part.field] = _changed_value(inner, inner_part, inner_changes)
+    return replace(record, **new_values)
+
+
+def _changed_items(
+    mapping: Mapping[str, Any],
+    part: Part,
+    changes_by_name: Mapping[str, Mapping[tuple[str, ...], Any]],
+) -> dict[str, Any]:
+    """Returns the changed items of a mapping, such as a material; ValueError for a new name.
+
+    part: where each item stands.
+    """
+    if missing := [name for name in changes_by_name if name not in mapping]:
+        raise ValueError(f"{missing[0]}: got changes of what the mapping does not have")
+    return {
+        name: _changed_value(mapping[name], part, changes)
+        for name, changes in changes_by_name.items()
+    }
+
+
+def _changed_value(value: Any, part: Part, changes: Mapping[tuple[str, ...], Any]) -> Any:
+    """Returns a value with changes at paths below it; the empty path replaces it as a whole."""
+    if () not in changes:
+        return changed_record(value, part, changes)
+    if len(changes) > 1:
+        raise ValueError("got changes of a block and of keys in it")
+    return _checked_value(changes[()], part)
 
 
 def _checked_value(value: Any, part: Part) -> Any:
@@ -110,13 +128,18 @@ def _checked_value(value: Any, part: Part) -> Any:
     if value is None:
         raise ValueError("got no value")
     plain = _plain_copy(value, "", 0, part)
-    for _, error in _faults(plain, part, "", part):
-        raise error
+    for fault in _faults(plain, part, "", part):
+        raise fault.error
     return _field_value(plain, part, "")
 
 
 def _plain_copy(value: Any, path: str, depth: int, file: Part) -> Any:
-    """Copies nested data as plain data, and refuses what is not plain or not finite."""
+    """Returns a copy of nested data with plain types; refuses what is not plain or not finite.
+
+    path: where the value stands in the file.
+    depth: number of blocks and lists around it.
+    file: record of the file, whose parts say what is allowed.
+    """
     if depth > DEEPEST:
         raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected at most that many")
     if isinstance(value, Mapping):
@@ -124,7 +147,8 @@ def _plain_copy(value: Any, path: str, depth: int, file: Part) -> Any:
             if not isinstance(key, str):
                 raise SceneError(path, f"got the key {shown(key)}, expected text as a key")
         return {
-            key: _plain_copy(v, key_path(path, key), depth + 1, file) for key, v in value.items()
+            key: _plain_copy(item, key_path(path, key), depth + 1, file)
+            for key, item in value.items()
         }
     if hasattr(value, "tolist"):  # numpy numbers and arrays
         value = value.tolist()
@@ -141,17 +165,29 @@ def _plain_copy(value: Any, path: str, depth: int, file: Part) -> Any:
 
 _IMPOSSIBLE_NAME, _UNKNOWN, _WRONG_TYPE, _OUT_OF_RANGE, _MISSING = range(5)
 
-Fault = tuple[int, SceneError]
-"""A fault after its priority."""
+
+class Fault(NamedTuple):
+    """A fault of the data."""
+
+    priority: int  # the lowest is the gravest
+    error: SceneError
 
 
 def fits(value: Any, part: Part) -> bool:
-    """Whether a value may stand at a part."""
+    """Whether a value is one that a key takes.
+
+    part: field of a record, which says what the key takes.
+    """
     return not any(_faults(value, part, "", part))
 
 
 def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
-    """Yields what is wrong with a value that stands at a part; `file` is the record of the file."""
+    """Yields the faults of a value and of all that it contains.
+
+    part: the field that it should fit.
+    path: where it stands in the file, for the messages.
+    file: record of the whole file, whose other keys may be meant by an unknown one.
+    """
     if part.kind in ("own", "any") or (value is None and part.nullable):
         return
     if part.kind == "block" and isinstance(value, Mapping):
@@ -162,7 +198,7 @@ def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
         for name, item in value.items():
             if not _is_name(name, part):
                 problem = f"got the name {shown(name)}, expected {part.allowed}"
-                yield _IMPOSSIBLE_NAME, SceneError(path, problem)
+                yield Fault(_IMPOSSIBLE_NAME, SceneError(path, problem))
             yield from _faults(item, part.item, key_path(path, name), file)
     elif part.kind == "list" and isinstance(value, list):
         if not part.key.least <= len(value) <= (part.key.most or math.inf):
@@ -175,13 +211,17 @@ def _faults(value: Any, part: Part, path: str, file: Part) -> Iterator[Fault]:
         yield _misfit(_OUT_OF_RANGE, value, part, path)
 
 
-def _misfit(rank: int, value: Any, part: Part, path: str) -> Fault:
-    """Returns the fault of a value that a part does not take."""
-    return rank, SceneError(path, misfit_words(value, part, path.rpartition(".")[2]))
+def _misfit(priority: int, value: Any, part: Part, path: str) -> Fault:
+    """Returns the fault of a value that a part does not take.
+
+    path: where the value stands in the file.
+    """
+    _, _, key = path.rpartition(".")
+    return Fault(priority, SceneError(path, misfit_words(value, part, key)))
 
 
 def misfit_words(value: Any, part: Part, key: str = "") -> str:
-    """States a value that a part does not take, what it takes, and what was probably meant.
+    """Returns words for a value that a part does not take: what it takes, and what was meant.
 
     key: the name of the key, without its block.
     """
@@ -192,7 +232,7 @@ def misfit_words(value: Any, part: Part, key: str = "") -> str:
 
 
 def option_misfit(text: str, part: Part, key: str = "") -> str:
-    """States the text of an option that stands for no number that a part takes, as `misfit_words`.
+    """Returns words for the text of an option that a part does not take, and what it takes.
 
     key: the name of the key that the option sets, without its block.
     """
@@ -204,7 +244,12 @@ def option_misfit(text: str, part: Part, key: str = "") -> str:
 
 
 def _note(value: Any, part: Part, key: str) -> str:
-    """Returns the unit of a part, and the unit or choice that was probably meant."""
+    """Returns the unit of a part and the unit or choice that was probably meant, for a message.
+
+    It is "" where there is neither.
+
+    key: the name of the key, without its block.
+    """
     number = part.item if part.kind == "list" else part
     if part.kind == "choice":
         return did_you_mean(value, part.key.choices)
@@ -240,53 +285,52 @@ def _block_faults(values: Mapping[str, Any], block: Part, path: str, file: Part)
         problem = f"got an unknown key; {_advice(name, values, block, file)}"
         if (whole_key := key_path(path, name)) in FORMER_KEYS:
             problem = f"got a key that no longer exists, expected none: {FORMER_KEYS[whole_key]}"
-        yield _UNKNOWN, SceneError(key_path(path, short(name)), problem)
+        yield Fault(_UNKNOWN, SceneError(key_path(path, short(name)), problem))
     for name, field in block.below.items():
         if field.required and name not in values and not unknown:  # not a mistyped one
-            is_block = field.kind in ("block", "mapping") and field.example
-            allowed = "a block" if is_block else field.allowed
+            is_block_with_example = field.kind in ("block", "mapping") and field.example
+            allowed = "a block" if is_block_with_example else field.allowed
             suggestion = f", such as {field.example}" if field.example else ""
             problem = f"got nothing, expected {allowed}{suggestion}"
-            yield _MISSING, SceneError(key_path(path, name), problem)
+            yield Fault(_MISSING, SceneError(key_path(path, name), problem))
     for name, value in values.items():
         if name in block.below:
             yield from _faults(value, block.below[name], key_path(path, name), file)
 
 
 def _advice(unknown: str, values: Mapping[str, Any], block: Part, file: Part) -> str:
-    """Returns advice on an unknown key: a similar key of its block or of another one."""
+    """Returns advice on an unknown key: a similar key of its block or of another one.
+
+    values: those of the block in which the key stands.
+    file: record of the whole file.
+    """
     if unknown.isdigit():  # {poisson_ratio: 0,3}
         return "write decimals with a point, not a comma"
     if key_in_its_unit := _in_its_unit(unknown, values[unknown], block):
         return f"write {key_in_its_unit}"
+    if name := synonym(unknown, block.below):
+        return f"did you mean {name}"
     similar = difflib.get_close_matches(unknown, block.below, n=2)
-    if _KEYS_MEANT.get(unknown) in block.below:
-        return f"did you mean {_KEYS_MEANT[unknown]}"
-    if similar := similar or [name for name in block.below if len(unknown) > 2 and unknown in name]:
+    if not similar and len(unknown) > 2:
+        similar = [name for name in block.below if unknown in name]
+    similar = similar or _similar_keys(unknown, file)
+    if similar:
         return f"did you mean {' or '.join(similar)}"
-    paths = [
-        path
-        for path, part in keys(file)
-        if part.kind != "block" and ".NAME" not in path and "[]" not in path
-    ]
-    names = [path.rpartition(".")[2] for path in paths]
-    if similar := difflib.get_close_matches(unknown, names, n=1, cutoff=0.8):
-        meant = [path for path, name in zip(paths, names, strict=True) if name == similar[0]]
-        depth = min(path.count(".") for path in meant)
-        return f"did you mean {' or '.join(p for p in meant if p.count('.') == depth)}"
     unused = [name for name in block.below if name not in values]
     return f"expected one of {', '.join(unused or block.below)}"
 
 
-_KEYS_MEANT = {
-    "mu": "ball_race", "friction": "ball_race", "coefficient": "ball_race", "Z": "ball_count",
-    "balls": "ball_count", "D": "ball_diameter_mm", "dm": "pitch_diameter_mm",
-    "d_m": "pitch_diameter_mm", "alpha": "contact_angle_deg", "n": "shaft_speed_rpm",
-    "rpm": "shaft_speed_rpm", "E": "youngs_modulus_GPa", "nu": "poisson_ratio",
-    "rho": "density_kg_m3", "std": "standard_deviation", "sigma": "standard_deviation",
-    "F": "preload_N", "force": "preload_N", "method": "preload_method",
-}  # fmt: skip
-"""Keys by symbols and words that people type for them."""
+def _similar_keys(unknown: str, file: Part) -> list[str]:
+    """Returns the whole keys of a file whose last part is most like an unknown key."""
+    paths_by_name: dict[str, list[str]] = {}
+    for path, part in keys(file):
+        if part.kind != "block" and ".NAME" not in path and "[]" not in path:
+            paths_by_name.setdefault(path.rpartition(".")[2], []).append(path)
+    for name in difflib.get_close_matches(unknown, paths_by_name, n=1, cutoff=0.8):
+        least_depth = min(path.count(".") for path in paths_by_name[name])
+        return [path for path in paths_by_name[name] if path.count(".") == least_depth]
+    return []
+
 
 _SHORTEST_STEM = 3  # characters of a key without its unit, by which another is found
 
@@ -296,20 +340,26 @@ def _in_its_unit(unknown: str, value: Any, block: Part) -> str:
 
     The value of `preload_lbf: 30` is converted: `preload_N: 133.45`.
     """
-    for split in re.finditer("_", unknown):
-        stem, typed = unknown[: split.start()], unknown[split.end() :].replace("_", "/")
+    for underscore in re.finditer("_", unknown):
+        stem = unknown[: underscore.start()]
+        typed_unit = unknown[underscore.end() :].replace("_", "/")
         if len(stem) < _SHORTEST_STEM:
             continue
         for name, part in block.below.items():
-            _, stem_found, own = name.rpartition(f"{stem}_")
-            if not stem_found or converted(1.0, own.replace("_", "/"), part.unit) != 1.0:
+            if not _is_stem_with_unit(name, stem, part.unit):
                 continue
-            if converted(1.0, typed, part.unit) is None:
+            if converted(1.0, typed_unit, part.unit) is None:
                 continue
             if not _is_number(value):
                 return f"{name}, in {part.unit}"
-            return f"{name}: {converted(float(value), typed, part.unit):.5g}"
+            return f"{name}: {converted(float(value), typed_unit, part.unit):.5g}"
     return ""
+
+
+def _is_stem_with_unit(name: str, stem: str, unit: str) -> bool:
+    """Whether a key ends with a stem and its unit, as `preload_N` with `preload` and `N`."""
+    _, separator, suffix = name.rpartition(f"{stem}_")
+    return bool(separator) and converted(1.0, suffix.replace("_", "/"), unit) == 1.0
 
 
 def _is_name(name: str, mapping: Part) -> bool:
@@ -327,7 +377,9 @@ def _has_kind(value: Any, part: Part) -> bool:
         return _is_number(value) and value == value // 1
     if part.kind == "number" or (part.kind == "list" and part.key.single):
         return _is_number(value)
-    return isinstance(value, {"boolean": bool, "text": str}.get(part.kind, ()))
+    if part.kind == "boolean":
+        return isinstance(value, bool)
+    return part.kind == "text" and isinstance(value, str)
 
 
 def _is_number(value: Any) -> bool:
@@ -344,11 +396,18 @@ def _is_permitted(value: Any, part: Part) -> bool:
         return len(value) <= (key.longest or math.inf) and bool(re.search(key.pattern, value))
     if part.kind == "choice" or not _is_number(value) or abs(value) > _LARGEST:
         return False
-    return all(COMPARISONS[name][0](value, end) for name, end in key.bounds.items())
+    for name, end in key.bounds.items():
+        is_within, _ = COMPARISONS[name]
+        if not is_within(value, end):
+            return False
+    return True
 
 
 def _hint(value: Any, part: Part) -> str:
-    """Returns how to write a text that was meant as a number, or a name that YAML takes for one."""
+    """Returns how to write a text that was meant as a number, or a name that YAML reads as one.
+
+    It is "" where a value is neither.
+    """
     if part.key.pattern == NAME and _is_number(value) and re.search(NAME, str(value)):
         return f', a number, not text (write "{value}")'
     kind = part.item.kind if part.key.single else part.kind
@@ -382,7 +441,7 @@ def build_record(record_type: type[R], plain: Mapping[str, Any], path: str = "")
 
 
 def _call_maker(path: str, make: Callable[..., Any], *values: Any, **fields: Any) -> Any:
-    """Calls the maker of a record; its errors name the block."""
+    """Returns what the maker of a record makes; its errors name the path of the block."""
     try:
         return make(*values, **fields)
     except SceneError as error:
@@ -393,7 +452,10 @@ def _call_maker(path: str, make: Callable[..., Any], *values: Any, **fields: Any
 
 
 def _field_value(value: Any, part: Part, path: str) -> Any:
-    """Converts a checked value to the type of its field."""
+    """Returns a checked value in the type of its field: a record, a tuple, a float and so on.
+
+    path: where it stands, for the errors of records.
+    """
     if value is None or part.kind == "any":
         return value
     if part.kind == "block":
@@ -401,10 +463,13 @@ def _field_value(value: Any, part: Part, path: str) -> Any:
     if part.kind == "own":
         return _call_maker(path, part.type.from_plain, value)
     if part.kind == "mapping":
-        return {name: _field_value(v, part.item, key_path(path, name)) for name, v in value.items()}
+        return {
+            name: _field_value(item, part.item, key_path(path, name))
+            for name, item in value.items()
+        }
     if part.kind == "list":
         values = value if isinstance(value, list) else [value]
-        return tuple(_field_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
+        return tuple(_field_value(item, part.item, f"{path}[{i}]") for i, item in enumerate(values))
     if part.kind == "integer":
         return int(value)
     if part.kind == "choice":

@@ -47,29 +47,37 @@ class SceneError(ValueError):
 
 
 def key_path(path: str, name: str) -> str:
-    """Joins the path of a block and the name of a key in it."""
+    """Returns the path of a key from that of its block, which is "" for a whole file."""
     return f"{path}.{name}" if path else name
 
 
 def leaves(block: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    """Returns the values of nested data by their whole keys, such as `operation.preload_N`."""
+    """Returns the values of nested data by their whole keys, such as `operation.preload_N`.
+
+    path: of the block, with which the keys begin.
+    """
     values_by_key: dict[str, Any] = {}
     for name, value in block.items():
         key = key_path(path, name)
-        values_by_key |= leaves(value, key) if isinstance(value, Mapping) else {key: value}
+        if isinstance(value, Mapping):
+            values_by_key |= leaves(value, key)
+        else:
+            values_by_key[key] = value
     return values_by_key
 
 
 def yaml_number(value: float) -> str:
-    """Writes a number so that every YAML reader takes it for one: 1.0e-5, not 1e-05."""
-    mantissa, e, exponent = repr(value).partition("e")
-    if not e:
+    """Returns a number as text that every YAML reader takes for one: 1.0e-5, not 1e-05."""
+    mantissa, _, exponent = repr(value).partition("e")
+    if not exponent:
         return mantissa
-    return f"{mantissa if '.' in mantissa else mantissa + '.0'}e{int(exponent):+d}"
+    if "." not in mantissa:
+        mantissa += ".0"
+    return f"{mantissa}e{int(exponent):+d}"
 
 
 def shown(value: Any) -> str:
-    """Writes a value as it would stand in a file, on one short line."""
+    """Returns a value as it would stand in a file, on one short line; `nothing` for None."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -80,9 +88,13 @@ def shown(value: Any) -> str:
         return f"a list of {len(value)}"
     if isinstance(value, int) and abs(value) > 10**30:
         return "a whole number with more than 30 digits"
-    if isinstance(value, float) and not math.isfinite(value):
-        return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
-    return short(yaml_number(value) if isinstance(value, float) else repr(value))
+    if not isinstance(value, float):
+        return short(repr(value))
+    if math.isnan(value):
+        return ".nan"
+    if math.isinf(value):
+        return ".inf" if value > 0.0 else "-.inf"
+    return yaml_number(value)
 
 
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:[ _'\u00a0\u202f]\d{3})+(?:\.\d*)?")
@@ -93,9 +105,9 @@ _INCHES = re.compile(r"(\d+)/(\d+)(?:\s*(?:in|inch|\"))?")
 
 
 def number_hint(text: str, unit: str = "") -> str:
-    """Returns how to write a text that was meant as a number; empty where that is not clear.
+    """Returns how to write a text that was meant as a number; "" where that is not clear.
 
-    unit: of the number, where it is known.
+    unit: that the number should have; "" where it is not known.
     """
     if re.fullmatch(r"[-+]?\d{1,3}(,\d{3})+(\.\d*)?", text):
         as_decimal = f" or {float(text.replace(',', '.')):g}" if text.count(",") == 1 else ""
@@ -115,7 +127,10 @@ def number_hint(text: str, unit: str = "") -> str:
 
 
 def _unit_hint(number: float, typed: str, unit: str) -> str:
-    """Returns how to write a number that was typed with a unit."""
+    """Returns how to write a number that was typed with a unit.
+
+    typed: the unit that was typed; one that cannot be converted to `unit` is only refused.
+    """
     value = converted(number, typed, unit or "1")
     if value is None:
         return f"write the number alone{f', in {unit}' if unit not in ('', '1', '-') else ''}"
@@ -134,37 +149,67 @@ def check_thousands(path: str, text: str, source: str = "scene") -> None:
         raise SceneError(path, problem, source=source)
 
 
-_MEANT = {
-    "rigid": "fixed_position", "fixed": "fixed_position rigid", "spacer": "fixed_position rigid",
-    "displacement": "fixed_position", "position": "fixed_position rigid",
-    "spring": "constant_force", "constant": "constant_force spring",
-    "force": "constant_force spring", "springs": "constant_force spring",
-    "fixed_position": "rigid", "rigid_pair": "rigid", "constant_force": "spring",
-    "spring_pair": "spring",
-    "ceramic": "silicon_nitride", "hybrid": "silicon_nitride",
-    "si3n4": "silicon_nitride", "steel": "bearing_steel", "100cr6": "bearing_steel",
-    "52100": "bearing_steel", "suj2": "bearing_steel", "440c": "bearing_steel",
-    "moly": "mos2", "solid": "mos2", "vacuum": "mos2", "none": "dry", "time": "dynamic",
-    "transient": "dynamic", "quasistatic": "steady", "static": "steady",
-}  # fmt: skip
-"""What people type for choices of scenes and options: one choice, or two with a space between."""
+SYNONYMS = {
+    # choices of keys and options
+    "fixed_position": ("rigid", "fixed", "spacer", "displacement", "position"),
+    "constant_force": ("spring", "springs", "constant", "force"),
+    "rigid": ("fixed", "spacer", "position", "fixed_position", "rigid_pair"),
+    "spring": ("springs", "constant", "force", "constant_force", "spring_pair"),
+    "silicon_nitride": ("ceramic", "hybrid", "si3n4"),
+    "bearing_steel": ("steel", "100cr6", "52100", "suj2", "440c"),
+    "mos2": ("moly", "solid", "vacuum"),
+    "dry": ("none",),
+    "dynamic": ("time", "transient"),
+    "steady": ("quasistatic", "static"),
+    # keys of a scene
+    "ball_race": ("mu", "friction", "coefficient"),
+    "ball_count": ("Z", "balls"),
+    "ball_diameter_mm": ("D",),
+    "pitch_diameter_mm": ("dm", "d_m"),
+    "contact_angle_deg": ("alpha",),
+    "shaft_speed_rpm": ("n", "rpm"),
+    "youngs_modulus_GPa": ("E",),
+    "poisson_ratio": ("nu",),
+    "density_kg_m3": ("rho",),
+    "standard_deviation": ("std", "sigma"),
+    "preload_N": ("F", "force"),
+    "preload_method": ("method",),
+    # options of commands
+    "--speed": ("-n", "--n", "--rpm"),
+    "--bore": ("-d", "--id"),
+    "--outside": ("-D", "--od", "--diameter"),
+    "--friction": ("--mu",),
+    "--contact-angle": ("--alpha",),
+    "--ball-material": ("--material", "--hybrid"),
+    "--preload-class": ("--class",),
+    "--pair": ("--arrangement",),
+    "--lubrication": ("--lubricant",),
+    "--output": ("--out",),
+    "--slip": ("--gyro",),
+    "--frequency": ("--noise",),
+}
+"""Symbols and words that people type for choices, keys and options."""
+
+
+def synonym(typed: str, choices: Iterable[str]) -> str | None:
+    """Returns the choice that people mean by a text which is none; None if no choice is known."""
+    return next((choice for choice in choices if typed in SYNONYMS.get(choice, ())), None)
 
 
 def did_you_mean(typed: Any, choices: Iterable[str]) -> str:
     """Returns advice on a text that is none of the choices, after a semicolon; "" without any."""
-    by_letters = {choice.lower(): choice for choice in choices}
+    by_lower_case = {choice.lower(): choice for choice in choices}
     plain_text = re.sub(r"[\s-]+", "_", str(typed).strip().lower())
     for text in (plain_text, plain_text.replace("_", "")):
-        for meant in _MEANT.get(text, "").split():
-            if meant in by_letters.values():
-                return f"; did you mean {meant}"
-    similar = difflib.get_close_matches(plain_text, by_letters, n=2, cutoff=0.7)
+        if choice := synonym(text, by_lower_case.values()):
+            return f"; did you mean {choice}"
+    similar = difflib.get_close_matches(plain_text, by_lower_case, n=2, cutoff=0.7)
     if not similar and len(plain_text) > 2:
-        similar = [name for name in by_letters if plain_text in name]
-    names = " or ".join(by_letters[name] for name in similar)
+        similar = [name for name in by_lower_case if plain_text in name]
+    names = " or ".join(by_lower_case[name] for name in similar)
     return f"; did you mean {names}" if names else ""
 
 
 def short(text: str) -> str:
-    """Shortens a text to what a message repeats of it."""
+    """Returns at most `LONGEST` characters of a text, with dots at the end of a longer one."""
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."

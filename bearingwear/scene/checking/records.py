@@ -100,11 +100,16 @@ def keyed(record_type: type[R]) -> type[R]:
 
 
 def reduced_record(record: Any) -> tuple[Any, ...]:
-    """Returns what `__reduce__` returns for a record whose mapping proxies cannot be pickled."""
-    values = {field_.name: getattr(record, field_.name) for field_ in fields(record)}
-    plain = {k: dict(value) if isinstance(value, Mapping) else value for k, value in values.items()}
-    kind: Any = type(record)
-    return functools.partial(kind, **plain), ()
+    """Returns what `__reduce__` returns for a record with mapping proxies.
+
+    These cannot be pickled, so the record is made again from dictionaries.
+    """
+    values: dict[str, Any] = {}
+    for record_field in fields(record):
+        value = getattr(record, record_field.name)
+        values[record_field.name] = dict(value) if isinstance(value, Mapping) else value
+    record_type: Any = type(record)
+    return functools.partial(record_type, **values), ()
 
 
 @dataclass(frozen=True)
@@ -124,7 +129,7 @@ class Part:
 
     @functools.cached_property
     def below(self) -> Mapping[str, Part]:
-        """Parts of a block."""
+        """Returns the parts of a block by the names of their keys; none for any other kind."""
         return parts(self.type) if self.kind == "block" else {}
 
     @functools.cached_property
@@ -134,12 +139,17 @@ class Part:
 
     @property
     def example(self) -> str:
-        """A value for a required key that is missing; of a block, one for its required keys."""
+        """Returns a value that a message suggests for a required key; "" without one.
+
+        Of a block, it has all required keys.
+        """
         if self.key.example or self.kind != "block":
             return self.key.example
-        required = {name: part.example for name, part in self.below.items() if part.required}
-        values = [f"{name}: {example}" for name, example in required.items()]
-        return f"{{{', '.join(values)}}}" if values and all(required.values()) else ""
+        examples = {name: part.example for name, part in self.below.items() if part.required}
+        if not examples or not all(examples.values()):
+            return ""
+        lines = ", ".join(f"{name}: {example}" for name, example in examples.items())
+        return f"{{{lines}}}"
 
     @property
     def unit(self) -> str:
@@ -167,7 +177,9 @@ def parts(record_type: Any) -> Mapping[str, Part]:
     for field_ in fields(record_type):
         hint, key = hints[field_.name], field_.metadata.get("key") or Key()
         optional = field_.default is not MISSING or field_.default_factory is not MISSING
-        default = field_.default if field_.default is not MISSING else {} if optional else None
+        default = field_.default
+        if default is MISSING:
+            default = {} if optional else None
         part = _part_of_hint(hint, key, field=field_.name, required=not optional, default=default)
         resolved[key.name or field_.name] = part
     return types.MappingProxyType(resolved)
@@ -182,12 +194,19 @@ def part_at(part: Part, path: str) -> Part | None:
     """Returns the part at a path such as `materials.steel.density_kg_m3`; None if there is none."""
     place: Part | None = part
     for name in re.findall(r"[^.\[\]]+", path):
-        place = place and (place.below.get(name) or place.item)
+        if place is None:
+            return None
+        place = place.below.get(name) or place.item  # a mapping takes any name, a list an index
     return place
 
 
 def keys(block: Part, path: str = "") -> Iterator[tuple[str, Part]]:
-    """Yields every key of a block and its part, with those below it: `operation.preload_N`."""
+    """Yields every key of a block with its part, and then the keys below it.
+
+    Keys are whole, as `operation.preload_N`; `NAME` and `[]` stand for items of mappings and lists.
+
+    path: of the block, with a dot at its end.
+    """
     for name, part in block.below.items():
         key = f"{path}{name}"
         yield key, part
@@ -238,7 +257,7 @@ def _part_of_hint(hint: Any, key: Key, **more: Any) -> Part:
 
 
 def _in_words(part: Part) -> str:
-    """Describes the permitted values of a part."""
+    """Returns the permitted values of a part in words, from its kind, range and choices."""
     key = part.key
     if part.kind == "text" and key.pattern == NAME:
         return NAME_RULE
@@ -247,7 +266,8 @@ def _in_words(part: Part) -> str:
     if part.kind == "choice_or_number":
         return f"{', '.join(key.choices)} or a number{_range(key)}"
     if part.kind == "choice":
-        return " or ".join(filter(None, (", ".join(key.choices[:-1]), key.choices[-1])))
+        *others, last = key.choices
+        return f"{', '.join(others)} or {last}" if others else last
     if part.kind == "list":
         if part.item.kind == "block":
             return "a list of blocks of keys"
@@ -269,15 +289,16 @@ _COUNTS = ("no", "one", "two", "three", "four")
 
 
 def _range(key: Key) -> str:
-    """Describes the range of a number; empty without bounds."""
+    """Returns the range of a number in words, after a space; "" without bounds."""
     if {"minimum", "maximum"} == set(key.bounds):
-        return " from {} to {}".format(*map(_end, key.ends))
+        least, largest = key.ends
+        return f" from {_end(least)} to {_end(largest)}"
     ends = [f"{COMPARISONS[name][1]} {_end(end)}" for name, end in key.bounds.items()]
     return " " + " and ".join(ends) if ends else ""
 
 
 def _end(value: float) -> str:
-    """Writes a bound of a range."""
+    """Returns a bound of a range as text: `10`, `0.001`, `1.0e-4`."""
     if value == int(value):
         return str(int(value))
     exponent = math.floor(math.log10(abs(value)))

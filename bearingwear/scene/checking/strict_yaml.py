@@ -56,7 +56,7 @@ _Dumper.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, _FIRST)
 
 
 def yaml_of(data: Any) -> str:
-    """Writes plain data as YAML, a line for each key of a block."""
+    """Returns plain data as YAML, a line for each key of a block."""
     text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True)
     return text
 
@@ -103,17 +103,27 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
     except SceneError as error:
         raise error.in_source(source) from None
     except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f" on line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        reason = getattr(error, "problem", None) or getattr(error, "reason", None) or "broken"
-        problem = f"got text that is not YAML{where} ({reason}), expected YAML"
-        lines = text.splitlines()
-        line = lines[mark.line] if mark and mark.line < len(lines) else ""
-        if "\t" in line[: len(line) - len(line.lstrip())]:
-            problem = f"got a tab{where}, expected spaces before a key"
-        elif mark:
-            problem = _mistyped_line(lines, mark.line) or problem
-        raise SceneError("", problem, source=source) from None
+        raise SceneError("", _yaml_problem(error, text), source=source) from None
+
+
+def _yaml_problem(error: yaml.YAMLError, text: str) -> str:
+    """Returns what is wrong with a text that is no YAML, and on which line."""
+    reason = getattr(error, "problem", None) or getattr(error, "reason", None) or "broken"
+    mark = getattr(error, "problem_mark", None)
+    if mark is None:
+        return f"got text that is not YAML ({reason}), expected YAML"
+    place = f"on line {mark.line + 1}, column {mark.column + 1}"
+    lines = text.splitlines()
+    line = lines[mark.line] if mark.line < len(lines) else ""
+    if "\t" in _indent(line):
+        return f"got a tab {place}, expected spaces before a key"
+    problem = f"got text that is not YAML {place} ({reason}), expected YAML"
+    return _mistyped_line(lines, mark.line) or problem
+
+
+def _indent(line: str) -> str:
+    """Returns the white space at the beginning of a line."""
+    return line[: len(line) - len(line.lstrip())]
 
 
 _NO_SPACE = re.compile(r"(\s*)(\w+):([^\s:/].*)")
@@ -122,12 +132,14 @@ _NO_COLON = re.compile(r"([a-z_]+)\s*(?:#.*)?")
 
 
 def _mistyped_line(lines: Sequence[str], index: int) -> str:
-    """Returns what is wrong with a line at or just before that of a fault; "" if nothing is likely.
+    """Returns what is probably wrong with a line, or with one of the two before it; "" if unclear.
 
-    A key without colon or space is found by YAML only at the next one.
+    YAML finds a key without colon or space only at the next key.
+
+    index: of the line where YAML finds the fault.
     """
-    before = [k for k in range(index, -1, -1) if k < len(lines) and lines[k].strip()]
-    for k in before[:3]:
+    nearby = [k for k in range(index, -1, -1) if k < len(lines) and lines[k].strip()][:3]
+    for k in nearby:
         line, number = lines[k], k + 1
         if match := _EQUALS.fullmatch(line.partition("#")[0].rstrip()):
             return f"got an equals sign on line {number}, expected {match[2]}: {match[3]}"
@@ -135,15 +147,20 @@ def _mistyped_line(lines: Sequence[str], index: int) -> str:
             return f"got no space after the colon on line {number}, expected {match[2]}: {match[3]}"
         if match := _NO_COLON.fullmatch(line):
             return f"got no colon on line {number}, expected {match[1]}:"
-    if len(before) > 1 and before[0] == index and ":" in lines[index]:
-        own, other = (len(lines[k]) - len(lines[k].lstrip()) for k in before[:2])
-        if own != other and abs(own - other) == 1:
-            return f"got {own} spaces before the key on line {index + 1}, expected {other}"
+    if len(nearby) > 1 and nearby[0] == index and ":" in lines[index]:
+        spaces, spaces_above = (len(_indent(lines[k])) for k in nearby[:2])
+        if abs(spaces - spaces_above) == 1:
+            return (
+                f"got {spaces} spaces before the key on line {index + 1}, expected {spaces_above}"
+            )
     return ""
 
 
 def _check_events(text: str, anchors: bool) -> None:
-    """Refuses, before anything is built, YAML that could grow large or change its meaning."""
+    """Refuses, before anything is built, YAML that could grow large or change its meaning.
+
+    anchors: whether anchors and aliases are allowed.
+    """
     depth = documents = values = 0
     for event in yaml.parse(text, Loader=_Loader):
         documents += isinstance(event, yaml.DocumentStartEvent)
@@ -151,51 +168,62 @@ def _check_events(text: str, anchors: bool) -> None:
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         if getattr(event, "anchor", None) is not None and not anchors:
-            what, allowed = "an anchor or alias", "none"
+            fault, allowed = "an anchor or alias", "none"
         elif getattr(event, "tag", None) is not None:
-            what, allowed = "a tag", "none"
+            fault, allowed = "a tag", "none"
         elif documents > 1:
-            what, allowed = "a second document", "one"
+            fault, allowed = "a second document", "one"
         elif values > MOST_VALUES:
-            what, allowed = f"more than {MOST_VALUES} keys and values", "at most that many"
+            fault, allowed = f"more than {MOST_VALUES} keys and values", "at most that many"
         elif depth > DEEPEST:
-            what, allowed = f"more than {DEEPEST} nested blocks", "at most that many"
+            fault, allowed = f"more than {DEEPEST} nested blocks", "at most that many"
         else:
             continue
         line = event.start_mark.line + 1
-        raise SceneError("", f"got {what} on line {line}, expected {allowed}")
+        raise SceneError("", f"got {fault} on line {line}, expected {allowed}")
 
 
 def _plain(loader: Any, node: Any, path: str, anchors: bool, depth: int = 0) -> Any:
-    """Converts a node of a YAML text to plain data; refuses a key that is given twice."""
-    if depth > DEEPEST:  # of an alias within its own anchor
+    """Returns a node of a YAML text as plain data; refuses a key that is given twice.
+
+    path: of the node, for messages.
+    anchors: whether `<<` merges the keys of another block.
+    depth: number of nodes around it.
+    """
+    if depth > DEEPEST:  # an alias within its own anchor never ends
         raise SceneError(path, f"got more than {DEEPEST} nested blocks, expected at most that many")
     if isinstance(node, yaml.SequenceNode):
-        parts = enumerate(node.value)
-        return [_plain(loader, part, f"{path}[{i}]", anchors, depth + 1) for i, part in parts]
+        return [
+            _plain(loader, item, f"{path}[{i}]", anchors, depth + 1)
+            for i, item in enumerate(node.value)
+        ]
     if isinstance(node, yaml.MappingNode):
-        block: dict[str, Any] = {}
-        merged: dict[str, Any] = {}
-        for key_node, value_node in node.value:
-            line = key_node.start_mark.line + 1
-            if not isinstance(key_node, yaml.ScalarNode):
-                problem = f"got a list or block as a key on line {line}, expected text"
-                raise SceneError(path, problem)
-            key = key_node.value
-            key_at = key_path(path, key)
-            if key in block:
-                raise SceneError(
-                    key_at, f"got this key a second time on line {line}, expected it once"
-                )
-            value = _plain(loader, value_node, key_at, anchors, depth + 1)
-            if key == "<<" and anchors and isinstance(value, dict):
-                merged = value
-            else:
-                block[key] = value
-        return merged | block
+        return _plain_block(loader, node, path, anchors, depth)
     if path.endswith("_rpm"):
         check_thousands(path, node.value)
     try:
         return loader.construct_object(node)
-    except ValueError:  # an integer of thousands of digits
+    except ValueError:  # Python reads no integer of thousands of digits
         raise SceneError(path, f"got {len(node.value)} digits, expected fewer") from None
+
+
+def _plain_block(loader: Any, node: Any, path: str, anchors: bool, depth: int) -> dict[str, Any]:
+    """Returns the keys and values of a block of a YAML text; parameters are those of `_plain`."""
+    block: dict[str, Any] = {}
+    merged: dict[str, Any] = {}
+    for key_node, value_node in node.value:
+        line = key_node.start_mark.line + 1
+        if not isinstance(key_node, yaml.ScalarNode):
+            problem = f"got a list or block as a key on line {line}, expected text"
+            raise SceneError(path, problem)
+        key = key_node.value
+        whole_key = key_path(path, key)
+        if key in block:
+            problem = f"got this key a second time on line {line}, expected it once"
+            raise SceneError(whole_key, problem)
+        value = _plain(loader, value_node, whole_key, anchors, depth + 1)
+        if key == "<<" and anchors and isinstance(value, dict):
+            merged = value
+        else:
+            block[key] = value
+    return merged | block

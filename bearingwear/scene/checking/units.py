@@ -77,16 +77,18 @@ _CONFUSED_AT = {"brinell_hardness_GPa": ("HB", "MPa")}
 
 
 def converted(value: float, typed: str, unit: str) -> float | None:
-    """Converts a value from a typed unit to that of a scene; None where it is no unit of it."""
+    """Returns a value in the unit of a scene; None where the typed unit is of another dimension.
+
+    typed: unit of the value. Its case counts only where it tells two units apart (mN, MN).
+    """
     typed = " ".join(typed.replace("μ", "µ").split())
     if typed in ("C", "°C", "degC", "K", "F", "°F", "degF"):
         return _degrees_celsius(value, typed) if unit == "degC" else None
     units = _DIMENSIONS.get(unit, {})
-    size = units.get(typed)
-    if size is None:  # RPM, Mm
-        sizes = {size for name, size in units.items() if name.lower() == typed.lower()}
-        size = sizes.pop() if len(sizes) == 1 else None
-    return None if size is None else value * size
+    if typed in units:
+        return value * units[typed]
+    sizes = {size for name, size in units.items() if name.lower() == typed.lower()}
+    return value * sizes.pop() if len(sizes) == 1 else None
 
 
 def _degrees_celsius(value: float, typed: str) -> float:
@@ -103,9 +105,12 @@ LARGEST_SHARE = 2.0
 def confused_unit(
     value: float, unit: str, fits: Callable[[float], bool], key: str = ""
 ) -> tuple[str, float] | None:
-    """Returns the unit in which a value was probably given, and the value in the right unit.
+    """Returns the unit in which a value was probably given, and the value in its right unit.
 
-    fits: whether a value is allowed; that which was given is not.
+    It is None if no other unit makes the value an allowed one.
+
+    unit: the right one.
+    fits: whether a value in the right unit is allowed.
     key: name of the key, without its block.
     """
     for typed in _CONFUSED_AT.get(key, _CONFUSED.get(unit, ())):
@@ -118,7 +123,10 @@ def confused_unit(
 
 
 def meant_words(value: float, unit: str, fits: Callable[[float], bool], key: str = "") -> str:
-    """Returns advice on a value that is not allowed in its unit but is in another; "" if none."""
+    """Returns advice on a value that is not allowed in its unit but is in another; "" if none.
+
+    Parameters are those of `confused_unit`.
+    """
     confused = confused_unit(value, unit, fits, key)
     if confused is None:
         return ""

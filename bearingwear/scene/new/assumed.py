@@ -96,6 +96,8 @@ CLASSES = (*PRELOAD_CLASSES, *MAKERS_CLASSES)
 
 LARGEST_ANGLE_DEG = 80.0
 
+_ANGLE, _PRELOAD = "bearing.contact_angle_deg", "operation.preload_N"
+
 CONDUCTIVITY, DIFFUSIVITY, RING_MODULUS = 32.8, 8.7e-6, 2.31e11
 """Bearing steel: W/(m K), m2/s, and the reduced elastic modulus of a pair [Pa]."""
 
@@ -132,24 +134,32 @@ def size_of(
 
     SceneError where both or neither are given, or the diameters leave no room.
     """
-    if maker is not None and designation is None:
-        raise refused_option("--maker", maker, "only allowed with a designation such as 7010C")
-    if designation is not None:
-        for option, diameter in (("--bore", bore), ("--outside", outside)):
-            if diameter is not None:
-                raise refused_option(
-                    option, diameter, f"only allowed without a designation (here, {designation})"
-                )
-        maker_in_text, plain_designation = maker_of(designation, tuple(MAKERS))
-        if maker is not None and maker_in_text not in ("", maker):
-            expected = f"{maker_in_text}, as in the designation {designation}"
-            raise refused_option("--maker", maker, expected)
-        if maker is None and not (
-            maker_in_text in MAKERS and has_bearing(maker_in_text, plain_designation)
-        ):
-            return _without_words(designation_of(plain_designation))
-        entry, ignored = entry_of(maker or maker_in_text, plain_designation, angle)
-        return _without_words(of_catalogue(entry, letters_of("", ignored, PAIR)))
+    if designation is None:
+        if maker is not None:
+            raise refused_option("--maker", maker, "only allowed with a designation such as 7010C")
+        return _size_of_diameters(bore, outside)
+    for option, diameter in (("--bore", bore), ("--outside", outside)):
+        if diameter is not None:
+            raise refused_option(
+                option, diameter, f"only allowed without a designation (here, {designation})"
+            )
+    maker_in_text, plain_designation = maker_of(designation, tuple(MAKERS))
+    if maker is not None and maker_in_text not in ("", maker):
+        expected = f"{maker_in_text}, as in the designation {designation}"
+        raise refused_option("--maker", maker, expected)
+    if maker is None and maker_in_text in MAKERS and has_bearing(maker_in_text, plain_designation):
+        maker = maker_in_text
+    if maker is None:
+        return _without_words(designation_of(plain_designation))
+    entry, ignored = entry_of(maker, plain_designation, angle)
+    return _without_words(of_catalogue(entry, letters_of("", ignored, PAIR)))
+
+
+def _size_of_diameters(bore: float | None, outside: float | None) -> Designation:
+    """Returns the size of a bearing without a designation by its diameters [mm].
+
+    SceneError where one is missing or out of its range, or where they leave no room.
+    """
     for option, diameter in (("--bore", bore), ("--outside", outside)):
         if diameter is None:
             problem = "got nothing, expected a designation such as 7008C, or --bore and --outside"
@@ -164,7 +174,7 @@ def size_of(
 
 
 def _without_words(size: Designation) -> Designation:
-    """Returns the size; refuses words behind its designation that an option has to say."""
+    """Returns the size unchanged; refuses words after its designation that an option states."""
     for word in size.letters.ignored.split():
         if option := WORDS.get(word):
             problem = f"got {word.lower()}, expected {size.name} {option}"
@@ -184,62 +194,110 @@ def numbers_of(
     preload_method: str = "constant_force",
     has_film: bool = False,
 ) -> dict[str, Origin]:
-    """Returns every number of `OPTIONS`, given, from a catalogue, or by its rule.
+    """Returns every number of `OPTIONS` by its key of the scene, with where it comes from.
+
+    That is the user, a catalogue, or a rule.
 
     size: an angular contact bearing, unless it is a deep groove one or a contact angle of 0 is
         given.
-    given: values by key of the scene, in its units.
-    has_film: whether a sputtered film lubricates, for which a low speed is assumed.
+    given: values of the user by key of the scene, in its units.
     clearance: group of radial clearance, or the clearance itself [um], of a deep groove bearing.
+    has_film: whether a sputtered film lubricates, for which a low speed is assumed.
 
     SceneError where numbers leave no room, or contradict each other.
     """
-    angle_key, preload_key = "bearing.contact_angle_deg", "operation.preload_N"
-    deep_groove = _is_deep_groove(size, given.get(angle_key), clearance)
-    if given.get(angle_key) == 0.0:  # the nominal angle of a deep groove bearing, not the free one
-        given = {key: value for key, value in given.items() if key != angle_key}
-    if preload_class is not None and preload_key in given:
-        raise refused_option("--preload-class", preload_class, "only allowed without --preload")
-    if preload_class is None and preload_key not in given and (load_letter := size.letters.load):
-        has_maker_classes = size.entry is not None and size.entry.preloads
-        preload_class = load_letter if has_maker_classes else CLASS_OF_LETTER.get(load_letter)
-    numbers: dict[str, Origin] = {}
+    deep_groove = _is_deep_groove(size, given.get(_ANGLE), clearance)
+    if given.get(_ANGLE) == 0.0:  # the nominal angle of a deep groove bearing, not the free one
+        given = {key: value for key, value in given.items() if key != _ANGLE}
+    numbers = _geometry(size, given, deep_groove, clearance)
+    area = _class_area(numbers)
+    preload = _usual_preload(size, given, preload_class, area)
+    dm = numbers["bearing.pitch_diameter_mm"].value
+    speed = _usual_speed(size.entry, dm, preload_method, preload.value, has_film)
+    friction = Origin(0.08, "starved or solid-lubricated steel")
+    return numbers | {
+        _PRELOAD: preload,
+        "operation.shaft_speed_rpm": _given_or(given, "operation.shaft_speed_rpm", speed),
+        "friction.ball_race": _given_or(given, "friction.ball_race", friction),
+    }
 
-    def decide(key: str, origin: Origin) -> float:
-        numbers[key] = Origin(given[key]) if key in given else origin
-        return numbers[key].value
 
+def _given_or(given: Mapping[str, float], key: str, usual: Origin) -> Origin:
+    """Returns the number that the user gives for a key, else the usual one."""
+    return Origin(given[key]) if key in given else usual
+
+
+def _geometry(
+    size: Designation,
+    given: Mapping[str, float],
+    deep_groove: bool,
+    clearance: str | float | None,
+) -> dict[str, Origin]:
+    """Returns balls, pitch diameter, groove factors and contact angle by key of the scene.
+
+    Parameters are those of `numbers_of`. SceneError where the balls leave no room.
+    """
     bore, outside, entry = size.bore, size.outside, size.entry
     section = 0.5 * (outside - bore)
-    D = decide("bearing.ball_diameter_mm", _usual_ball_diameter(entry, section))
+    ball_diameter = _given_or(
+        given, "bearing.ball_diameter_mm", _usual_ball_diameter(entry, section)
+    )
+    D = ball_diameter.value
     if not 0.0 < D < section:
         allowed = f"a number > 0 and < {section:g}, half of the section height"
         raise refused_option("--ball-diameter", D, allowed)
-    dm = decide("bearing.pitch_diameter_mm", _usual_pitch_diameter(entry, bore, outside))
+    pitch_diameter = _given_or(
+        given, "bearing.pitch_diameter_mm", _usual_pitch_diameter(entry, bore, outside)
+    )
+    dm = pitch_diameter.value
     if not bore + D < dm < outside - D:
         allowed = f"a number > {bore + D:g} and < {outside - D:g}"
         raise refused_option("--pitch-diameter", dm, allowed)
-    inner_groove, outer_groove = grooves_of(size)
-    inner = decide("bearing.inner_groove_factor", inner_groove)
-    outer = decide("bearing.outer_groove_factor", outer_groove)
+    usual_inner, usual_outer = grooves_of(size)
+    inner = _given_or(given, "bearing.inner_groove_factor", usual_inner)
+    outer = _given_or(given, "bearing.outer_groove_factor", usual_outer)
     if entry is not None:
         ball_count = Origin(entry.balls, SOURCES[entry.source], assumed=False)
         free_angle = Origin(entry.angle, SOURCES["printed"], assumed=False)
     else:
         ball_count = _usual_balls(D, dm, deep_groove)
-        distance = (inner + outer - 1.0) * D
+        distance = (inner.value + outer.value - 1.0) * D
         free_angle = _clearance_angle(size, distance, clearance) if deep_groove else _angle(size)
-    Z, angle = decide("bearing.ball_count", ball_count), decide(angle_key, free_angle)
-    is_given = preload_class is None and preload_key in given
-    area = Z * D**2 * math.sin(math.radians(angle))
-    preload = _preload(entry, preload_class, area)
-    if is_given:
-        preload = _given_preload(given[preload_key], area)
-    numbers[preload_key] = preload
-    speed = _usual_speed(entry, dm, preload_method, preload.value, has_film)
-    decide("operation.shaft_speed_rpm", speed)
-    decide("friction.ball_race", Origin(0.08, "starved or solid-lubricated steel"))
-    return numbers
+    return {
+        "bearing.ball_diameter_mm": ball_diameter,
+        "bearing.pitch_diameter_mm": pitch_diameter,
+        "bearing.inner_groove_factor": inner,
+        "bearing.outer_groove_factor": outer,
+        "bearing.ball_count": _given_or(given, "bearing.ball_count", ball_count),
+        _ANGLE: _given_or(given, _ANGLE, free_angle),
+    }
+
+
+def _class_area(numbers: Mapping[str, Origin]) -> float:
+    """Returns balls x diameter^2 x sin(angle) [mm2], over which a class has one preload."""
+    Z = numbers["bearing.ball_count"].value
+    D = numbers["bearing.ball_diameter_mm"].value
+    return Z * D**2 * math.sin(math.radians(numbers[_ANGLE].value))
+
+
+def _usual_preload(
+    size: Designation, given: Mapping[str, float], preload_class: str | None, area: float
+) -> Origin:
+    """Returns the preload [N] that is given, else that of a class.
+
+    The class is the option's, that of a letter in the designation, or the lightest.
+
+    area: that of `_class_area` [mm2].
+    """
+    if _PRELOAD in given:
+        if preload_class is not None:
+            raise refused_option("--preload-class", preload_class, "only allowed without --preload")
+        return _given_preload(given[_PRELOAD], area)
+    letter = size.letters.load
+    if preload_class is None and letter:
+        has_maker_classes = size.entry is not None and size.entry.preloads
+        preload_class = letter if has_maker_classes else CLASS_OF_LETTER.get(letter)
+    return _class_preload(size.entry, preload_class, area)
 
 
 def _usual_ball_diameter(entry: CatalogueBearing | None, section: float) -> Origin:
@@ -256,22 +314,27 @@ def _usual_pitch_diameter(entry: CatalogueBearing | None, bore: float, outside: 
     return Origin(0.5 * (bore + outside), "mean of bore and outside diameter")
 
 
-def _given_preload(preload: float, size: float) -> Origin:
+def _given_preload(preload: float, area: float) -> Origin:
     """Returns a given preload [N], with a note where it looks like one in another unit.
 
-    size: balls x diameter^2 x sin(angle) [mm2].
+    area: that of `_class_area` [mm2].
     """
-    heavy = PRELOAD_CLASSES["heavy"] * size
+    heavy = PRELOAD_CLASSES["heavy"] * area
     if not preload > _EXCESSIVE * heavy > 0.0:
         return Origin(preload)
     note = f"{preload / heavy:.0f} times a heavy preload; is it in N?"
     return Origin(preload, note, assumed=False)
 
 
-def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: float) -> Origin:
-    """Returns the preload [N] of a class; `size` is balls x diameter^2 x sin(angle) [mm2]."""
+def _class_preload(
+    entry: CatalogueBearing | None, preload_class: str | None, area: float
+) -> Origin:
+    """Returns the preload [N] of a class, by default the lightest.
+
+    area: balls x diameter^2 x sin(angle) [mm2].
+    """
     if entry is not None and entry.preloads:
-        name = preload_class or "L"
+        name = preload_class or "L"  # a class that every maker has
         if name not in entry.preloads:
             classes = ", ".join(entry.preloads)
             raise refused_option("--preload-class", name, f"{classes}, {entry.maker}'s")
@@ -284,13 +347,18 @@ def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: fl
         raise refused_option("--preload-class", name, ", ".join(PRELOAD_CLASSES) + why)
     density = PRELOAD_CLASSES[name]
     rule = f"{name}, {density:g} N/mm2 x number of balls x ball diameter^2 x sin(contact angle)"
-    return Origin(rounded_to(density * size), rule)
+    return Origin(rounded_to(density * area), rule)
 
 
 def _usual_speed(
     entry: CatalogueBearing | None, dm: float, method: str, preload: float, has_film: bool
 ) -> Origin:
-    """Returns the assumed speed [r/min]."""
+    """Returns the assumed speed [r/min]: the catalogue's limit with grease, or that of a rule.
+
+    dm: pitch diameter [mm].
+    method, preload: of the scene [N]; they reduce the limit of a catalogue.
+    has_film: whether a sputtered film lubricates.
+    """
     if has_film:
         rule = "60 000 mm r/min over the pitch diameter, as in a test of a film"
         return Origin(rounded_to(FILM_SPEED_FACTOR / dm), f"{rule} (docs/film_tests.md)")
@@ -306,7 +374,7 @@ def _usual_speed(
 
 
 def grooves_of(size: Designation) -> tuple[Origin, Origin]:
-    """Returns inner and outer groove factor, each with its origin."""
+    """Returns the factors of the inner and the outer groove, with where they come from."""
     if size.entry is not None and size.entry.grooves:
         inner, outer = map(Origin, size.entry.grooves, MAKERS[size.entry.maker].groove_rules)
         return replace(inner, assumed=False), replace(outer, assumed=False)
@@ -315,11 +383,10 @@ def grooves_of(size: Designation) -> tuple[Origin, Origin]:
         factors = INSTRUMENT_GROOVES
         rule = "instrument bearing (Dynaroll: 0.56 +-0.03 for low torque)"
     if grooves_vary(size):
-        rule = f"{rule}; {_SMALL}"
-    return Origin(factors[0], rule), Origin(factors[1], rule)
-
-
-_SMALL = "makers of small bearings use {:g} to {:g}".format(*SMALL_GROOVES)
+        least, largest = SMALL_GROOVES
+        rule = f"{rule}; makers of small bearings use {least:g} to {largest:g}"
+    inner_factor, outer_factor = factors
+    return Origin(inner_factor, rule), Origin(outer_factor, rule)
 
 
 def grooves_vary(size: Designation) -> bool:
@@ -328,7 +395,10 @@ def grooves_vary(size: Designation) -> bool:
 
 
 def _is_deep_groove(size: Designation, angle: float | None, clearance: str | float | None) -> bool:
-    """Whether the free contact angle comes from a radial clearance."""
+    """Whether the free contact angle comes from a radial clearance; refuses contradictions.
+
+    angle, clearance: those of the user; None if not given.
+    """
     if angle == 0.0 and size.name and not size.deep_groove:
         problem = f"a number > 0, because {size.name} is an angular contact bearing"
         raise refused_option("--contact-angle", angle, problem)
@@ -349,8 +419,8 @@ def _is_deep_groove(size: Designation, angle: float | None, clearance: str | flo
 
 
 def _usual_balls(D: float, dm: float, deep_groove: bool) -> Origin:
-    """Returns the assumed number of balls."""
-    half_angle = math.asin(D / dm)  # that a ball takes of the pitch circle
+    """Returns the assumed number of balls of diameter D on a pitch circle dm [mm]."""
+    half_angle = math.asin(D / dm)  # of the arc that a ball takes on the pitch circle
     if deep_groove:
         balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half_angle)
         rule = f"the balls fill {CONRAD_FILL_DEG:g} degrees (Conrad assembly)"
@@ -424,6 +494,8 @@ def race_conductance(numbers: Mapping[str, Origin]) -> float:
     Each contact is a heat source that moves over ball and race: Jungnickel, *Simulation des
     thermischen Verhaltens von Werkzeugmaschinen* (TU Dresden 2010), p. 175. Oil adds as much again:
     Thermca (github.com/steffenschroe/Thermca, lib/bearing.py) has 3.6 where this has 2.0.
+
+    numbers: those of `numbers_of`.
     """
     Z, D, dm, angle, rpm, preload = (
         numbers[key].value
@@ -437,7 +509,9 @@ def race_conductance(numbers: Mapping[str, Origin]) -> float:
         )
     )
     R, r, omega = 0.5e-3 * D, 0.5e-3 * dm, math.pi / 30.0 * rpm
+    # a bearing without preload is taken to conduct as with 1 N
     load = max(preload, 1.0) / (Z * math.sin(math.radians(angle)))
+    # load and speed as numbers without dimension, and the source's fit to them
     W = load / (RING_MODULUS * R**2)
     moving = math.sqrt(W) ** (1.0 / 3.0) * math.sqrt(omega * R * r / DIFFUSIVITY)
     return Z * 1.8 * CONDUCTIVITY * R * W ** (1.0 / 3.0) * (1.0 + moving)
@@ -461,24 +535,28 @@ class PartCapacities(NamedTuple):
 def heat_capacities(
     numbers: Mapping[str, Origin], size: Designation, ball_material: str
 ) -> PartCapacities:
-    """Returns heat capacities of rings and balls; rings are sleeves up to a quarter of the balls.
+    """Returns the heat capacities of rings and balls of a bearing with steel rings.
 
-    Where the width is not known, it is half the difference of outside diameter and bore, as ISO 15
-    has it within a fifth.
+    The rings are taken for sleeves that end a quarter of a ball diameter from the pitch circle.
+    A width that is not known is half the difference of outside diameter and bore, as in ISO 15
+    within a fifth.
     """
-    Z, D, dm = (
-        numbers[f"bearing.{key}"].value
-        for key in ("ball_count", "ball_diameter_mm", "pitch_diameter_mm")
-    )
+    Z = numbers["bearing.ball_count"].value
+    D = numbers["bearing.ball_diameter_mm"].value
+    dm = numbers["bearing.pitch_diameter_mm"].value
     width = size.width or 0.5 * (size.outside - size.bore)
 
-    def sleeve(inside: float, outside: float) -> float:
+    def sleeve_capacity(inside: float, outside: float) -> float:
+        """Returns the heat capacity [J/K] of a steel sleeve by its diameters [mm]."""
         volume = 0.25e-9 * math.pi * max(outside**2 - inside**2, 0.0) * width
         return volume * DENSITY["bearing_steel"] * SPECIFIC_HEAT["bearing_steel"]
 
-    balls = 1e-9 * Z * math.pi / 6.0 * D**3 * DENSITY[ball_material] * SPECIFIC_HEAT[ball_material]
-    land = 0.5 * D
-    return PartCapacities(sleeve(size.bore, dm - land), balls, sleeve(dm + land, size.outside))
+    ball_volume = 1e-9 * math.pi / 6.0 * D**3
+    return PartCapacities(
+        inner_ring=sleeve_capacity(size.bore, dm - 0.5 * D),
+        balls=Z * ball_volume * DENSITY[ball_material] * SPECIFIC_HEAT[ball_material],
+        outer_ring=sleeve_capacity(dm + 0.5 * D, size.outside),
+    )
 
 
 def rounded_to(value: float, digits: int = 2) -> float:

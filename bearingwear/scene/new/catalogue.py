@@ -91,7 +91,10 @@ class CatalogueBearing(NamedTuple):
 
     @property
     def rated(self) -> float:
-        """Returns the factor Z^(2/3) D^(1/3) of the axial rigidity (Palmgren), with D in mm."""
+        """Returns Z^(2/3) D^(1/3) with D in mm, to which axial rigidity is proportional (Palmgren).
+
+        That holds at a given preload and contact angle.
+        """
         return float(self.balls ** (2.0 / 3.0) * self.ball ** (1.0 / 3.0))
 
     def speed_factor(self, method: str, preload: float) -> tuple[float, str]:
@@ -103,8 +106,13 @@ class CatalogueBearing(NamedTuple):
         if method != "fixed_position":
             return 1.0, ""
         maker = MAKERS[self.maker]
-        fits = (name for name, N in self.preloads.items() if preload <= 1.001 * N)
-        name = next(fits, maker.classes[-1])
+        # preloads are printed in whole numbers, and a class shall hold its own preload
+        sufficient = (
+            name
+            for name, class_preload in self.preloads.items()
+            if preload <= 1.001 * class_preload
+        )
+        name = next(sufficient, maker.classes[-1])
         return maker.rigid_speed[maker.classes.index(name)], name
 
 
@@ -116,13 +124,14 @@ def bearings() -> tuple[CatalogueBearing, ...]:
 
 
 def _entry(row: Mapping[str, str]) -> CatalogueBearing:
-    """Reads a row of catalogue.csv."""
+    """Returns the bearing of a row of catalogue.csv."""
+
+    def number_or_none(column: str) -> float | None:
+        return float(row[column]) if row[column] else None
+
     maker = row["maker"]
-    preloads = zip(MAKERS[maker].classes, row["preload_N"].split("/"), strict=False)
-    pitch, inner, outer, spring = (
-        float(row[name]) if row[name] else None
-        for name in ("pitch_mm", "inner_groove", "outer_groove", "min_spring_preload_N")
-    )
+    preload_texts = zip(MAKERS[maker].classes, row["preload_N"].split("/"), strict=False)
+    inner, outer = number_or_none("inner_groove"), number_or_none("outer_groove")
     return CatalogueBearing(
         maker=maker,
         designation=row["designation"],
@@ -133,12 +142,12 @@ def _entry(row: Mapping[str, str]) -> CatalogueBearing:
         balls=int(row["balls"]),
         ball=float(row["ball_mm"]),
         source=row["source"],
-        pitch=pitch,
+        pitch=number_or_none("pitch_mm"),
         grooves=None if inner is None or outer is None else (inner, outer),
-        preloads={name: float(text) for name, text in preloads if text},
+        preloads={name: float(text) for name, text in preload_texts if text},
         speed_grease=float(row["speed_grease_rpm"]),
         speed_oil=float(row["speed_oil_rpm"]),
-        min_spring_preload=spring,
+        min_spring_preload=number_or_none("min_spring_preload_N"),
     )
 
 
@@ -152,35 +161,55 @@ def entry_of(
     """
     entries, ignored = _entries_of(maker, designation)
     if not entries:
-        names = ", ".join(nearest_names(maker, designation)) or "one of its bearings"
-        makers = " or ".join(makers_with(designation))
-        problem = f"got {shown(designation)}{makers and f', which is in the catalogue of {makers}'}"
-        expected = f"{names} (all: bearingwear new --list {maker})"
-        raise SceneError("", f"{problem}, expected {expected}", source=f"{maker} designation")
-    if angle is None and (code := re.search(r"\d[A-Z]+([0-3])", ignored)) and maker == "SNFA":
-        angle = _SNFA_ANGLES.get(code[1])
-        if angle not in {entry.angle for entry in entries}:
-            angles = " or ".join(dict.fromkeys(f"{entry.angle:g}" for entry in entries))
-            problem = f"got {shown(designation)}, whose code {code[0]} is none of {angles} degrees"
-            raise SceneError(
-                "", f"{problem}, expected --contact-angle", source=f"{maker} designation"
-            )
+        raise _unknown_bearing_error(maker, designation)
+    if angle is None and maker == "SNFA":
+        angle = _snfa_angle(designation, ignored, entries)
     if angle is None:
         return entries[0], ignored
     return min(entries, key=lambda entry: abs(entry.angle - angle)), ignored
 
 
+def _unknown_bearing_error(maker: str, designation: str) -> SceneError:
+    """Returns the error of a designation that a maker's catalogue lacks, with similar ones."""
+    problem = f"got {shown(designation)}"
+    if makers := makers_with(designation):
+        problem += f", which is in the catalogue of {' or '.join(makers)}"
+    names = ", ".join(nearest_names(maker, designation)) or "one of its bearings"
+    expected = f"{names} (all: bearingwear new --list {maker})"
+    return SceneError("", f"{problem}, expected {expected}", source=f"{maker} designation")
+
+
+def _snfa_angle(
+    designation: str, suffixes: str, entries: Sequence[CatalogueBearing]
+) -> float | None:
+    """Returns the contact angle [degree] by SNFA's code (7CE1) in the suffixes; None without it.
+
+    SceneError where no bearing of the designation has that angle.
+
+    entries: the bearings of the designation.
+    """
+    code = re.search(r"\d[A-Z]+([0-3])", suffixes)
+    if code is None:
+        return None
+    angle = _SNFA_ANGLES.get(code[1])
+    if angle not in {entry.angle for entry in entries}:
+        angles = " or ".join(dict.fromkeys(f"{entry.angle:g}" for entry in entries))
+        problem = f"got {shown(designation)}, whose code {code[0]} is none of {angles} degrees"
+        raise SceneError("", f"{problem}, expected --contact-angle", source="SNFA designation")
+    return angle
+
+
 def nearest_names(maker: str, designation: str) -> list[str]:
     """Returns up to six designations of a maker that begin most like an unknown one."""
     plain, entries_by_name = _plain(designation), _entries_by_name(maker)
-    for k in range(len(plain), 1, -1):
-        near = [
+    for length in range(len(plain), 1, -1):
+        similar = [
             entries[0].designation
             for name, entries in entries_by_name.items()
-            if name.startswith(plain[:k])
+            if name.startswith(plain[:length])
         ]
-        if near:
-            return near[:6]
+        if similar:
+            return similar[:6]
     return []
 
 
@@ -190,7 +219,7 @@ def has_bearing(maker: str, designation: str) -> bool:
 
 
 def makers_with(designation: str) -> list[str]:
-    """Returns the makers whose catalogue has a bearing of that designation."""
+    """Returns the names of the makers whose catalogue has a bearing of that designation."""
     return [maker for maker in MAKERS if has_bearing(maker, designation)]
 
 
@@ -221,11 +250,12 @@ def _longest_match(
 
     Names that end with a word of the designation come first.
     """
-    for k in range(len(words), 0, -1):
-        if entries := entries_by_name.get("".join(words[:k])):
-            return entries, " ".join(words[k:])
+    for count in range(len(words), 0, -1):
+        if entries := entries_by_name.get("".join(words[:count])):
+            return entries, " ".join(words[count:])
     joined = "".join(words)
     for name in sorted(entries_by_name, key=len, reverse=True):
+        # a digit would continue the number of the name
         if joined.startswith(name) and joined[len(name)].isalpha():
             return entries_by_name[name], joined[len(name) :]
     return [], ""
@@ -238,12 +268,18 @@ def _plain(designation: str) -> str:
 
 def same_size(bore: float, outside: float, angle: float) -> list[CatalogueBearing]:
     """Returns bearings of any maker by bore, outside diameter [mm] and contact angle [degree]."""
-    size = bore, outside, angle
-    return [entry for entry in bearings() if (entry.bore, entry.outside, entry.angle) == size]
+    return [
+        entry
+        for entry in bearings()
+        if (entry.bore, entry.outside, entry.angle) == (bore, outside, angle)
+    ]
 
 
 def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
-    """Returns the catalogue's bearing that the block of a scene names; None if it names none."""
+    """Returns the catalogue's bearing of the maker and designation in a scene; None without them.
+
+    bearing: block of a scene as plain data.
+    """
     maker, name = bearing.get("maker"), bearing.get("designation")
     if maker not in MAKERS or not name:
         return None
@@ -253,22 +289,30 @@ def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
 
 
 def identity_line(bearing: Mapping[str, Any]) -> str:
-    """Returns a line on the designation of a bearing and the source of its numbers, or ""."""
+    """Returns a line on the designation of a bearing and the sources of balls and grooves.
+
+    It is the designation alone where no catalogue has the bearing, and "" without one.
+
+    bearing: block of a scene as plain data.
+    """
     entry = entry_of_bearing(bearing)
     if entry is None:
         return bearing.get("designation") or ""
-    grooves = bearing["inner_groove_factor"], bearing["outer_groove_factor"]
-    inferred = grooves == entry.grooves
     balls = SOURCES[entry.source]
     if (bearing["ball_count"], bearing["ball_diameter_mm"]) != (entry.balls, entry.ball):
         balls = f"other than the {entry.balls} balls of {entry.ball:g} mm in the catalogue"
-    inner, outer = MAKERS[entry.maker].groove_rules if inferred else ("assumed", "assumed")
+    inner = outer = "assumed"
+    if (bearing["inner_groove_factor"], bearing["outer_groove_factor"]) == entry.grooves:
+        inner, outer = MAKERS[entry.maker].groove_rules
     rules = inner if inner == outer else f"{inner} (inner) and {outer} (outer)"
     return f"{entry.maker} {entry.designation}: balls {balls}, groove factors {rules}"
 
 
 def speed_limit_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -> str:
-    """Returns a line on the catalogue's speed limits, or "" for a bearing of no catalogue."""
+    """Returns a line on the catalogue's speed limits, or "" for a bearing of no catalogue.
+
+    bearing, operation: blocks of a scene as plain data.
+    """
     entry = entry_of_bearing(bearing)
     if entry is None:
         return ""
@@ -281,42 +325,53 @@ def speed_limit_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -
 
 
 def bearings_table(maker: str, series: str = "") -> list[str]:
-    """Returns a table of a maker's bearings whose designation begins with a text, heads first.
+    """Returns the lines of a table of a maker's bearings: title, heads, and one for each bearing.
 
-    SceneError where there is none.
+    series: beginning of their designations. SceneError where there is none.
     """
     start = _plain(series)
-    entries = [
-        e for e in bearings() if e.maker == maker and _plain(e.designation).startswith(start)
-    ]
+    of_maker = [entry for entry in bearings() if entry.maker == maker]
+    entries = [entry for entry in of_maker if _plain(entry.designation).startswith(start)]
     if not entries:
-        names = dict.fromkeys(_series(e) for e in bearings() if e.maker == maker)
+        names = dict.fromkeys(map(_series, of_maker))
         problem = f"got {shown(series)}, expected {', '.join(names)}"
         raise SceneError("", problem, source=f"--list {maker}")
     classes = MAKERS[maker].classes
-    heads = ("designation", "angle", "bore", "outside", "width", "balls", "mm", "", *classes)
-    form = "{:<12}{:>6}{:>6}{:>8}{:>7}{:>7}{:>9} {:<11}" + "{:>7}" * len(classes) + "{:>9}{:>9}"
+    heads = [
+        *("designation", "angle", "bore", "outside", "width", "balls", "mm", "", *classes),
+        *("grease", "oil"),
+    ]
+    widths = "{:<12}{:>6}{:>6}{:>8}{:>7}{:>7}{:>9} {:<11}" + "{:>7}" * len(classes) + "{:>9}{:>9}"
     title = (
         f"{MAKERS[maker].source}; preload classes in N, speed limits with grease and oil in r/min"
     )
-    springs = any(e.min_spring_preload for e in entries)
-    if springs:
+    if any(entry.min_spring_preload for entry in entries):
         title += "; spring: least spring preload in N at the limit with oil"
-        form += "{:>8}"
-    return [
-        title,
-        form.format(*heads, "grease", "oil", *(["spring"] if springs else [])),
-        *(
-            form.format(
-                e.designation, f"{e.angle:g}", f"{e.bore:g}", f"{e.outside:g}", f"{e.width:g}",
-                e.balls, f"{e.ball:.5g}", e.source,
-                *(f"{e.preloads[name]:g}" if name in e.preloads else "-" for name in classes),
-                f"{e.speed_grease:.0f}", f"{e.speed_oil:.0f}",
-                *([f"{e.min_spring_preload:g}"] if e.min_spring_preload else []),
-            )
-            for e in entries
-        ),
-    ]  # fmt: skip
+        heads.append("spring")
+        widths += "{:>8}"
+    rows = [heads, *(_cells(entry, classes) for entry in entries)]
+    return [title, *(widths.format(*row) for row in rows)]
+
+
+def _cells(entry: CatalogueBearing, classes: Sequence[str]) -> list[str]:
+    """Returns the values of a bearing as text, with a dash for a class without a preload."""
+    preloads = [f"{entry.preloads[name]:g}" if name in entry.preloads else "-" for name in classes]
+    cells = [
+        entry.designation,
+        f"{entry.angle:g}",
+        f"{entry.bore:g}",
+        f"{entry.outside:g}",
+        f"{entry.width:g}",
+        str(entry.balls),
+        f"{entry.ball:.5g}",
+        entry.source,
+        *preloads,
+        f"{entry.speed_grease:.0f}",
+        f"{entry.speed_oil:.0f}",
+    ]
+    if entry.min_spring_preload:
+        cells.append(f"{entry.min_spring_preload:g}")
+    return cells
 
 
 def _series(entry: CatalogueBearing) -> str:

@@ -9,7 +9,7 @@ them; of three makers `catalogue` does.
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from bearingwear.scene.checking.errors import SceneError, shown
 from bearingwear.scene.new.catalogue import (
@@ -68,14 +68,14 @@ ANGLES = {
 """Contact angle [degree] by the suffix of an angular contact bearing: FB and FE are SKF's, AD is
 NTN's."""
 
-_MAKERS_DIFFER = "EA"
+_MAKERS_DIFFER = ("E", "A")
 """Suffixes that are not every maker's: 25 degrees are E, AC, A5 or AD, and 30 degrees A or none."""
 
 CLEARANCES = ("C2", "CN", "C3")
 """Groups of radial clearance of deep groove bearings: small, normal, large."""
 
 # Bore up to [mm], then least and largest clearance [um] of each group.
-_CLEARANCE_TABLE = (
+_CLEARANCE_TABLE: tuple[tuple[Any, ...], ...] = (
     (10, (0, 7), (2, 13), (8, 23)),
     (18, (0, 9), (3, 18), (11, 25)),
     (24, (0, 10), (5, 20), (13, 28)),
@@ -127,13 +127,32 @@ _GMN_OPEN_ANGLES = {"SM60": 17.0, "SM619": 19.0, "KH60": 17.0, "KH619": 17.0}
 """Contact angle [degree] of suffix C in series whose grooves are open, of the largest sizes."""
 
 
+class _Parts(NamedTuple):
+    """The parts of a designation that is made of a number and letters around it."""
+
+    prefix: str
+    series: str  # 70, 719, 62
+    code: str  # of the bore: 08
+    rest: str  # letters after the number, with separators
+
+    @property
+    def number(self) -> str:
+        """Returns series and code of the bore: 7008."""
+        return f"{self.series}{self.code}"
+
+    @property
+    def is_deep_groove(self) -> bool:
+        """Whether the series is one of deep groove bearings."""
+        return self.series.startswith("6")
+
+
 def designation_of(text: str) -> Designation:
     """Reads a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S."""
     upper_text = text.strip().upper()
     if len(upper_text) > LONGEST_DESIGNATION:
         raise _unknown(text, ALLOWED)
-    for of_maker in (_gmn_spindle, _nsk_robust):
-        if (spindle := of_maker(upper_text)) is not None:
+    for maker_designation in (_gmn_spindle, _nsk_robust):
+        if (spindle := maker_designation(upper_text)) is not None:
             return spindle
     match = re.fullmatch(
         rf"(?P<prefix>[A-Z\d]*?)[\s/_-]*{_NUMBER}(?P<rest>[A-Z\d\s/_.-]*)", upper_text
@@ -142,40 +161,20 @@ def designation_of(text: str) -> Designation:
     if not match or not size:
         _check_ntn_series(text)
         raise _unknown(text, ALLOWED)
-    prefix, series, code, rest = match.group("prefix", "series", "code", "rest")
-    spindles = _gmn_names(upper_text, prefix)
-    if spindles and prefix != "S":
-        raise _unknown(text, f"{spindles} (GMN spindle bearings)")
-    if not re.fullmatch(_PREFIX, prefix):
-        prefixes = (
-            "B, S, HS, HSS, RS, W, SS, HC, HCB, HCS, XC, XCB, XCS, HY, CB, CH, 5S or 3NC before "
-            "the number; or --bore, --outside and --contact-angle"
-        )
-        raise _unknown(text, f"no letters or {prefixes}")
-    deep_groove = series.startswith("6")
-    if deep_groove and prefix in ("S", "SS") and not rest.strip(" /_-."):
-        raise _unknown(
-            text,
-            f"{series}{code} (deep groove), or {prefix}{series}{code} C or E (GMN spindle bearing)",
-        )
-    if re.search(r"(?<!\d)[67]\d{2,4}(?!\d)", rest):
-        raise SceneError("", f"got {shown(text)}, expected one", source="designation")
-    suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
-    suffix, ignored = _clearance_suffix(rest) if deep_groove else _angle_suffix(rest)
+    parts = _Parts(**match.groupdict())
+    similar_spindles = _gmn_names(upper_text, parts.prefix)
+    _check_letters(text, parts, similar_spindles)
+    suffix, ignored = (_clearance_suffix if parts.is_deep_groove else _angle_suffix)(parts.rest)
     if ignored is None:
-        advice = "" if deep_groove else f"; for another angle, {series}{code} with --contact-angle"
-        spindle_names = spindles and f", or {spindles} (GMN spindle bearings)"
-        raise _unknown(
-            text, f"{series}{code} alone, or with {', '.join(suffixes)}{spindle_names}{advice}"
-        )
-    name = f"{series}{code}{suffix}"
-    letters = letters_of(prefix, ignored, PAIR_ALONE if deep_groove else PAIR)
-    if deep_groove:
+        raise _unknown(text, _allowed_suffixes(parts, similar_spindles))
+    name = f"{parts.number}{suffix}"
+    letters = letters_of(parts.prefix, ignored, PAIR_ALONE if parts.is_deep_groove else PAIR)
+    if parts.is_deep_groove:
         return Designation(
             **size._asdict(), name=name, deep_groove=True, clearance=suffix, letters=letters
         )
     rule = ""
-    if suffix in tuple(_MAKERS_DIFFER):
+    if suffix in _MAKERS_DIFFER:
         rule = f"suffix {suffix}, whose meaning depends on the maker"
     return Designation(
         **size._asdict(),
@@ -184,6 +183,41 @@ def designation_of(text: str) -> Designation:
         angle_rule=rule,
         letters=letters,
     )
+
+
+def _check_letters(text: str, parts: _Parts, similar_spindles: str) -> None:
+    """Refuses letters before a number that no maker uses, and a second number after it.
+
+    similar_spindles: names of GMN's bearings of that prefix; "" if it is none of its series.
+    """
+    if similar_spindles and parts.prefix != "S":
+        raise _unknown(text, f"{similar_spindles} (GMN spindle bearings)")
+    if not re.fullmatch(_PREFIX, parts.prefix):
+        prefixes = (
+            "B, S, HS, HSS, RS, W, SS, HC, HCB, HCS, XC, XCB, XCS, HY, CB, CH, 5S or 3NC before "
+            "the number; or --bore, --outside and --contact-angle"
+        )
+        raise _unknown(text, f"no letters or {prefixes}")
+    has_suffix = bool(parts.rest.strip(" /_-."))
+    if parts.is_deep_groove and parts.prefix in ("S", "SS") and not has_suffix:
+        spindle = f"{parts.prefix}{parts.number} C or E (GMN spindle bearing)"
+        raise _unknown(text, f"{parts.number} (deep groove), or {spindle}")
+    if re.search(r"(?<!\d)[67]\d{2,4}(?!\d)", parts.rest):
+        raise SceneError("", f"got {shown(text)}, expected one", source="designation")
+
+
+def _allowed_suffixes(parts: _Parts, similar_spindles: str) -> str:
+    """Returns what is allowed after the number of a designation, in words.
+
+    similar_spindles: as for `_check_letters`.
+    """
+    suffixes = CLEARANCES if parts.is_deep_groove else tuple(ANGLES)
+    allowed = f"{parts.number} alone, or with {', '.join(suffixes)}"
+    if similar_spindles:
+        allowed += f", or {similar_spindles} (GMN spindle bearings)"
+    if not parts.is_deep_groove:
+        allowed += f"; for another angle, {parts.number} with --contact-angle"
+    return allowed
 
 
 _NTN_HIGH_SPEED = re.compile(r"(?:HSE|BNS|BNT)(?P<series>[029])(?P<code>\d\d)")
@@ -200,14 +234,16 @@ def _check_ntn_series(text: str) -> None:
         raise _unknown(text, f"{name} with {balls}")
 
 
-def _gmn_names(plain: str, prefix: str) -> str:
-    """Returns similar bearings of GMN if the letters before the number are a series of its."""
-    return ", ".join(nearest_names("GMN", plain)) if re.fullmatch(GMN_SERIES, prefix) else ""
+def _gmn_names(designation: str, prefix: str) -> str:
+    """Returns similar designations of GMN, separated by commas; "" if the prefix is not GMN's."""
+    if not re.fullmatch(GMN_SERIES, prefix):
+        return ""
+    return ", ".join(nearest_names("GMN", designation))
 
 
-def _gmn_spindle(plain: str) -> Designation | None:
+def _gmn_spindle(designation: str) -> Designation | None:
     """Reads a spindle bearing of GMN, whether in its catalogue or not; None for any other."""
-    parts = gmn_parts(plain)
+    parts = gmn_parts(designation)
     if parts is None:
         return None
     letters = letters_of(parts.hybrid, parts.suffix, PAIR)
@@ -217,7 +253,7 @@ def _gmn_spindle(plain: str) -> Designation | None:
     series = _GMN_SIZES.get(parts.number[:-2])
     if series is None:
         similar = ", ".join(nearest_names("GMN", parts.name))
-        raise _unknown(plain, f"{similar} (GMN spindle bearings)")
+        raise _unknown(designation, f"{similar} (GMN spindle bearings)")
     size = _size(series, parts.number[-2:])
     if size is None:
         return None
@@ -231,21 +267,21 @@ def _gmn_spindle(plain: str) -> Designation | None:
 
 
 _NSK_ROBUST = re.compile(
-    r"(?P<bore>\d\d\d?)B(?P<angle>[NE])R(?P<series>10|19)(?P<balls>[SHX]?)(.*)"
+    r"(?P<bore>\d\d\d?)B(?P<angle>[NE])R(?P<series>10|19)(?P<balls>[SHX]?)(?P<suffix>.*)"
 )
 
 
-def _nsk_robust(plain: str) -> Designation | None:
+def _nsk_robust(designation: str) -> Designation | None:
     """Reads a bearing of NSK's ROBUST series: 40BNR10STYNDBLP4; None for any other."""
-    match = _NSK_ROBUST.fullmatch(re.sub(r"[\s/_.-]", "", plain))
+    match = _NSK_ROBUST.fullmatch(re.sub(r"[\s/_.-]", "", designation))
     if match is None:
         return None
     bore = int(match["bore"])
-    code = {10: 0, 12: 1, 15: 2, 17: 3}.get(bore, bore // 5)
+    code = next((code for code, small in _SMALL_BORES.items() if small == bore), bore // 5)
     size = _size({"10": "70", "19": "719"}[match["series"]], f"{code:02d}")
     if size is None or size.bore != bore:
         return None
-    letters = letters_of("", match[5], PAIR)
+    letters = letters_of("", match["suffix"], PAIR)
     if match["balls"] in ("H", "X"):
         letters = letters._replace(ball_material=CERAMIC_BALLS, ball_letters=match["balls"])
     angle, rule = {"N": (18.0, "NSK's BNR"), "E": (25.0, "NSK's BER")}[match["angle"]]
@@ -274,16 +310,15 @@ class _Suffix(NamedTuple):
 
 
 def _words(text: str) -> list[str]:
-    """Splits suffixes at separators."""
+    """Returns the suffixes of a text that are separated by spaces, /, _, . or -."""
     return [word for word in re.split(r"[\s/_.-]+", text) if word]
 
 
 def _angle_suffix(rest: str) -> _Suffix:
     """Reads the suffixes of an angular contact bearing.
 
-    An angle is the first suffix, with letters of the cage behind it (CD, ACD, BECBP), or after a
-    separator. What follows the number without a separator and is no angle is refused, and so is an
-    angle or a clearance of another kind anywhere.
+    An angle is the first suffix, and letters of the cage may follow it (CD, ACD, BECBP). Refused
+    are letters next to the number that are no angle, an angle in a later suffix, and clearances.
     """
     words = _words(rest)
     if not words:
@@ -302,6 +337,10 @@ def _angle_suffix(rest: str) -> _Suffix:
     return _Suffix("", None if other_kind or attached or in_later_word else " ".join(words))
 
 
+_CLEARANCE_GROUP = re.compile(r"C([1-5NM])(?!\d)")
+_GROUP_AFTER_TOLERANCE = re.compile(r"(?<=^P[56])([2-5])$")  # P63: tolerance P6, group C3
+
+
 def _clearance_suffix(rest: str) -> _Suffix:
     """Reads the suffixes of a deep groove bearing.
 
@@ -311,8 +350,7 @@ def _clearance_suffix(rest: str) -> _Suffix:
     for k, word in enumerate(words):
         ceramic_letters = re.match(r"HC\d?", word)  # ceramic balls, then a clearance: HC5C3
         start = ceramic_letters.end() if ceramic_letters else 0
-        match = re.compile(r"C([1-5NM])(?!\d)").search(word, start)
-        match = match or re.compile(r"(?<=^P[56])([2-5])$").search(word)
+        match = _CLEARANCE_GROUP.search(word, start) or _GROUP_AFTER_TOLERANCE.search(word)
         if match is None:
             continue
         group = f"C{match[1]}"
@@ -347,9 +385,10 @@ def metric_size(bore: float, outside: float) -> str:
 
 def clearance_range(group: str, bore: float) -> tuple[float, float] | None:
     """Returns least and largest radial clearance [um] of a group; None above the largest bore."""
-    place = 1 + CLEARANCES.index(group)
-    row = next((row for row in _CLEARANCE_TABLE if bore <= row[0]), None)
-    return None if row is None else row[place]  # type: ignore[return-value]
+    for largest_bore, *ranges in _CLEARANCE_TABLE:
+        if bore <= largest_bore:
+            return ranges[CLEARANCES.index(group)]
+    return None
 
 
 class _Size(NamedTuple):
@@ -360,15 +399,23 @@ class _Size(NamedTuple):
     width: float
 
 
+_SMALL_BORES = {0: 10.0, 1: 12.0, 2: 15.0, 3: 17.0}
+"""Bores [mm] by their codes; from code 4 on, the bore is five times the code."""
+
+
 def _size(series: str, code: str) -> _Size | None:
-    """Returns the dimensions of a bearing; None for a code that is not in the table."""
+    """Returns the dimensions of a bearing; None for a code that is not in the table.
+
+    series: such as 70 or 62.
+    code: of the bore; one digit for the smallest bearings, whose bore [mm] it is.
+    """
     if len(code) == 1:
         smallest_bore, sizes = _SMALL[series]
         codes = tuple(range(smallest_bore, 10))
         bore = float(code)
     else:
         sizes, codes = _SERIES[_SERIES_OF[series]], _CODES
-        bore = {0: 10.0, 1: 12.0, 2: 15.0, 3: 17.0}.get(int(code), 5.0 * int(code))
+        bore = _SMALL_BORES.get(int(code), 5.0 * int(code))
     if int(code) not in codes:
         return None
     outside, width = sizes.split()[codes.index(int(code))].split("x")
@@ -376,7 +423,10 @@ def _size(series: str, code: str) -> _Size | None:
 
 
 def _unknown(text: str, allowed: str) -> SceneError:
-    """Returns the error of an unknown designation, with makers that have it."""
+    """Returns the error of an unknown designation.
+
+    It says what is allowed, or names the makers whose catalogue has the designation.
+    """
     makers = makers_with(text)
     if makers:
         allowed = f"--maker {' or '.join(makers)} with this designation"

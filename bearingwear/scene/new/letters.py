@@ -109,26 +109,21 @@ class Letters(NamedTuple):
     pair: str = ""  # letters of the arrangement
     ignored: str = ""  # what changes no number of a scene
 
-    def meanings(self, is_in_pair: bool = False) -> list[str]:
-        """Returns a clause for each group of letters that has a meaning.
+    def explanations(self, is_in_pair: bool = False) -> list[str]:
+        """Returns an explanation of each group of letters: `HC: silicon nitride balls`.
 
         is_in_pair: whether the scene holds both bearings of a pair.
         """
-        clauses = [f"{self.ball_letters}: silicon nitride balls"] if self.ball_material else []
+        clauses = []
+        if self.ball_material:
+            clauses.append(f"{self.ball_letters}: silicon nitride balls")
         if self.small_balls:
             clauses.append(
                 f"{self.small_balls}: a high-speed bearing of FAG, with smaller balls than those "
                 "assumed without --balls and --ball-diameter"
             )
         if self.pair:
-            meaning = _PAIRS.get(self.pair) or _SETS[self.pair[0]]
-            pair_note = ""
-            if not (is_in_pair or meaning.startswith("one")):
-                other = "`arrangement` as a comment"
-                if self.pair in OPPOSED:
-                    other = "both with --pair spring or --pair rigid"
-                pair_note = f"; the scene holds one bearing of it, and {other}"
-            clauses.append(f"{self.pair}: {meaning}{pair_note}")
+            clauses.append(self._pair_explanation(is_in_pair))
         if self.load:
             clauses.append(f"{self.load}: class of preload")
         if self.ignored:
@@ -137,10 +132,30 @@ class Letters(NamedTuple):
             )
         return clauses
 
+    def _pair_explanation(self, is_in_pair: bool) -> str:
+        """Returns the meaning of the letters of an arrangement, and what of it the scene holds."""
+        meaning = _PAIRS.get(self.pair) or _SETS[self.pair[0]]
+        if is_in_pair or meaning.startswith("one"):
+            return f"{self.pair}: {meaning}"
+        arrangement = "`arrangement` as a comment"
+        if self.pair in OPPOSED:
+            arrangement = "both with --pair spring or --pair rigid"
+        return f"{self.pair}: {meaning}; the scene holds one bearing of it, and {arrangement}"
+
+
+_CERAMIC_SUFFIXES = (
+    r"SN24",
+    r"(?<![A-Z])HY(?![A-Z])",
+    r"(?<![A-Z])NS(?![A-Z])",
+    r"(?<![A-Z])HC\d?(?=\s|$|[A-Z])",
+)
+"""Patterns of the letters that say silicon nitride balls after the number."""
+
 
 def letters_of(prefix: str, suffix: str, pairs: tuple[re.Pattern[str], ...]) -> Letters:
-    """Reads prefix and suffix of a designation without the letters of angle and clearance.
+    """Returns what the letters before and after the number of a designation mean.
 
+    suffix: without the letters of angle and clearance.
     pairs: patterns of pairs and classes of preload, `PAIR` or `PAIR_ALONE`.
     """
     balls, ignored = "", []
@@ -149,19 +164,16 @@ def letters_of(prefix: str, suffix: str, pairs: tuple[re.Pattern[str], ...]) -> 
         balls = prefix
     elif prefix and not small_balls:
         ignored.append(prefix)
-    for pattern in (
-        r"SN24",
-        r"(?<![A-Z])HY(?![A-Z])",
-        r"(?<![A-Z])NS(?![A-Z])",
-        r"(?<![A-Z])HC\d?(?=\s|$|[A-Z])",
-    ):
+    for pattern in _CERAMIC_SUFFIXES:
         if match := re.search(pattern, suffix):
             balls = balls or match[0]
             suffix = suffix.replace(match[0], " ", 1)
     load = pair = ""
-    if match := next(filter(None, (pattern.search(suffix) for pattern in pairs)), None):
-        pair, load = match["pair"], match["load"] or ""
-        suffix = f"{suffix[: match.start()]} {suffix[match.end() :]}"
+    for pair_pattern in pairs:
+        if match := pair_pattern.search(suffix):
+            pair, load = match["pair"], match["load"] or ""
+            suffix = f"{suffix[: match.start()]} {suffix[match.end() :]}"
+            break
     return Letters(
         ball_material=CERAMIC_BALLS if balls else None,
         ball_letters=balls,
@@ -183,19 +195,20 @@ class GmnParts(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Series, number and angle without spaces."""
+        """Returns series, number and angle without spaces."""
         return f"{self.series}{self.number}{self.angle}"
 
     @property
     def rest(self) -> list[str]:
-        """Letters beside the name."""
+        """Returns the letters before and after the name, without empty ones."""
         return [word for word in (self.hybrid, self.suffix) if word]
 
 
 def gmn_parts(designation: str) -> GmnParts | None:
     """Splits a designation of GMN, with or without spaces: S 6005 C TA P4 DUL, 6008ETXM.
 
-    Its mark is the series S, SM, KH or a cage after the angle; None where both are missing.
+    None for a designation without the marks of GMN: the series S, SM or KH, or a cage after the
+    angle.
     """
     match = _GMN.fullmatch(re.sub(r"[\s/_.-]", "", designation.upper()))
     if not match or not (match["form"] or re.match(GMN_CAGES, match["rest"])):
@@ -210,7 +223,10 @@ def gmn_parts(designation: str) -> GmnParts | None:
 
 
 def maker_of(designation: str, makers: tuple[str, ...]) -> tuple[str, str]:
-    """Returns the maker's name at the beginning of a designation, or "", and the rest of it."""
+    """Returns the maker's name at the beginning of a designation, or "", and the text after it.
+
+    makers: names that count, besides `OTHER_MAKERS`.
+    """
     names = "|".join((*makers, *OTHER_MAKERS))
     match = re.match(rf"\s*({names})[\s/_-]*(?=\S)", designation, re.IGNORECASE)
     return (match[1].upper(), designation[match.end() :]) if match else ("", designation)

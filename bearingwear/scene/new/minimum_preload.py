@@ -25,11 +25,11 @@ _OF_SKF = re.compile(r"7[23]\d\d(AC|B)")
 
 @functools.cache
 def skf_factors() -> Mapping[str, float]:
-    """Returns the minimum load factor A [kN] of SKF's bearings of 25 (AC) and 40 degrees (B).
+    """Returns SKF's minimum load factors A [kN] by designation, for 25 (AC) and 40 degrees (B).
 
-    The keys are designations. Those whose place in the tables is unclear in the text of the
-    catalogue are left out, as is the 7205AC, whose printed factor breaks the row of its neighbours.
-    The 40 degree bearings are those of design E with cages of steel or plastic.
+    Bearings whose factor is not clear in the text of the catalogue are left out, as is the 7205AC,
+    whose printed factor breaks the row of its neighbours. Those of 40 degrees have design E and
+    cages of steel or plastic.
     """
     with Path(__file__).with_name("skf_minimum_load.csv").open(encoding="utf-8") as file:
         return {row["designation"]: float(row["factor_kN"]) for row in csv.DictReader(file)}
@@ -64,7 +64,7 @@ def minimum_preload(
             source=MAKERS[entry.maker].source,
         )
     factor = skf_factors().get(str(bearing.get("designation")))
-    if factor is None or bearing.get("maker"):
+    if factor is None or bearing.get("maker"):  # SKF is none of `MAKERS`
         return None
     return MinimumPreload(
         bearing=f"SKF {bearing['designation']}",
@@ -76,33 +76,38 @@ def minimum_preload(
 
 
 def minimum_preload_words(scenes: Iterable[Mapping[str, Any]]) -> str:
-    """Names the maker's least preload at the largest speed of the scenes; "" if none is known.
+    """Returns the maker's least preload at the largest speed of some scenes, in words.
 
-    scenes: of one bearing; their preload need not be given.
+    It is "" if no maker publishes one.
+
+    scenes: plain data, all of the same bearing; their preload need not be given.
     """
-    minima = (minimum_preload(scene["bearing"], scene["operation"]) for scene in scenes)
-    least = max(filter(None, minima), key=lambda minimum: minimum.speed, default=None)
-    if least is None:
+    minima = [minimum_preload(scene["bearing"], scene["operation"]) for scene in scenes]
+    published = [minimum for minimum in minima if minimum is not None]
+    if not published:
         return ""
-    maker, _, _ = least.bearing.partition(" ")
-    return f"{maker} minimum preload {plain(least.load)} N at {least.speed:g} r/min"
+    fastest = max(published, key=lambda minimum: minimum.speed)
+    maker, _, _ = fastest.bearing.partition(" ")
+    return f"{maker} minimum preload {plain(fastest.load)} N at {fastest.speed:g} r/min"
 
 
 def minimum_preload_lines(scene: Mapping[str, Any]) -> list[str]:
-    """Compares the maker's least preload with that of a scene, in a line; empty without one.
+    """Returns a line that compares the maker's least preload with that of a scene.
 
-    scene: its plain data.
+    The list is empty if no maker publishes one.
+
+    scene: plain data.
     """
     bearing, operation = scene["bearing"], scene["operation"]
-    least = minimum_preload(bearing, operation)
-    if least is None:
+    minimum = minimum_preload(bearing, operation)
+    if minimum is None:
         name = str(bearing.get("designation"))
         if bearing.get("maker") or not _OF_SKF.fullmatch(name):
             return []
         return [f"SKF minimum preload for a {name}: factor not known here; see SKF's product table"]
-    maker, _, name = least.bearing.partition(" ")
+    maker, _, name = minimum.bearing.partition(" ")
     balls = "" if bearing["ball_material"] == "bearing_steel" else " with steel balls"
     return [
-        f"{maker} minimum preload for a {name}{balls}: {plain(least.load)} N at "
-        f"{least.speed:g} r/min ({least.rule}); preload here {operation['preload_N']:g} N"
+        f"{maker} minimum preload for a {name}{balls}: {plain(minimum.load)} N at "
+        f"{minimum.speed:g} r/min ({minimum.rule}); preload here {operation['preload_N']:g} N"
     ]

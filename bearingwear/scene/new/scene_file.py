@@ -82,17 +82,39 @@ MATERIALS = {
 
 
 def _materials(wear: float | None) -> dict[str, str]:
-    """Returns `MATERIALS` with a common K_s/H [m2/N] of steel and silicon nitride."""
+    """Returns `MATERIALS`, in which steel and silicon nitride have a common K_s/H [m2/N].
+
+    wear: that K_s/H; None leaves the wear coefficients of the table.
+    """
     if wear is None:
         return MATERIALS
     materials = dict(MATERIALS)
     for name in BALL_MATERIALS:
-        hardness = float(re.findall(r"brinell_hardness_GPa: ([\d.]+)", materials[name])[0])
-        coefficient = yaml_number(float(f"{wear * hardness * 1e9:.3g}"))
+        text = materials[name]
+        _, _, after_key = text.partition("brinell_hardness_GPa: ")
+        hardness = 1e9 * float(after_key.partition(",")[0])
+        coefficient = yaml_number(float(f"{wear * hardness:.3g}"))
         materials[name] = re.sub(
-            r"wear_coefficient: [\de.+-]+", f"wear_coefficient: {coefficient}", materials[name]
+            r"wear_coefficient: [\de.+-]+", f"wear_coefficient: {coefficient}", text
         )
     return materials
+
+
+class _NewScene(NamedTuple):
+    """What the text of a new scene is written from."""
+
+    size: Designation
+    numbers: Mapping[str, Origin]  # by key of the scene
+    rubbing: Rubbing
+    given_ball_material: str | None  # None where the user gave none
+    given_method: str | None  # preload method; None where the user gave none
+    method: str  # preload method of the scene
+    pair: str | None  # of `PAIR_KINDS`; None for a single bearing
+
+    @property
+    def ball_material(self) -> str:
+        """Returns the material of the balls: given, that of the designation, or steel."""
+        return self.given_ball_material or self.size.letters.ball_material or "bearing_steel"
 
 
 def scene_text(
@@ -124,7 +146,7 @@ def scene_text(
         sources.
     pair: of `PAIR_KINDS`: two of these bearings on one rotor, with the preload method of that pair.
 
-    Returns `text`: to be checked by `checked_scene`.
+    Returns: the text, to be checked by `checked_scene`, and the lines.
     SceneError: one line that names the option, what was given and what is allowed.
     """
     angle = given.get("bearing.contact_angle_deg")
@@ -136,27 +158,44 @@ def scene_text(
     for key in given:
         _check_range(key, given[key])
     preload_method = _method_of_pair(pair, preload_method, letters.pair)
-    # a maker's class of preload is that of a rigid pair
-    rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
-    method = preload_method or ("fixed_position" if rigid else "constant_force")
-    rubs = _rubbing(lubrication, given, ball_material or letters.ball_material)
-    numbers = numbers_of(size, given, clearance, preload_class, method, rubs.film is not None)
-    if rubs.friction_rule and _BALL_RACE not in given:
-        numbers[_BALL_RACE] = Origin(rubs.friction, rubs.friction_rule, assumed=False)
-    if rubs.film:
+    method = preload_method or _usual_method(size, given)
+    coefficients = _rubbing(lubrication, given, ball_material or letters.ball_material)
+    has_film = coefficients.film is not None
+    numbers = numbers_of(size, given, clearance, preload_class, method, has_film)
+    if has_film:
         del numbers[_BALL_RACE]
+    elif coefficients.friction_rule and _BALL_RACE not in given:
+        rule = coefficients.friction_rule
+        numbers[_BALL_RACE] = Origin(coefficients.friction, rule, assumed=False)
     _check_room(numbers)
-    text = _filled_template(name, size, numbers, ball_material, preload_method, method, rubs, pair)
-    lubricated = f"lubrication: {rubs.summary}"
-    return text, [
-        lubricated,
-        *_assumption_lines(size, numbers, ball_material, preload_method, method, pair),
-    ]
+    scene = _NewScene(
+        size=size,
+        numbers=numbers,
+        rubbing=coefficients,
+        given_ball_material=ball_material,
+        given_method=preload_method,
+        method=method,
+        pair=pair,
+    )
+    lines = [f"lubrication: {coefficients.summary}", *_assumption_lines(scene)]
+    return _filled_template(name, scene), lines
+
+
+def _usual_method(size: Designation, given: Mapping[str, float]) -> str:
+    """Returns the preload method of a scene for which none is given: by default, a spring."""
+    has_preload_classes = size.entry is not None and bool(size.entry.preloads)
+    if has_preload_classes and "operation.preload_N" not in given:
+        return "fixed_position"  # a maker's class of preload is that of a rigid pair
+    return "constant_force"
 
 
 def _method_of_pair(pair: str | None, preload_method: str | None, letters: str) -> str | None:
     """Returns the preload method of a pair, or that given for a single bearing.
 
+    SceneError where another one is given, or where the designation is a tandem.
+
+    pair: of `PAIR_KINDS`; None for a single bearing.
+    preload_method: given; None if none is.
     letters: those of the arrangement in the designation.
     """
     if pair is None:
@@ -195,46 +234,51 @@ def _check_room(numbers: Mapping[str, Origin]) -> None:
         raise refused_option("--balls", Z, allowed)
 
 
-def _assumption_lines(
-    size: Designation,
-    numbers: Mapping[str, Origin],
-    ball_material: str | None,
-    preload_method: str | None,
-    method: str,
-    pair: str | None,
-) -> list[str]:
-    """Returns a line for each value that was not given."""
+def _assumption_lines(scene: _NewScene) -> list[str]:
+    """Returns a line for each value that was not given, and for each bearing of the size."""
+    size, numbers = scene.size, scene.numbers
     lines = []
-    notes = size.letters.meanings(is_in_pair=pair is not None)
+    if inches := metric_size(size.bore, size.outside):
+        lines.append(f"--bore, --outside: taken as mm; if they are in inches, write {inches}")
+    if notes := _designation_notes(scene):
+        lines.append(f"designation: interpreted as {size.name}; {'; '.join(notes)}")
+    if inches := metric_size(size.bore, size.outside):
+        lines.append(f"--bore, --outside: taken as mm; if they are in inches, write {inches}")
+    for key, origin in numbers.items():
+        if origin.rule:
+            lines.append(f"{key}: {origin.value:g}, {origin.rule}")
+    if not (scene.given_ball_material or size.letters.ball_material):
+        lines.append(BALLS_ASSUMED)
+    if scene.given_method is None:
+        lines.append(f"operation.preload_method: {scene.method}")
+    lines.append(
+        "materials, cage, friction.cage, operation.gravity_m_s2, fits, wear.end_of_life, "
+        "uncertainty: see the file"
+    )
+    if size.entry is None:
+        D, _, Z = _balls(numbers)
+        angle = numbers["bearing.contact_angle_deg"].value
+        lines += [
+            _comparison_line(entry, D, Z) for entry in same_size(size.bore, size.outside, angle)
+        ]
+    return lines
+
+
+def _designation_notes(scene: _NewScene) -> list[str]:
+    """Returns the meaning of each group of letters in a designation, and what is not known."""
+    size = scene.size
+    notes = size.letters.explanations(is_in_pair=scene.pair is not None)
     load = size.letters.load
     if load and load not in CLASS_OF_LETTER and not (size.entry and size.entry.preloads):
         notes.append(f"no rule for class {load}, so that of light is taken; --preload states yours")
     if size.entry is None and gmn_parts(size.name):
         notes.append("not in GMN's catalogue")
-    if inches := metric_size(size.bore, size.outside):
-        lines.append(f"--bore, --outside: taken as mm; if they are in inches, write {inches}")
-    if notes:
-        lines.append(f"designation: interpreted as {size.name}; {'; '.join(notes)}")
-    lines += [
-        *(f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule),
-        *([] if ball_material or size.letters.ball_material else [BALLS_ASSUMED]),
-        *([f"operation.preload_method: {method}"] if preload_method is None else []),
-        "materials, cage, friction.cage, operation.gravity_m_s2, fits, wear.end_of_life, "
-        "uncertainty: "
-        "see the file",
-    ]
-    if size.entry is None:
-        D, dm, Z = _balls(numbers)
-        same_size_bearings = same_size(
-            size.bore, size.outside, numbers["bearing.contact_angle_deg"].value
-        )
-        lines += [_comparison_line(entry, D, Z) for entry in same_size_bearings]
-    return lines
+    return notes
 
 
 def _comparison_line(entry: CatalogueBearing, D: float, Z: int) -> str:
-    """Compares a maker's bearing of the size with Z balls of diameter D [mm], in one line."""
-    rated = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)
+    """Returns a line that compares a maker's bearing with Z balls of diameter D [mm]."""
+    rated = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)  # as `CatalogueBearing.rated`
     return (
         f"{entry.maker}'s {entry.designation} has {entry.balls} balls of {entry.ball:.4g} mm "
         f"({entry.source}); at equal preload, its axial rigidity differs by "
@@ -243,11 +287,12 @@ def _comparison_line(entry: CatalogueBearing, D: float, Z: int) -> str:
 
 
 def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
-    """Writes the text of `scene_text` to a new file.
+    """Writes the text of `scene_text` to a new file, and returns its lines on assumptions.
 
     The scene has no name of its own, so a copy is named as its file.
 
-    Returns: what was assumed, a line each.
+    **known: parameters of `scene_text` except the name.
+
     OutputError: the file's name is no name of a scene, it is there already, or cannot be
     written.
     """
@@ -284,15 +329,16 @@ def usual_limits(scene: Scene) -> UsualLimits:
 
     The axial stiffness is that of one steel bearing, by the approach 0.00044
     (Q^2/D)^(1/3)/sin(alpha) of the rings [N, mm], as makers' catalogues have it (NSK, Rolling
-    Bearings).
+    Bearings). It is 1 N/um for a bearing without preload or contact angle.
     """
     pressure = FILM_PRESSURE_GPA if scene.friction.film else USUAL_PRESSURE_GPA
-    b, preload = scene.bearing, scene.operation.preload_N
-    sine = math.sin(math.radians(b.contact_angle_deg))
+    bearing, preload = scene.bearing, scene.operation.preload_N
+    sine = math.sin(math.radians(bearing.contact_angle_deg))
     if not (sine > 0.0 and preload > 0.0):
         return UsualLimits(1.0, pressure)
-    load = preload / (b.ball_count * sine)
-    approach_um = 0.44 * (load**2 / b.ball_diameter_mm) ** (1.0 / 3.0) / sine
+    ball_load = preload / (bearing.ball_count * sine)
+    approach_um = 0.44 * (ball_load**2 / bearing.ball_diameter_mm) ** (1.0 / 3.0) / sine
+    # the approach goes with the power 2/3 of the preload, so the slope is 3/2 of the quotient
     return UsualLimits(rounded_to(1.5 * preload / approach_um, 1), pressure)
 
 
@@ -306,19 +352,14 @@ def _template() -> Template:
     return jinja.get_template("new_scene.yaml.j2")
 
 
-def _filled_template(
-    name: str,
-    size: Designation,
-    numbers: Mapping[str, Origin],
-    ball_material: str | None,
-    preload_method: str | None,
-    method: str,
-    rubs: Rubbing,
-    pair: str | None,
-) -> str:
-    """Fills in the template of a scene."""
+def _filled_template(name: str, scene: _NewScene) -> str:
+    """Returns the text of a scene: its template with all values filled in.
+
+    name: of the scene; "" leaves the key out.
+    """
+    size, numbers = scene.size, scene.numbers
     D, dm, Z = _balls(numbers)
-    room = dm * math.sin(math.pi / Z) - D
+    gap = dm * math.sin(math.pi / Z) - D  # between neighbouring balls
     return _template().render(
         name=name and json.dumps(name),  # quoted: 7008, true and null are names, too
         size=size,
@@ -327,37 +368,32 @@ def _filled_template(
         D=D,
         dm=dm,
         ball_race=race_conductance(numbers),
-        heat=heat_capacities(
-            numbers, size, ball_material or size.letters.ball_material or "bearing_steel"
-        ),
+        heat=heat_capacities(numbers, size, scene.ball_material),
         groove_ends=SMALL_GROOVES if grooves_vary(size) else None,
         speed=numbers["operation.shaft_speed_rpm"],
-        # pockets that leave something of the cage between them, rounded down to three decimals
-        pocket=yaml_number(math.floor(1e3 * min(0.05 * D, 0.5 * room)) / 1e3),
-        ball_material=ball_material or size.letters.ball_material or "bearing_steel",
-        ball_note=_ball_note(ball_material, size),
-        preload_method=method,
-        method_given=preload_method is not None,
-        pair_kind=PAIRS[method],
-        is_pair=pair is not None,
+        # pockets that leave half of the cage between balls, rounded down to three decimals
+        pocket=yaml_number(math.floor(1e3 * min(0.05 * D, 0.5 * gap)) / 1e3),
+        ball_material=scene.ball_material,
+        ball_note=_ball_note(scene.given_ball_material, size),
+        preload_method=scene.method,
+        method_given=scene.given_method is not None,
+        pair_kind=PAIRS[scene.method],
+        is_pair=scene.pair is not None,
         seat_range=_seat_range(size.bore),
         housing=_housing_line(size.outside) if size.outside > dm + D else "0.0",
-        materials=dict.fromkeys(
-            (
-                ball_material or size.letters.ball_material or "bearing_steel",
-                "bearing_steel",
-                "phenolic",
-            )
-        ),
-        MATERIALS=_materials(rubs.wear),
-        film=rubs.film,
-        spread=rubs.spread,
-        dry_rule=rubs.rule,
+        materials=dict.fromkeys((scene.ball_material, "bearing_steel", "phenolic")),
+        MATERIALS=_materials(scene.rubbing.wear),
+        film=scene.rubbing.film,
+        spread=scene.rubbing.spread,
+        dry_rule=scene.rubbing.rule,
     )
 
 
 def _seat_range(bore: float) -> str:
-    """Returns words on the usual seat of a spindle bearing; "" for a bore beyond the table."""
+    """Returns words on the usual seat of a spindle bearing; "" for a bore beyond the table.
+
+    bore: [mm].
+    """
     ends = seat_interference(bore)
     if ends is None:
         return ""
@@ -369,7 +405,10 @@ def _seat_range(bore: float) -> str:
 
 
 def _housing_line(outside: float) -> str:
-    """Returns the assumed clearance in the housing and its source as a line of the scene."""
+    """Returns the assumed interference in the housing [um] with a comment on its source.
+
+    outside: diameter [mm].
+    """
     gap = housing_clearance(outside)
     if gap is None:
         return "0.0"
@@ -377,7 +416,10 @@ def _housing_line(outside: float) -> str:
 
 
 def _ball_note(ball_material: str | None, size: Designation) -> str:
-    """Returns a comment on the origin of the ball material."""
+    """Returns a comment on the origin of the ball material.
+
+    ball_material: given by the user; None if not.
+    """
     if ball_material:
         return "given"
     letters = size.letters.ball_letters
@@ -386,11 +428,11 @@ def _ball_note(ball_material: str | None, size: Designation) -> str:
 
 def _balls(numbers: Mapping[str, Origin]) -> tuple[float, float, int]:
     """Returns ball diameter, pitch diameter [mm] and the number of balls."""
-    D, dm, Z = (
-        numbers[f"bearing.{key}"].value
-        for key in ("ball_diameter_mm", "pitch_diameter_mm", "ball_count")
+    return (
+        numbers["bearing.ball_diameter_mm"].value,
+        numbers["bearing.pitch_diameter_mm"].value,
+        int(numbers["bearing.ball_count"].value),
     )
-    return D, dm, int(Z)
 
 
 def _option(key: str) -> str:
@@ -407,7 +449,7 @@ def _check_range(key: str, value: float) -> None:
 
 
 def _line(key: str, origin: Origin) -> str:
-    """Writes a number of the scene with a comment on its origin."""
+    """Returns a line of the scene: the last part of a key, its number, and a comment on that."""
     part = key_of_scene(key)
     is_integer = part is not None and part.kind == "integer"
     value = str(int(origin.value)) if is_integer else yaml_number(float(origin.value))
@@ -415,7 +457,7 @@ def _line(key: str, origin: Origin) -> str:
 
 
 def checked_scene(text: str, note: str = "") -> Scene:
-    """Checks a text from `scene_text` and returns its scene, with a note after its description.
+    """Returns the checked scene of a text from `scene_text`, with a note after its description.
 
     SceneError: one line that names the option.
     """

@@ -57,9 +57,12 @@ def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.n
 
 
 def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray:
-    """Returns `natural_frequencies` from the stiffness against Z and tilt about the middle [Hz].
+    """Returns axial, radial and conical frequency (3,) of a rotor that is not turning [Hz].
 
-    K: that stiffness (2, 2) [N/m, N, N m].
+    The rotor of the arrangement has mass and span. See `natural_frequencies`.
+
+    axial: stiffness of the arrangement [N/m].
+    K: stiffness against displacement along Z and tilt about the middle (2, 2) [N/m, N, N m].
     """
     assert a.rotor_mass_kg is not None and a.span_mm is not None
     m = a.rotor_mass_kg
@@ -74,6 +77,7 @@ def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray
     plane_rates, modes = eigh(K, M)
     radial = int(np.argmax(m * (modes[0] - offset * modes[1]) ** 2))
     squared_rates = np.array([axial / m, plane_rates[radial], plane_rates[1 - radial]])
+    # a stiffness that falls makes no oscillation
     return np.sqrt(np.maximum(squared_rates, 0.0)) / (2.0 * math.pi)
 
 
@@ -88,7 +92,8 @@ def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
     if a is None or a.rotor_mass_kg is None or a.span_mm is None:
         return math.nan
     sides = []
-    for n, side, state in zip(a.tandem, (scene.sides * 2)[:2], states, strict=True):
+    scenes = scene.sides if len(scene.sides) == 2 else scene.sides * 2
+    for n, side, state in zip(a.tandem, scenes, states, strict=True):
         g = mounted_geometry(side)
         D = np.array([g.D0 - state.loss])
         load = state["contact_load"]
@@ -102,10 +107,13 @@ def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
 def rotor_balance(
     scene: Scene, mounted: Sequence[float], sides: Sequence[Mapping[str, Any]]
 ) -> float:
-    """Returns the residual of the rotor's balance, relative to the preload [1].
+    """Returns the residual of the rotor's balance over the larger force of a bearing [1].
 
     It is computed from the results of both bearings alone: the unbalanced force on the rotor, and
     the error of the bearings' distance, or of the spring's extension, times the stiffness.
+
+    mounted: axial displacements of both bearings at mounting [m].
+    sides: result variables of both bearings.
     """
     a = scene.pair
     assert a is not None
@@ -123,13 +131,18 @@ def rotor_balance(
 
 
 def stacked_sides(sides: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Stacks the values of both bearings; NaN and -1 fill where one has fewer of them."""
+    """Returns the result variables of both bearings, stacked along a first dimension.
+
+    Where one has fewer values, NaN fills its floats and -1 its whole numbers.
+
+    sides: result variables of each bearing; the status is left out.
+    """
     names = dict.fromkeys(name for side in sides for name in side if name != "status")
     return {name: _stacked([side.get(name) for side in sides]) for name in names}
 
 
 def _stacked(values: Sequence[Any]) -> np.ndarray:
-    """Stacks values along a first dimension; None counts as missing."""
+    """Returns values of both bearings as in `stacked_sides`; None where one has no value."""
     arrays = [np.asarray(value) for value in values if value is not None]
     shapes = {array.shape for array in arrays}
     if len(arrays) == len(values) and len(shapes) == 1:
@@ -145,7 +158,10 @@ def _stacked(values: Sequence[Any]) -> np.ndarray:
 
 
 def joined_attributes(sides: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Joins the attributes of both bearings: sentences one after the other, counts added."""
+    """Returns the attributes of a pair: sentences joined, counts added, in the order of names.
+
+    sides: attributes of each bearing.
+    """
     joined: dict[str, Any] = {}
     for name in sides[0].keys() | sides[1].keys():
         values = [attrs.get(name) for attrs in sides]

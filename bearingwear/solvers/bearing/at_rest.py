@@ -12,11 +12,16 @@ from bearingwear.solvers.bearing.mounted import mounted_geometry
 from bearingwear.solvers.bearing.outputs import stiffness_of_loads
 from bearingwear.solvers.roots import brent_root
 
-FIRST_REACH = 1e-6  # [m]
+FIRST_REACH = 1e-6  # of the search for the place of a spring [m]
+_SLIDE_ROUNDING = {"xtol": 1e-18, "rtol": 1e-14}
+"""Tolerances [m] and [1] of that search: about the last bits of a slide of micrometres."""
 
 
 def race_displacement(g: Geometry, length: Any) -> Any:
-    """Returns the axial displacement of the inner race at a distance of the groove centres [m]."""
+    """Returns the axial displacement of the inner race at which the groove centres are apart [m].
+
+    length: distance of the groove centres [m], a number or an array.
+    """
     across = g.BD * math.cos(g.alpha0)
     return np.sqrt(np.maximum(length**2 - across**2, 0.0)) - g.BD * math.sin(g.alpha0)
 
@@ -28,14 +33,15 @@ class Mechanics(NamedTuple):
     D: float  # worn ball diameter [m]
     Omega: float = 0.0  # orbit rate of the balls [rad/s]
 
-    def _under(self, F_x: float) -> tuple[float, BallState]:
-        """Returns the axial displacement under a force [N] [m], and one of its balls."""
+    def _equilibrium(self, F_x: float) -> tuple[float, BallState]:
+        """Returns the axial displacement [m] under an axial force [N], and the state of a ball."""
         load = orbit_load(self.Omega, 0.0, 0.0)
         return thrust_equilibrium(self.g, self.D, load, F_x, self.touch, True, cold_start())
 
     def force(self, delta_a: float) -> float:
         """Returns the axial force at an axial displacement [m], 0 where the balls are loose [N]."""
-        return self.force_and_stiffness(delta_a)[0]
+        force, _ = self.force_and_stiffness(delta_a)
+        return force
 
     def force_and_stiffness(self, delta_a: float) -> tuple[float, float]:
         """Returns the axial force [N] and its slope [N/m] at an axial displacement [m]."""
@@ -45,11 +51,15 @@ class Mechanics(NamedTuple):
 
     def place(self, F_x: float) -> float:
         """Returns the axial displacement [m] under an axial force [N]."""
-        return self._under(F_x)[0]
+        displacement, _ = self._equilibrium(F_x)
+        return displacement
 
     def stiffness_matrix(self, F_x: float) -> np.ndarray:
-        """Returns `stiffness_of_loads` (5, 5) under an axial force [N] [N/m, N, N m]."""
-        _, ball = self._under(F_x)
+        """Returns the stiffness (5, 5) under an axial force [N], by displacements and tilts.
+
+        They are axial, along Y and Z, and about Y and Z [N/m, N, N m].
+        """
+        _, ball = self._equilibrium(F_x)
         load, angle = np.array([ball.Q_i, ball.Q_o]), np.array([ball.alpha_i, ball.alpha_o])
         return stiffness_of_loads(self.g, np.array([self.D]), load, angle)
 
@@ -114,7 +124,9 @@ class AxialRotor(NamedTuple):
         k: number of the side, 0 or 1.
         delta_a: its axial displacement [m].
         """
-        (first, second), mounted, slide = self.sides, sum(self.mounted), 0.0
+        first, second = self.sides
+        mounted = sum(self.mounted)
+        slide = 0.0
         if k == 0:
             return float(first.force(delta_a) - self._force_of_second(mounted - delta_a))
         F_2 = second.force(delta_a)
@@ -137,16 +149,19 @@ class AxialRotor(NamedTuple):
         F_s, k_s, stop = self.spring
 
         def unbalanced(slide: float) -> float:
+            """Returns the force on the outer ring beyond that of its spring [N]."""
             return second.force(place + slide) - F_s + k_s * slide
 
         reach = FIRST_REACH
         while unbalanced(reach) < 0.0 or unbalanced(-reach) > 0.0:
             reach *= 2.0
-        slide = brent_root(unbalanced, -reach, reach, xtol=1e-18, rtol=1e-14)
+        slide = brent_root(unbalanced, -reach, reach, **_SLIDE_ROUNDING)
         return F_s - k_s * slide if slide > -stop else float(second.force(place - stop))
 
     @property
     def opening_force(self) -> float:
         """Returns the least axial force, in either direction, that unloads a side [N]."""
-        relieved = -self.external(0, self.sides[0].touch), self.external(1, self.sides[1].touch)
-        return max(min(relieved), 0.0)
+        first, second = self.sides
+        opens_first = -self.external(0, first.touch)
+        opens_second = self.external(1, second.touch)
+        return max(min(opens_first, opens_second), 0.0)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingwear.scene.blocks import Material
-from bearingwear.scene.friction import FilmFriction, FilmLife, changes_as_it_wears
+from bearingwear.scene.friction import FilmFriction, FilmLife, friction_changes_with_wear
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, fitted_factors
 from bearingwear.solvers.bearing.growth import part_temperatures
@@ -119,6 +119,7 @@ def surface_factor(part: Surface, partner: Surface, depth, covered, partner_cove
     film, or where that is worn through, the partner's film covers the part (assumed). Where neither
     is left, the material below wears.
 
+    depth: worn off the part, a number or one for each place [m].
     covered, partner_covered: shares of each place that the films cover, or whether they do.
     """
     factor = part.substrate_factor(depth)
@@ -150,10 +151,12 @@ class Films:
         # a film that never wears through is on the races alone where no material has one
         endless = film is not None and film.thickness_um is None
         on_races = None if endless and ball.film is not None else film
-        surfaces = _surface(ball, None, film), _surface(race, on_races, film)
-        if film is None or film.wear_table is None:
-            return cls(*surfaces)
-        return cls(*surfaces, WearTable.of(film.wear_table))
+        table = None
+        if film is not None and film.wear_table is not None:
+            table = WearTable.of(film.wear_table)
+        return cls(
+            ball=_surface(ball, None, film), race=_surface(race, on_races, film), table=table
+        )
 
     def table_factor(self, pressure: Any, temperature: Any) -> Any:
         """Returns the factor on K_s at peak pressures [Pa] and temperatures; 1 without a table."""
@@ -161,12 +164,13 @@ class Films:
 
     @functools.cached_property
     def unworn(self) -> Factors:
-        """Returns `contact_factors` of new surfaces without a table, of each contact (2,)."""
+        """Returns K_s/H of new balls and races in both contacts (2,), without a table [1/Pa]."""
         ball, race = self.contact_factors(self.thickness > 0.0)
         return np.broadcast_to(ball, 2), np.broadcast_to(race, 2)
 
     @property
     def wear_through(self) -> bool:
+        """Returns whether a film can wear through: films of finite thickness can."""
         return any(0.0 < part.thickness < math.inf for part in (self.ball, self.race))
 
     @property
@@ -191,7 +195,12 @@ class Films:
         return not (inner or ball), not (outer or ball)
 
     def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, table_factor=1.0):
-        """Returns K_s/H of a ball and of a race [1/Pa], by cover and depth [m] of each."""
+        """Returns K_s/H of a ball and of a race [1/Pa].
+
+        on_ball, on_race: shares that their films cover, or whether they do.
+        ball_depth, race_depths: worn off them [m].
+        table_factor: on K_s, see `table_factor`.
+        """
         return (
             surface_factor(self.ball, self.race, ball_depth, on_ball, on_race, table_factor),
             surface_factor(self.race, self.ball, race_depths, on_race, on_ball, table_factor),
@@ -202,7 +211,8 @@ class Films:
     ) -> Factors:
         """Returns K_s/H of balls and of races in both contacts (..., 2) at worn depths [m] [1/Pa].
 
-        cover: whether inner race, outer race and balls still have their film.
+        cover: whether inner race, outer race and balls still have their film (3,).
+        table_factor: on K_s, see `table_factor`.
         """
         return self.factors(cover[2], cover[:2], ball_depth, race_depths, table_factor)
 
@@ -215,13 +225,13 @@ def limits_depth(scene: Scene) -> bool:
 
 def follows_depths(scene: Scene) -> bool:
     """Returns whether a life requires wear depths: for films, for running in or for its end."""
-    return changes_as_it_wears(scene) or limits_depth(scene)
+    return friction_changes_with_wear(scene) or limits_depth(scene)
 
 
 def _surface(
     material: Material, friction_film: FilmFriction | None, common: FilmFriction | None
 ) -> Surface:
-    """Returns the surface of a part.
+    """Returns the surface of a ball or a race of a material, with its film if it has one.
 
     friction_film: film that the scene's friction names, if it is on this part.
     common: film that the scene's friction names, which completes that of the material.
@@ -230,8 +240,9 @@ def _surface(
     film, thickness = None, 0.0
     if material.film is not None:
         thickness = material.film.thickness_um * UM
-        K_s = material.film.wear_coefficient or (common and common.wear_coefficient)
-        hardness = material.film.brinell_hardness_GPa or (common and common.brinell_hardness_GPa)
+        K_s, hardness = material.film.wear_coefficient, material.film.brinell_hardness_GPa
+        if common is not None:
+            K_s, hardness = K_s or common.wear_coefficient, hardness or common.brinell_hardness_GPa
         film = Archard(K_s or 0.0, hardness * GPA if hardness else H)
     elif friction_film is not None and friction_film.wear_coefficient is not None:
         thickness = (
@@ -239,15 +250,17 @@ def _surface(
         )
         hardness = friction_film.brinell_hardness_GPa
         film = Archard(friction_film.wear_coefficient, hardness * GPA if hardness else H)
-    running_in = material.running_in
+    initial_K_s = material.wear_coefficient
+    running_in = 0.0
+    if material.running_in is not None:
+        initial_K_s = material.running_in.wear_coefficient
+        running_in = material.running_in.depth_um * UM
     return Surface(
         substrate=Archard(material.wear_coefficient, H),
         film=film,
         thickness=thickness,
-        initial_K_s=material.wear_coefficient
-        if running_in is None
-        else running_in.wear_coefficient,
-        running_in=0.0 if running_in is None else running_in.depth_um * UM,
+        initial_K_s=initial_K_s,
+        running_in=running_in,
     )
 
 
@@ -263,7 +276,10 @@ def contact_temperatures(scene: Scene, parts: Sequence[float] | None = None) -> 
 
 
 def _semi_axis_factors(scene: Scene) -> np.ndarray:
-    """Returns semi-axes over the cube root of the load (2, 2): major, minor of both contacts."""
+    """Returns semi-axes over the cube root of the load (2, 2) [m/N^(1/3)], by fitted factors.
+
+    The first row are the major axes of the inner and the outer contact, the second the minor ones.
+    """
     g = mounted_geometry(scene)
     races = (INNER_RACE, OUTER_RACE)
     return np.array([fitted_factors(g, race, g.D0, math.cos(g.alpha0))[1:] for race in races]).T

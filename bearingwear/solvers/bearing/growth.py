@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from bearingwear.kernels.params import Geometry
-from bearingwear.scene.scene import Material, Scene, once
+from bearingwear.scene.scene import Material, Scene, cached_in_scene
 from bearingwear.scene.warmth import Fits, Temperature, expansion
 from bearingwear.solvers.bearing.mounted import GPA, MM, RPM, UM
 
@@ -31,7 +31,9 @@ class Ring(NamedTuple):
 
         Timoshenko and Goodier, *Theory of Elasticity*, section 32; a full disc has no hole.
         """
-        a2, b2, nu = self.inside**2, self.outside**2, self.nu
+        a2 = self.inside**2
+        b2 = self.outside**2
+        nu = self.nu
         hole = (1.0 + nu) * a2 * b2 / r**2 if a2 else 0.0
         shape = (1.0 - nu) * (a2 + b2) + hole - (1.0 - nu * nu) / (3.0 + nu) * r**2
         return (3.0 + nu) * self.rho * self.omega**2 * r * shape / (8.0 * self.E)
@@ -41,7 +43,9 @@ class Ring(NamedTuple):
 
         Lame's solution in plane stress.
         """
-        a2, b2, nu = self.inside**2, self.outside**2, self.nu
+        a2 = self.inside**2
+        b2 = self.outside**2
+        nu = self.nu
         uniform = (1.0 - nu) * (p_in * a2 - p_out * b2) * r
         hole = (1.0 + nu) * (p_in - p_out) * a2 * b2 / r if a2 else 0.0
         return (uniform + hole) / (self.E * (b2 - a2))
@@ -81,18 +85,22 @@ class Growth(NamedTuple):
 
 
 def temperatures(scene: Scene) -> Temperature:
-    """Returns temperatures of the parts, with a number for every ring and the balls."""
-    t, network = scene.temperature or Temperature(), scene.thermal
-    if network is not None:  # before the friction heat is known
+    """Returns the temperatures of the parts, with a number for both rings and the balls.
+
+    Of a thermal network they are those without friction heat.
+    """
+    t = scene.temperature or Temperature()
+    network = scene.thermal
+    if network is not None:
         t = network.parts(
             network.shaft_C, 0.5 * (network.shaft_C + network.housing_C), network.housing_C
         )
-    return _with_numbers(t)
+    return _completed(t)
 
 
 @functools.lru_cache(maxsize=64)  # used several times in each solve
-def _with_numbers(t: Temperature) -> Temperature:
-    """Returns temperatures in which the reference replaces those of rings and balls not given."""
+def _completed(t: Temperature) -> Temperature:
+    """Returns temperatures with the reference for rings and balls that have none."""
     parts = ("inner_ring_C", "balls_C", "outer_ring_C")
     return replace(t, **{name: t.reference_C for name in parts if getattr(t, name) is None})
 
@@ -105,10 +113,13 @@ def part_temperatures(scene: Scene) -> list[float]:
 
 
 def thermal_expansion(scene: Scene) -> Expansion:
-    """Returns the thermal growth of the parts."""
-    b, fits, t = scene.bearing, scene.fits or Fits(), temperatures(scene)
+    """Returns the thermal strains of the parts; 0 where a part is as warm as when mounted [1]."""
+    b = scene.bearing
+    fits = scene.fits or Fits()
+    t = temperatures(scene)
 
     def strain(part_C: float | None, material: str) -> float:
+        """Returns the thermal strain of a part; 0 without a temperature."""
         return 0.0 if part_C is None else expansion(scene, material) * (part_C - t.reference_C)
 
     return Expansion(
@@ -145,13 +156,18 @@ def ring_of(material: Material, inside: float, outside: float, rpm: float) -> Ri
 def inner_growth(
     scene: Scene, heat: Expansion, bore: float | None, fits: Fits | None, rpm: float
 ) -> RingGrowth:
-    """Returns the growth of the inner ring by speed [r/min] and fit.
+    """Returns the growth of the inner ring by speed and fit.
 
-    It is taken as a plane annulus from bore [m] to track, rigid without a bore.
+    It is taken as a plane annulus from bore to track, rigid without a bore.
+
+    heat: thermal strains of the parts.
+    bore: diameter [m].
+    rpm: speed of the shaft [r/min].
     """
     if bore is None:
         return RingGrowth()
-    seat, track = 0.5 * bore, track_radius(scene, -1.0)
+    seat = 0.5 * bore
+    track = track_radius(scene, -1.0)
     ring = ring_of(scene.materials[scene.bearing.race_material], seat, track, rpm)
     speed = ring.growth_at_speed(track)
     if fits is None:
@@ -167,7 +183,11 @@ def inner_growth(
 
 
 def _shaft(scene: Scene, fits: Fits, seat: float, rpm: float) -> Ring:
-    """Returns the shaft within the seat of the inner ring."""
+    """Returns the shaft within the seat of the inner ring as a rotating annulus.
+
+    seat: radius [m].
+    rpm: speed [r/min].
+    """
     material = scene.materials[fits.shaft_material or scene.bearing.race_material]
     return ring_of(material, 0.5 * MM * fits.shaft_bore_mm, seat, rpm)
 
@@ -176,7 +196,9 @@ def _overlaps(
     scene: Scene, fits: Fits, heat: Expansion, ring: Ring, shaft: Ring
 ) -> tuple[float, float]:
     """Returns the radial overlap of shaft and inner ring at rest, and its change by speed [m]."""
-    seat, t, shaft_strain = ring.inside, temperatures(scene), heat.shaft
+    seat = ring.inside
+    t = temperatures(scene)
+    shaft_strain = heat.shaft
     if t.shaft_C is None and t.inner_ring_C is not None:  # a shaft as warm as its ring
         material = fits.shaft_material or scene.bearing.race_material
         shaft_strain = expansion(scene, material) * (t.inner_ring_C - t.reference_C)
@@ -191,7 +213,8 @@ def fit_loss_speed(scene: Scene, bore: float, fits: Fits) -> float:
 
     bore: of the inner ring [m].
     """
-    seat, material = 0.5 * bore, scene.materials[scene.bearing.race_material]
+    seat = 0.5 * bore
+    material = scene.materials[scene.bearing.race_material]
     ring = ring_of(material, seat, track_radius(scene, -1.0), 1.0)
     shaft = _shaft(scene, fits, seat, 1.0)
     at_rest, per_square = _overlaps(scene, fits, thermal_expansion(scene), ring, shaft)
@@ -208,14 +231,16 @@ def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
     b, fits = scene.bearing, scene.fits
     if b.outside_diameter_mm is None:
         return RingGrowth()
-    seat, track = 0.5 * MM * b.outside_diameter_mm, track_radius(scene, 1.0)
+    seat = 0.5 * MM * b.outside_diameter_mm
+    track = track_radius(scene, 1.0)
     ring_material = scene.materials[b.race_material]
     ring = ring_of(ring_material, track, seat, scene.operation.outer_speed_rpm)
     speed = ring.growth_at_speed(track)
     if fits is None:
         return RingGrowth(speed=speed)
     material = fits.housing_material or b.race_material
-    housing, t = scene.materials[material], temperatures(scene)
+    housing = scene.materials[material]
+    t = temperatures(scene)
     housing_strain = heat.housing
     if t.housing_C is None and t.outer_ring_C is not None:  # a housing as warm as its ring
         housing_strain = expansion(scene, material) * (t.outer_ring_C - t.reference_C)
@@ -227,21 +252,28 @@ def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
     return RingGrowth(speed, fit, pressure, seat_lost=at_rest > 0.0 and overlap <= 0.0)
 
 
-@once
+@cached_in_scene
 def growth_of(scene: Scene) -> Growth:
-    """Returns all changes of the bearing as mounted."""
+    """Returns the growth of a scene's bearing by heat, speed and fits."""
     bore = scene.bearing.bore_mm
     return growth_with_bore(scene, None if bore is None else bore * MM)
 
 
 def growth_with_bore(scene: Scene, bore: float | None) -> Growth:
-    """Returns `growth_of` with a bore of the inner ring [m]; without one the ring is rigid."""
+    """Returns the growth of a scene's bearing with a bore of the inner ring [m].
+
+    Without a bore the ring is rigid.
+    """
     return growth_with_fits(scene, bore, scene.fits)
 
 
 def growth_with_fits(scene: Scene, bore: float | None, fits: Fits | None) -> Growth:
-    """Returns `growth_with_bore` with other fits of the inner ring than the scene's."""
-    heat, rpm = thermal_expansion(scene), scene.operation.shaft_speed_rpm
+    """Returns the growth of a scene's bearing with a bore [m] and fits of the inner ring.
+
+    The fit of the outer ring is that of the scene.
+    """
+    heat = thermal_expansion(scene)
+    rpm = scene.operation.shaft_speed_rpm
     return Growth(heat, inner_growth(scene, heat, bore, fits, rpm), outer_growth(scene, heat))
 
 
@@ -261,7 +293,7 @@ def axial_change(
     return 0.5 * (A1 * (heat.shaft + heat.housing) + side * span * (heat.shaft - heat.housing))
 
 
-def grown(g: Geometry, growth: Growth, axial: float) -> Geometry:
+def grown_geometry(g: Geometry, growth: Growth, axial: float) -> Geometry:
     """Returns the geometry of the running bearing.
 
     g: geometry as mounted.
@@ -297,7 +329,8 @@ def is_held(scene: Scene) -> bool:
 
 def growth_values(scene: Scene) -> dict[str, Any]:
     """Returns result variables of the growth; none if the bearing runs as mounted."""
-    growth, values = growth_of(scene), {}
+    growth = growth_of(scene)
+    values = {}
     if scene.temperature is not None:
         values["part_temperature"] = part_temperatures(scene)
         values["thermal_growth"] = list(growth.heat)
@@ -311,5 +344,8 @@ def growth_values(scene: Scene) -> dict[str, Any]:
 
 
 def lasting_growth(scene: Scene) -> dict[str, Any]:
-    """Returns `growth_values` of a life, if the growth is constant along it; none of a pair."""
+    """Returns result variables of the growth that is constant along a life.
+
+    They are empty for a pair, and where a thermal network changes the growth along the life.
+    """
     return growth_values(scene) if scene.thermal is None and len(scene.sides) == 1 else {}

@@ -26,14 +26,18 @@ from bearingwear.solvers.roots import brent_root
 
 GRAVITY = 9.80665  # standard [m/s2]
 FARTHEST_G = 1e9  # in place of infinity, which cannot be interpolated
+WIDEST_GAP = 1.0  # likewise [m]
 THREE_SIGMA = 3.0
 """Factor on the rms by which launch loads are usually stated (FEMCI book, NASA Goddard, 2001)."""
 
 _BALANCED = 1e-14  # unbalanced force, over the largest sum of loads
 _MOST_STEPS = 300
 _SOFTEST, _HARDEST = 1e-12, 1e6  # damping, over the stiffness of the balls
+_DAMPING_STEP = 10.0  # factor on the damping after a step that gained nothing
 _ROUNDED = 1e-12  # relative change of the energy that is rounding
-_PLANE = [1, 2]
+_PLACE_ROUNDING = {"xtol": 1e-20, "rtol": 1e-15}
+"""Tolerances [m] and [1] of the place as mounted: to the last bits."""
+_PLANE = [1, 2]  # `_Z` and `_TILT`
 _X, _Z, _TILT, _SLIDE = range(4)  # place of the rotor's middle, and of the second outer ring
 
 
@@ -50,7 +54,7 @@ class RestingSide(NamedTuple):
     peak: np.ndarray  # (n, 2) peak pressure under 1 N, inner and outer race [Pa]
 
     def balls(self, q: np.ndarray) -> "Balls":
-        """Returns its balls at a position of the rotor."""
+        """Returns the balls at a position (4,) of the rotor, see `_X` to `_SLIDE`."""
         g, c = self.g, np.cos(self.psi)[:, None]
         slopes = np.array([self.motion[0] + g.R_i * c * self.motion[2], c * self.motion[1]])
         A1 = g.BD * math.sin(g.alpha0) + self.mounted + slopes[0] @ q
@@ -84,19 +88,20 @@ class RestingSide(NamedTuple):
         return float(race_displacement(self.g, self.g.r_i + self.g.r_o - self.D + d).min())
 
     def force(self, displacement: float) -> float:
-        """Returns the axial force of all in tandem at an axial displacement [m] alone [N]."""
+        """Returns the axial force of all bearings in tandem at an axial displacement [m] [N]."""
         b = self.balls(np.array([(displacement - self.mounted) / self.motion[0, _X], 0, 0, 0]))
         return self.tandem * float(b.Q @ b.s)
 
 
 def resting_side(scene: Scene, a: Arrangement, k: int, loss: float | None) -> RestingSide:
-    """Returns a bearing of a rotor.
+    """Returns a bearing of a rotor at rest, with its contacts as two springs in series.
 
     scene: bearing at rest.
     k: its number on the rotor, 0 or 1; the second one faces the other way.
     loss: of ball diameter, in place of the scene's [m].
     """
-    g, facing = geometry(scene), 1.0 - 2.0 * k
+    g = geometry(scene)
+    facing = 1.0 - 2.0 * k
     outwards = -1.0 if a.orientation == "back_to_back" else 1.0
     # place on the rotor of the inner groove centres, at which the balls' forces act
     arm = (g.r_i - 0.5 * g.D0) * math.sin(g.alpha0)
@@ -134,12 +139,16 @@ class Balls(NamedTuple):
         return self.s[:, None] * self.slopes[0] + self.c[:, None] * self.slopes[1]
 
     def stiffness(self, factor: np.ndarray) -> np.ndarray:
-        """Returns the stiffness of the bearing by the position of the rotor (4, 4)."""
+        """Returns the stiffness of the bearing by the position of the rotor (4, 4).
+
+        factor: load over deformation^1.5 of each ball (n,) [N/m^1.5].
+        """
         along, (axial, radial) = self.along, self.slopes
         # derivative of the contact angle, times the length
         across = self.c[:, None] * axial - self.s[:, None] * radial
-        k, turn = 1.5 * factor * np.sqrt(self.d), self.Q / self.length
-        return (along.T * k) @ along + (across.T * turn) @ across
+        compression = 1.5 * factor * np.sqrt(self.d)
+        turning = self.Q / self.length
+        return (along.T * compression) @ along + (across.T * turning) @ across
 
 
 def series_contact(g: Geometry, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -164,11 +173,13 @@ def place_as_mounted(g: Geometry, preload: float) -> float:
     across = g.BD * math.cos(g.alpha0)
 
     def unbalanced(A1: float) -> float:
+        """Returns the thrust beyond the preload at an axial distance of the groove centres [N]."""
         length = math.hypot(A1, across)
         return g.n_balls * factor * max(length - g.BD, 0.0) ** 1.5 * A1 / length - preload
 
     A1_free = g.BD * math.sin(g.alpha0)
-    return brent_root(unbalanced, A1_free, A1_free + g.BD, xtol=1e-20, rtol=1e-15) - A1_free
+    A1 = brent_root(unbalanced, A1_free, A1_free + g.BD, **_PLACE_ROUNDING)
+    return A1 - A1_free
 
 
 @dataclass(frozen=True)
@@ -211,6 +222,15 @@ class RestingRotor:
         return max(float(bearing.pressure.max()) for bearing in self.bearings)
 
 
+class _Energy(NamedTuple):
+    """Energy of a rotor and its derivatives by the position of the rotor."""
+
+    value: float  # [J]
+    slope: np.ndarray  # (coordinates,) unbalanced forces [N, N m]
+    stiffness: np.ndarray  # (coordinates, coordinates)
+    largest: float  # sum of the loads of a bearing's balls, the larger one [N]
+
+
 @dataclass(frozen=True)
 class RotorAtRest:
     """A rotor on two bearings as mounted: warm, but not turning.
@@ -228,6 +248,7 @@ class RotorAtRest:
 
         losses: loss of ball diameter in each bearing, in place of the scene's [m].
         """
+        # both bearings of a symmetric pair are the one of the scene
         side_losses = (None, None) if losses is None else (tuple(losses) * 2)[:2]
         a = scene.arrangement or Arrangement()
         speeds = ("shaft_speed_rpm", "lowest_speed_rpm", "outer_speed_rpm")
@@ -240,7 +261,8 @@ class RotorAtRest:
         stop = math.inf if a.stop_um is None else a.stop_um * UM
         spring = None
         if scene.operation.preload_method == "constant_force":
-            force, k_s = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM
+            force = float(scene.operation.preload_N)
+            k_s = a.spring_stiffness_N_um * N_UM
             spring = PreloadSpring(force, k_s, stop)
         return cls((first, second), a.rotor_offset_mm * MM, spring)
 
@@ -249,18 +271,20 @@ class RotorAtRest:
 
         None where nothing supports it: the spring has neither stiffness nor a stop.
         """
-        free = [_X, _Z, _TILT] if self.spring is None else [_X, _Z, _TILT, _SLIDE]
         force = np.array([axial, radial, -self.offset * radial, 0.0])
         k_s = np.zeros((4, 4))
-        if self.spring is not None:
-            F_s, k_s[_SLIDE, _SLIDE], stop = self.spring
-            force[_SLIDE] = F_s
-            if k_s[_SLIDE, _SLIDE] == 0.0 and stop == math.inf and axial <= -F_s:
-                return None
-        position = self._least_energy(force, k_s, free, np.zeros(4))
-        if self.spring is not None and position[_SLIDE] < -stop:
+        if self.spring is None:
+            position = self._least_energy(force, k_s, [_X, _Z, _TILT], np.zeros(4))
+            return self._state(position, force, k_s)
+        force[_SLIDE] = self.spring.force
+        k_s[_SLIDE, _SLIDE] = self.spring.stiffness
+        stop = self.spring.stop
+        if self.spring.stiffness == 0.0 and stop == math.inf and axial <= -self.spring.force:
+            return None
+        position = self._least_energy(force, k_s, [_X, _Z, _TILT, _SLIDE], np.zeros(4))
+        if position[_SLIDE] < -stop:
             start = np.array([0.0, 0.0, 0.0, -stop])
-            position = self._least_energy(force, k_s, free[:3], start)
+            position = self._least_energy(force, k_s, [_X, _Z, _TILT], start)
         return self._state(position, force, k_s)
 
     def frequencies(self, a: Arrangement) -> np.ndarray:
@@ -269,10 +293,11 @@ class RotorAtRest:
         if rest is not None:
             q = np.array([rest.shift, rest.across, rest.tilt, rest.slide])
         K_1, K_2 = (seat.tandem * seat.balls(q).stiffness(seat.factor) for seat in self.seats)
-        axial, K_2_axial = K_1[_X, _X] + K_2[_X, _X], K_2[_X, _X]
+        first, second = K_1[_X, _X], K_2[_X, _X]
+        axial = first + second
         if self.spring is not None:
             k_s = self.spring.stiffness
-            axial = K_1[_X, _X] + (k_s * K_2_axial / (k_s + K_2_axial) if K_2_axial else 0.0)
+            axial = first + (k_s * second / (k_s + second) if second else 0.0)
         return plane_frequencies(a, float(axial), (K_1 + K_2)[np.ix_(_PLANE, _PLANE)])
 
     @property
@@ -282,63 +307,81 @@ class RotorAtRest:
         return AxialRotor(self.seats, (first.mounted, second.mounted), self.spring)
 
     def denting_force(self, pressure: float) -> float:
-        """Returns the least axial force, in either direction, that causes a peak pressure [Pa]."""
+        """Returns the least axial force [N], in either direction, that causes a pressure [Pa]."""
         first, second = (seat.denting_displacement(pressure) for seat in self.seats)
-        return max(
-            min(self.axial_rotor.external(0, first), -self.axial_rotor.external(1, second)), 0.0
-        )
+        dents_first = self.axial_rotor.external(0, first)
+        dents_second = -self.axial_rotor.external(1, second)
+        return max(min(dents_first, dents_second), 0.0)
+
+    def _energy(self, force: np.ndarray, k_s: np.ndarray, q: np.ndarray) -> "_Energy":
+        """Returns the energy of the rotor at a position `q`, with its derivatives.
+
+        force, k_s: load and stiffness of the spring, as in `_least_energy`.
+        """
+        E = 0.5 * q @ k_s @ q - force @ q
+        slope = k_s @ q - force
+        K = k_s
+        largest = 0.0
+        for seat in self.seats:
+            b = seat.balls(q)
+            n = seat.tandem
+            E = E + 0.4 * n * (b.Q @ b.d)  # the integral of a force that goes as d^1.5
+            slope = slope + n * (b.Q @ b.along)
+            K = K + n * b.stiffness(seat.factor)
+            largest = max(largest, n * float(b.Q.sum()))
+        return _Energy(float(E), slope, K, largest)
 
     def _least_energy(
         self, force: np.ndarray, k_s: np.ndarray, free: list[int], q: np.ndarray
     ) -> np.ndarray:
-        """Returns the position of least energy, found from a start `q`.
+        """Returns the position (4,) of least energy, found from a start `q`.
 
         Damped Newton steps are taken: where balls are loose, nothing may resist in some direction.
 
+        force: load on the coordinates (4,) [N, N m].
+        k_s: stiffness of the spring (4, 4) [N/m].
         free: the coordinates that may move.
         """
+        # lengths: of the steps, so that a tilt counts by the displacement of the groove
         lengths = np.array([1.0, 1.0, 1.0 / self.seats[0].g.R_i, 1.0])[free]
-        block = np.ix_(free, free)
 
-        def energy(q: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, float]:
-            E, slope, K, largest = 0.5 * q @ k_s @ q - force @ q, k_s @ q - force, k_s, 0.0
-            for seat in self.seats:
-                b, n = seat.balls(q), seat.tandem
-                E = E + 0.4 * n * (b.Q @ b.d)
-                slope = slope + n * (b.Q @ b.along)
-                K = K + n * b.stiffness(seat.factor)
-                largest = max(largest, n * float(b.Q.sum()))
-            return float(E), slope[free] * lengths, K[block] * np.outer(lengths, lengths), largest
+        def free_energy(q: np.ndarray) -> _Energy:
+            """Returns the energy with derivatives by the scaled free coordinates alone."""
+            energy = self._energy(force, k_s, q)
+            return energy._replace(
+                slope=energy.slope[free] * lengths,
+                stiffness=energy.stiffness[np.ix_(free, free)] * np.outer(lengths, lengths),
+            )
 
-        E, slope, K, largest = energy(q)
+        here = free_energy(q)
         scale = max(float(np.sum(seat.factor)) for seat in self.seats) * math.sqrt(UM)
         damping = 0.0
         for _ in range(_MOST_STEPS):
-            if abs(slope).max() <= _BALANCED * max(largest, abs(force[:2]).max()):
+            steepest = abs(here.slope).max()
+            if steepest <= _BALANCED * max(here.largest, abs(force[:2]).max()):
                 break
             try:
-                step = np.linalg.solve(K + damping * np.eye(len(free)), -slope)
+                step = np.linalg.solve(here.stiffness + damping * np.eye(len(free)), -here.slope)
             except np.linalg.LinAlgError:
-                damping = max(10.0 * damping, _SOFTEST * scale)
+                damping = max(_DAMPING_STEP * damping, _SOFTEST * scale)
                 continue
-            trial = q.copy()
-            trial[free] += step * lengths
-            trial_values = energy(trial)
-            trial_E, trial_slope, *_ = trial_values
-            is_level = (
-                trial_E - E <= _ROUNDED * abs(E) and abs(trial_slope).max() < abs(slope).max()
-            )
-            if trial_E < E or is_level:
-                q, (E, slope, K, largest), damping = trial, trial_values, 0.1 * damping
+            trial_q = q.copy()
+            trial_q[free] += step * lengths
+            trial = free_energy(trial_q)
+            is_level = trial.value - here.value <= _ROUNDED * abs(here.value)
+            if trial.value < here.value or (is_level and abs(trial.slope).max() < steepest):
+                q, here = trial_q, trial
+                damping *= 0.1
             elif damping > _HARDEST * scale:
                 break
             else:
-                damping = max(10.0 * damping, _SOFTEST * scale)
+                damping = max(_DAMPING_STEP * damping, _SOFTEST * scale)
         return q
 
     def _state(self, q: np.ndarray, force: np.ndarray, k_s: np.ndarray) -> RestingRotor:
-        """Returns the rotor at a position of balance."""
-        bearings, unbalanced = [], k_s @ q - force
+        """Returns the rotor at a position `q` of balance; the arguments are `_least_energy`'s."""
+        bearings = []
+        unbalanced = k_s @ q - force
         for seat in self.seats:
             b = seat.balls(q)
             unbalanced = unbalanced + seat.tandem * (b.Q @ b.along)
@@ -411,7 +454,11 @@ class LaunchResult:
 
 
 def miles(density: float, frequency: float, amplification: float) -> float:
-    """Returns the rms acceleration of an oscillator under a density, both in one unit.
+    """Returns the rms acceleration of an oscillator under random vibration [g].
+
+    density: of the acceleration [g2/Hz].
+    frequency: of the oscillator [Hz].
+    amplification: at resonance [1].
 
     J. W. Miles, J. Aeronautical Sciences (Nov 1954) 753.
     """
@@ -437,17 +484,22 @@ class RandomResponse:
 
     @property
     def three_sigma_g(self) -> float:
+        """Returns three times the rms acceleration, in g."""
         return THREE_SIGMA * self.rms_g
 
     @property
     def largest_g(self) -> float:
-        """Returns the largest expected acceleration, at least three sigma."""
+        """Returns the largest expected acceleration, at least three sigma, in g."""
         return max(THREE_SIGMA, self.expected) * self.rms_g
 
 
 def check_launch(scene: Scene, source: str) -> None:
-    """Refuses a scene whose rotor lacks a value that the launch requires."""
-    a, launch = scene.arrangement, scene.launch or Launch()
+    """Raises SceneError if the rotor of a scene lacks a value that the launch requires.
+
+    source: file of the scene, for the message.
+    """
+    a = scene.arrangement
+    launch = scene.launch or Launch()
     needed = ["rotor_mass_kg"]
     densities = (launch.axial_density_g2_Hz, launch.radial_density_g2_Hz)
     if launch.radial_g or densities != (None, None):
@@ -459,13 +511,15 @@ def check_launch(scene: Scene, source: str) -> None:
 
 
 def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> LaunchResult:
-    """Returns loads and gaps of the bearings of a scene whose rotor has a mass.
+    """Returns the result of a launch for a scene whose rotor has a mass.
 
     The loads act in both directions of the axis, across it, and along and across together.
 
     losses: as in `RotorAtRest.of`. Race wear counts as that of balls: both open the contacts.
     """
-    a, launch, rest = scene.arrangement, scene.launch or Launch(), RotorAtRest.of(scene, losses)
+    a = scene.arrangement
+    launch = scene.launch or Launch()
+    rest = RotorAtRest.of(scene, losses)
     assert a is not None and a.rotor_mass_kg is not None
     weight = a.rotor_mass_kg * GRAVITY
     frequencies = rest.frequencies(a) if a.span_mm is not None else None
@@ -473,9 +527,13 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
     axial_g = random["axial"].largest_g if "axial" in random else launch.axial_g
     radial_g = random["radial"].largest_g if "radial" in random else launch.radial_g
     forces = launch_forces(axial_g * weight, radial_g * weight)
+    loads = tuple(
+        LaunchLoad(name=name, axial=axial, radial=radial, rotor=rest.under(axial, radial))
+        for name, (axial, radial) in forces.items()
+    )
     weakest = min(map(yield_pressure, scene.sides), key=lambda limit: limit.GPa)
     return LaunchResult(
-        loads=tuple(LaunchLoad(name, *F, rest.under(*F)) for name, F in forces.items()),
+        loads=loads,
         axial_g=axial_g,
         radial_g=radial_g,
         random=random,
@@ -488,7 +546,10 @@ def launch_result(scene: Scene, losses: Sequence[float] | None = None) -> Launch
 
 
 def _random_responses(launch: Launch, frequencies: np.ndarray | None) -> dict[str, RandomResponse]:
-    """Returns the responses to the densities of a launch, by their direction."""
+    """Returns the responses to the densities of a launch, by their direction.
+
+    frequencies: axial, radial and conical (3,) [Hz]; not needed without a density.
+    """
     densities = {"axial": launch.axial_density_g2_Hz, "radial": launch.radial_density_g2_Hz}
     responses = {}
     for k, (direction, density) in enumerate(densities.items()):
@@ -501,7 +562,10 @@ def _random_responses(launch: Launch, frequencies: np.ndarray | None) -> dict[st
 
 
 def launch_forces(axial: float, across: float) -> dict[str, tuple[float, float]]:
-    """Returns axial and radial force of each load by its name, without those that are zero [N]."""
+    """Returns axial and radial force of each load by its name, without those that are zero [N].
+
+    axial, across: largest forces along the axis and across it [N].
+    """
     forces = {"along +X": (axial, 0.0), "along -X": (-axial, 0.0)} if axial else {}
     if across:
         forces |= {"across": (0.0, across)}
@@ -527,7 +591,7 @@ def wear_at_launch(
 
 
 def launch_values(scene: Scene, wear: Sequence[Sequence[float]] = ()) -> dict[str, float]:
-    """Returns the limited quantities of a launch [SI], the worst of new and worn.
+    """Returns result variables of a launch that requirements limit, the worst of new and worn.
 
     They are empty without the rotor's mass.
 
@@ -538,7 +602,8 @@ def launch_values(scene: Scene, wear: Sequence[Sequence[float]] = ()) -> dict[st
         return {}
     if scene.launch is not None and a.span_mm is None:
         scene = replace(scene, launch=replace(Launch(), after_wear_um=scene.launch.after_wear_um))
-    states = [*wear[:1], *(wear_at_launch(scene, wear[0], end) for end in wear[1:])] or [None]
+    states: list[Sequence[float] | None] = list(wear[:1]) or [None]
+    states += [wear_at_launch(scene, wear[0], end) for end in wear[1:]]
     results = [launch_result(scene, losses) for losses in states]
     values = {
         "opening_acceleration": GRAVITY
@@ -547,6 +612,6 @@ def launch_values(scene: Scene, wear: Sequence[Sequence[float]] = ()) -> dict[st
         * min(FARTHEST_G, *(result.denting_g for result in results)),
     }
     if results[0].loads:
-        values["launch_gap"] = min(max(result.gap for result in results), 1.0)
+        values["launch_gap"] = min(max(result.gap for result in results), WIDEST_GAP)
         values["launch_pressure_share"] = max(result.pressure_share for result in results)
     return values

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from bearingwear.kernels.params import Geometry
-from bearingwear.scene.scene import Material, Scene, once
+from bearingwear.scene.scene import Material, Scene, cached_in_scene
 
 MM, UM, GPA = 1e-3, 1e-6, 1e9
 RPM = math.pi / 30.0
@@ -49,7 +49,13 @@ def groove_geometry(
     E_star: float,
     rho: float,
 ) -> Geometry:
-    """Returns the geometry from diameters [m], angle [rad] and groove factors (section 2)."""
+    """Returns the geometry of an unworn bearing (theory.md section 2).
+
+    D0, dm: ball diameter and pitch diameter [m].
+    alpha0: free contact angle [rad].
+    f_i, f_o: groove radii over the ball diameter.
+    E_star, rho: contact modulus [Pa], and density of the balls [kg/m3].
+    """
     return Geometry(
         n_balls=n_balls,
         D0=D0,
@@ -65,9 +71,9 @@ def groove_geometry(
     )
 
 
-@once
+@cached_in_scene
 def mounted_geometry(scene: Scene) -> Geometry:
-    """Returns groove geometry and material pair of a scene, before anything has grown."""
+    """Returns geometry and material constants of a scene's bearing as mounted."""
     b = scene.bearing
     ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
     return groove_geometry(

@@ -77,9 +77,13 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
 
 
 def slips_across(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows) -> np.ndarray:
-    """Returns gyroscopic and rolling slip (2, n, 2, strips) [m/s], as in `contact_values`."""
+    """Returns gyroscopic and rolling slip in the contacts of n balls (2, n, 2, strips) [m/s].
+
+    The arguments are those of `contact_values`.
+    """
     v = np.zeros((2, len(D), 2, scene.model.strips))
-    summary.slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), *v)
+    v1, v2 = v
+    summary.slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), v1, v2)
     return v
 
 
@@ -106,8 +110,8 @@ def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndar
     D: worn diameters (...) [m].
     moment: gyroscopic moments (...) [N m].
     """
-    pairs = (mu[..., 0], mu[..., 1], Q[..., 0], Q[..., 1])  # moveaxis takes ten times as long
-    most = friction_capacity(*pairs) * 0.5 * D
+    # indices, as moveaxis takes ten times as long
+    most = friction_capacity(mu[..., 0], mu[..., 1], Q[..., 0], Q[..., 1]) * 0.5 * D
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(moment > 0.0, moment / most, 0.0)
 
@@ -143,8 +147,14 @@ def wear_values(
     n = scene.bearing.ball_count
     ball_rate, race_rate = wear_rates(scene, qv, a)
     touching = a.min(axis=1) > 0.0  # a ball off a race loosens no fit
-    in_contacts = ball_rate, race_rate, a, track
-    losses = diameter_loss_rate(scene, D[touching], *(value[touching].T for value in in_contacts))
+    losses = diameter_loss_rate(
+        scene,
+        D[touching],
+        ball_rate[touching].T,
+        race_rate[touching].T,
+        a[touching].T,
+        track[touching].T,
+    )
     return {
         "ball_wear_rate": ball_rate.sum(axis=1),
         "race_wear_rate": n * (race_rate.sum(axis=0) / len(D)),
@@ -160,9 +170,7 @@ def wear_rates(
     qv, a: QV [W] and semi-major axis [m] of each contact (..., 2).
     parts: K_s/H of ball and race, that of new surfaces if none is given.
     """
-    if parts is None:
-        parts = unworn_factors(scene, Films.of(scene), a)
-    ball, race = parts
+    ball, race = unworn_factors(scene, Films.of(scene), a) if parts is None else parts
     return ball * qv, race * qv
 
 
@@ -177,7 +185,12 @@ def unworn_factors(scene: Scene, films: Films, a: np.ndarray) -> Factors:
 
 
 def groove_depth_rates(n: int, race_rate: Any, a: Any, track: Any):
-    """Returns the rates at which grooves deepen, the mean over their width [m/s] (Eq. 24)."""
+    """Returns the rates at which grooves deepen, the mean over their width [m/s] (Eq. 24).
+
+    n: number of balls.
+    race_rate: wear of the race by one ball [m3/s].
+    a, track: semi-major axis of the contact and radius of its track [m].
+    """
     return n * race_rate / (2.0 * np.pi * track * 2.0 * a)
 
 

@@ -13,10 +13,10 @@ from bearingwear.kernels.contact.points import SEGMENTS, Rule
 from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.scene.scene import Arrangement, Scene, once
+from bearingwear.scene.scene import Arrangement, Scene, cached_in_scene
 from bearingwear.solvers.bearing import quadrature as rules
 from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
-from bearingwear.solvers.bearing.growth import Growth, axial_change, grown, growth_of
+from bearingwear.solvers.bearing.growth import Growth, axial_change, grown_geometry, growth_of
 from bearingwear.solvers.bearing.mounted import GPA as GPA
 from bearingwear.solvers.bearing.mounted import MM as MM
 from bearingwear.solvers.bearing.mounted import RPM as RPM
@@ -29,27 +29,25 @@ SEARCH_ACROSS = 4
 FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
 
 
-@once
+@cached_in_scene
 def static_place(scene: Scene) -> float:
     """Returns the axial displacement of the bearing as mounted, under its preload alone [m].
 
     A fixed position keeps it, whatever grows or wears afterwards.
     """
-    if (
-        not scene.operation.preload_N
-    ):  # every place with play is one, and the solver would find a far one
+    if not scene.operation.preload_N:  # no load at any place with play: the solver finds a far one
         return 0.0
     return static_displacement(mounted_geometry(scene), float(scene.operation.preload_N))
 
 
-@once
+@cached_in_scene
 def geometry(scene: Scene) -> Geometry:
-    """Returns groove geometry and material pair of a scene as it runs: warm, at speed, fitted."""
+    """Returns geometry and material constants of a scene's bearing as it runs, warm and fitted."""
     return running_geometry(scene, growth_of(scene))
 
 
 def running_geometry(scene: Scene, growth: Growth) -> Geometry:
-    """Returns `geometry` with a growth of the bearing that may differ from the scene's."""
+    """Returns geometry and material constants of a scene's bearing with some growth."""
     g = mounted_geometry(scene)
     if growth.is_none:
         return g
@@ -59,7 +57,7 @@ def running_geometry(scene: Scene, growth: Growth) -> Geometry:
         span = MM * (arrangement.span_mm or 0.0)
         A1 = g.BD * math.sin(g.alpha0) + static_place(scene)
         axial_growth = axial_change(growth.heat, A1, span, arrangement.orientation)
-    return grown(g, growth, axial_growth)
+    return grown_geometry(g, growth, axial_growth)
 
 
 def operating_point(scene: Scene, bare: Bare = COVERED) -> OperatingPoint:
@@ -81,16 +79,23 @@ def friction_law(scene: Scene, bare: bool = False) -> Law:
     """
     film = scene.friction.film
     if film is None:
-        mu, S = scene.friction.coefficient, 0.0
+        mu = scene.friction.coefficient
+        S = 0.0
     elif bare and film.bare_ball_race is not None:
-        mu, S = film.bare_ball_race, 0.0
+        mu = film.bare_ball_race
+        S = 0.0
     else:
-        mu, S = film.pressure_coefficient, film.shear_strength_MPa * MPA
+        mu = film.pressure_coefficient
+        S = film.shear_strength_MPa * MPA
     return Law(mu=float(mu), S=float(S))
 
 
 def where_bare(problem: Any, scene: Scene, bare: Bare) -> Any:
-    """Returns a problem with the friction of a scene, some of its contacts without film."""
+    """Returns a problem with the friction of a scene, some of its contacts without film.
+
+    problem: a dataclass with an `OperatingPoint` in its field `op`.
+    bare: which contacts have no film left.
+    """
     if not any(bare):
         return problem
     laws = {"law_i": friction_law(scene, bare[0]), "law_o": friction_law(scene, bare[1])}
@@ -113,26 +118,30 @@ def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
     """Returns a rule with a number of strips (split: at most) and points across each of them.
 
     Callers share it and must not write to it.
+
+    name: "split", "strips" or "gauss", as in `model.quadrature` of a scene.
     """
     if name == "split":
-        m = -(-points // SEGMENTS)
+        m = math.ceil(points / SEGMENTS)
         y, share = rules.chebyshev_halves(across)
-        t, weight = rules.gathered(m)
+        t, weight = rules.gathered_points(m)
         return Rule(
             split=True,
             t=t,
             weight=weight,
-            tip=rules.tips(m),
+            tip=rules.root_factors(m),
             across=y,
             share=share,
-            even=rules.even_shares(y, True),
+            even=rules.area_shares_across(y, halves=True),
         )
     y, share = rules.chebyshev(across)
     if name == "strips":
-        (t, weight), tip = rules.equal_strips(points), rules.strip_tips(points)
+        t, weight = rules.equal_strips(points)
+        tip = rules.strip_area_factors(points)
     else:
-        half = rules.tips((points + 1) // 2)
-        (t, weight), tip = rules.gauss_halves(points), np.concatenate([half[::-1], half])
+        t, weight = rules.gauss_halves(points)
+        half = rules.root_factors((points + 1) // 2)
+        tip = np.concatenate([half[::-1], half])
     return Rule(
         split=False,
         t=t,
@@ -140,7 +149,7 @@ def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
         tip=tip,
         across=y,
         share=share,
-        even=rules.even_shares(y, False),
+        even=rules.area_shares_across(y, halves=False),
     )
 
 
@@ -152,21 +161,16 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
     model = scene.model
     name = model.quadrature
     strips = max(model.strips, FEWEST_SPLIT) if name == "split" else model.strips
-    if model.slip_is_over == "line":
+    if model.slip_region == "line":
         return ellipse_rule(name, refined * strips)
     refined = min(refined, 2)
     return ellipse_rule(name, refined * strips, refined * model.points_across)
 
 
-@functools.cache
-def split_points(count: int, across: int) -> EllipsePoints:
-    """Returns points of a split rule over the ellipse in time; shared, so do not write to them."""
-    return EllipsePoints(True, *rules.spread_ellipse(count, across))
-
-
 def line_points(rule: Rule) -> EllipsePoints:
     """Returns a split rule with one point across as `EllipsePoints`."""
-    middle, area = np.zeros(rule.t.size), MIDDLE_WIDTH * rule.weight
+    middle = np.zeros(rule.t.size)
+    area = MIDDLE_WIDTH * rule.weight
     return EllipsePoints(
         split=True,
         s=rule.t,
@@ -187,10 +191,10 @@ def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
     """
     rule = quadrature(scene, refined)
     if rule.split and rule.across.size > 1:
-        return split_points(rule.t.size, rule.across.size)
+        return rules.spread_ellipse(rule.t.size, rule.across.size)
     if rule.split:
         return line_points(rule)
-    return EllipsePoints(False, *rules.spread_fixed(*rule[1:]))
+    return rules.spread_fixed(rule)
 
 
 def search_rule(scene: Scene) -> Rule:
@@ -202,7 +206,7 @@ def search_rule(scene: Scene) -> Rule:
 
 
 def wear_factors(scene: Scene) -> tuple[float, float]:
-    """Returns K_s/H of ball and race when new [1/Pa]."""
+    """Returns K_s/H of ball and race when new, the larger of both contacts [1/Pa]."""
     films = Films.of(scene)
     ball, race = (float(np.max(part)) for part in films.contact_factors(films.thickness > 0.0))
     return ball, race

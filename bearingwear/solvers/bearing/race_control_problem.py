@@ -51,8 +51,9 @@ class RaceControlProblem:
 
     @classmethod
     def of(cls, scene: Scene) -> "RaceControlProblem":
-        """Returns the problem of a scene."""
-        g, operation = parameters.geometry(scene), scene.operation
+        """Returns the problem of a scene, its rotating load at the instant along +Z."""
+        g = parameters.geometry(scene)
+        operation = scene.operation
         F_y, F_z = operation.radial_load_N
         F = np.array([operation.preload_N, F_y, F_z + operation.rotating_load_N], dtype=float)
         D = parameters.ball_diameters(scene)
@@ -72,11 +73,13 @@ class RaceControlProblem:
         return 2.0 * np.pi * np.arange(len(self.D)) / self.g.n_balls
 
     def balance(self, models: np.ndarray, Omega: float = 0.0) -> Balance:
-        """Returns the equilibrium, with the kinematics model of each ball (n,).
+        """Returns the equilibrium of balls and race.
 
+        models: kinematics model of each ball (n,), see `kernels.equilibrium.kinematics`.
         Omega: orbit rate in the model ORBIT [rad/s].
         """
-        op, load = self.op, self.load(models[0], Omega)
+        op = self.op
+        load = self.load(models[0], Omega)
         if len(self.D) == 1:
             return self.thrust_balance(load)
         loads = np.zeros((len(self.D), race.LOAD_FIELDS))
@@ -104,7 +107,9 @@ class RaceControlProblem:
         )
 
     def load(self, model: int, Omega: float = 0.0) -> BallLoad:
-        """Returns the load of a ball by its kinematics model.
+        """Returns speeds and forces of a ball, as the equilibrium takes them.
+
+        model: its kinematics model, see `kernels.equilibrium.kinematics`.
 
         Omega: orbit rate in the model ORBIT [rad/s].
         """
@@ -118,7 +123,8 @@ class RaceControlProblem:
         delta_a, state = thrust_equilibrium(
             self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
         )
-        status, residual = state.status, 0.0
+        status = state.status
+        residual = 0.0
         if self.constant_force:
             residual = abs(n * state.F_ix - self.F[0])
             if status == code.OK and residual > MOST_ROUNDING * n * max(state.Q_i, state.Q_o):
@@ -144,7 +150,9 @@ class RaceControlProblem:
         frictionless = self.balance(np.full(len(self.D), ORBIT), k.Omega)
         if frictionless.status == code.NOT_CONVERGED and is_unseated(frictionless.states):
             return code.RACE_UNSEATED
-        return code.NO_RACE_CONTROL if frictionless.status == code.OK else frictionless.status
+        if frictionless.status == code.OK:
+            return code.NO_RACE_CONTROL
+        return frictionless.status
 
     def unbalanced_force(self, states: list[BallState]) -> float:
         """Returns the unbalanced force on the inner race, summed anew from the balls [N]."""
@@ -153,7 +161,9 @@ class RaceControlProblem:
         sums = np.array(
             [axial.sum(), -(radial * np.sin(self.psi)).sum(), (radial * np.cos(self.psi)).sum()]
         )
-        return float(np.abs(sums - self.F)[0 if self.constant_force else 1 :].max())
+        unbalanced = np.abs(sums - self.F)
+        # a fixed position takes any axial force
+        return float(unbalanced.max() if self.constant_force else unbalanced[1:].max())
 
 
 def is_unseated(states: list[BallState]) -> bool:
@@ -203,7 +213,14 @@ def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray
 
 
 def geometric_status(states: list[BallState], D: np.ndarray) -> int:
-    """Returns OK if every loaded contact lies within its groove and is small against its ball."""
+    """Returns the status of the contacts: OK if they lie in their grooves and are small.
+
+    BEYOND_GROOVE if a loaded contact has turned beyond its groove, OUTSIDE_HERTZ_RANGE if its
+    ellipse is too large for its ball.
+
+    states: of the balls.
+    D: diameters of the balls (n,) [m].
+    """
     for state, diameter in zip(states, D, strict=True):
         loaded = (
             (state.Q_i, state.alpha_i, state.hertz_i),

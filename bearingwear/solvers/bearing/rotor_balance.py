@@ -46,7 +46,9 @@ class Nearby:
 
     @property
     def has_place(self) -> bool:
-        return not math.isnan(self.last[1])
+        """Returns whether a place is known from an earlier balance."""
+        _, place = self.last
+        return not math.isnan(place)
 
     def expected_place(self, losses: tuple[float, float]) -> float:
         """Returns the place of balance to expect at losses [m]."""
@@ -54,20 +56,26 @@ class Nearby:
         return place + float(self.slope @ (losses - losses_there))
 
     def remember(self, losses: tuple[float, float], place: float) -> None:
-        """Stores an exact place, and its slope by Broyden's rule."""
+        """Stores an exact place of balance [m] at losses [m], and its slope by Broyden's rule."""
         self.rough = None
         moved = losses - self.losses
         if not math.isnan(self.place) and moved.any():
             self.slope += (place - self.expected_place(losses)) / (moved @ moved) * moved
-        self.losses, self.place = np.array(losses), place
+        self.losses = np.array(losses)
+        self.place = place
 
     def remember_rough(self, losses: tuple[float, float], place: float) -> None:
-        """Stores a rough place, so close to an exact one that its error would distort the slope."""
+        """Stores a rough place of balance [m] at losses [m], without its slope.
+
+        So close to an exact place, its error would distort the slope.
+        """
         self.rough = np.array(losses), place
 
     def forget(self) -> None:
         """Drops the slope, which came from a short distance, but keeps the last exact place."""
-        self.steeper, self.slope, self.rough = 1.0, np.zeros(2), None
+        self.steeper = 1.0
+        self.slope = np.zeros(2)
+        self.rough = None
 
 
 @dataclass
@@ -91,20 +99,24 @@ class _Secants:
         return math.isfinite(largest) and 0.0 <= self.high - self.low <= _NARROW * largest
 
     def step(self, x: float, trial: RotorTrial) -> float:
-        """Returns the step from a trial at a place [m]."""
-        unbalanced, slope = trial.unbalanced, self.nearby.steeper * trial.slope
+        """Returns the next step of the rotor [m], from a trial at a place `x` [m]."""
+        unbalanced = trial.unbalanced
+        slope = self.nearby.steeper * trial.slope
         if self.last_trial is not None and x != self.last_trial[0]:
             last_x, last_unbalanced = self.last_trial
             secant = (unbalanced - last_unbalanced) / (x - last_x)
-            nearer = abs(unbalanced) < abs(last_unbalanced)
-            turned = unbalanced * last_unbalanced < 0.0
-            self.runs_away = secant < 0.0 and not nearer
-            if nearer or turned:
-                near = trial.slope / _STEEPER < secant < _STEEPER * trial.slope
-                slope = secant if near else trial.slope
+            is_nearer = abs(unbalanced) < abs(last_unbalanced)
+            changes_sign = unbalanced * last_unbalanced < 0.0
+            self.runs_away = secant < 0.0 and not is_nearer
+            if is_nearer or changes_sign:
+                is_credible = trial.slope / _STEEPER < secant < _STEEPER * trial.slope
+                slope = secant if is_credible else trial.slope
         self.nearby.steeper = slope / trial.slope
         self.last_trial = x, unbalanced
-        self.low, self.high = (self.low, x) if unbalanced > 0.0 else (x, self.high)
+        if unbalanced > 0.0:
+            self.high = x
+        else:
+            self.low = x
         if self.runs_away:
             return -_FASTER * unbalanced / trial.slope
         if not self.low < x - unbalanced / slope < self.high and self.low < self.high:
@@ -121,15 +133,17 @@ def balanced_place(
 ) -> tuple[float, RotorTrial | int]:
     """Returns the place of balance [m], and the trial there or the status of the failure.
 
-    It is found by Newton's method with the slope of a trial, then by secants. Light loads reach
-    rounding before they balance; the check afterwards says by how much.
+    The place is found by Newton's method with the slope of a trial, then by secants. Light loads
+    reach rounding before they balance; the check afterwards says by how much.
 
     trial_at: returns the trial at a place [m], or a status.
+    x: place to begin with [m].
     rounded: step that changes nothing [m].
     nearby: holds the steepness of the first step, which is renewed.
     tolerance: unbalanced force, over the larger one.
     """
-    secants, stalled = _Secants(nearby), 0
+    secants = _Secants(nearby)
+    stalled = 0
     best: RotorTrial | None = None
     best_x = x
     for _ in range(_MOST_STEPS):
@@ -138,7 +152,9 @@ def balanced_place(
         if isinstance(trial, int) or status != code.OK:
             return x, code.NO_STEADY_STATE if secants.runs_away else status
         if best is None or abs(trial.unbalanced) < abs(best.unbalanced):
-            best_x, best, stalled = x, trial, 0
+            best_x = x
+            best = trial
+            stalled = 0
         else:
             stalled += 1
         if abs(trial.unbalanced) <= tolerance * trial.scale:
@@ -156,7 +172,10 @@ def balanced_place(
 
 
 def failed_status(states: Sequence[SolvedBearing]) -> int:
-    """Returns why there is no balance: a side that alone lost its contact has lifted off."""
+    """Returns the status of two solved bearings: OK, or why they make no balance.
+
+    One that has lost its contact, while the other has not, is LIFTED_OFF.
+    """
     failed = [state.status for state in states if state.status not in USABLE]
     if not failed:
         return code.OK

@@ -12,15 +12,23 @@ from bearingwear.kernels.equilibrium.stiffness import DOF
 from bearingwear.kernels.params import BallLoad, BallState, Geometry
 from bearingwear.kernels.steady.thrust import ThrustCase
 
-STANDING = 1e-6  # of the ball's speeds: an orbit rate below it does not turn
+STANDING = 1e-6  # of the ball's speeds: with an orbit rate below it a ball does not orbit
 
 
 def groove_maps(R_i: float, psi: np.ndarray) -> np.ndarray:
-    """Returns axial and radial shift of each inner groove over displacements, (n, 2, DOF)."""
-    maps, s, c = np.zeros((len(psi), 2, DOF)), np.sin(psi), np.cos(psi)
+    """Returns axial and radial shift of each inner groove over displacements (n, 2, DOF).
+
+    The displacements of the race are axial, along Y and Z, and tilts about Y and Z.
+
+    R_i: radius of the inner groove centres [m].
+    psi: azimuths of the balls (n,) [rad].
+    """
+    maps = np.zeros((len(psi), 2, DOF))
+    s, c = np.sin(psi), np.cos(psi)
     maps[:, 0, 0] = 1.0
     maps[:, 0, 3], maps[:, 0, 4] = R_i * c, R_i * s
-    maps[:, 1, 1], maps[:, 1, 2] = -s, c
+    maps[:, 1, 1] = -s
+    maps[:, 1, 2] = c
     return maps
 
 
@@ -49,7 +57,9 @@ def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray | 
     Omega = case.u[3]
     if not abs(Omega) > STANDING * max(map(abs, case.u.tolist())):
         return None
-    k, N, m = len(case.response) - 2, g.n_balls, ball_mass(g.rho, D)
+    N = g.n_balls
+    m = ball_mass(g.rho, D)
+    k = len(case.response) - 2  # motion and traction, before the place of the groove
     J, B = case.response[:k, :k], case.response[:k, k:]
     C, S = case.response[k:, :k], case.response[k:, k:]
     K = np.zeros((DOF, DOF))
@@ -86,14 +96,11 @@ def race_control_matrix(
     delta: displacement of the inner race (3,) [m].
     """
     psi = azimuths(g.n_balls)[: len(D)]
-    ball_tangents = np.array(
-        [
-            place_tangent(g, d, load, azimuth, tuple(delta), tilt, state)
-            if state.Q_i > 0.0
-            else (0.0, 0.0, 0.0, 0.0)
-            for d, load, azimuth, state in zip(D, loads, psi, states, strict=True)
-        ]
-    ).reshape(-1, 2, 2)
+    ball_tangents = np.zeros((len(D), 2, 2))  # 0 where a ball is off the inner race
+    for k, (load, state) in enumerate(zip(loads, states, strict=True)):
+        if state.Q_i > 0.0:
+            tangent = place_tangent(g, D[k], load, psi[k], tuple(delta), tilt, state)
+            ball_tangents[k] = np.reshape(tangent, (2, 2))
     maps = groove_maps(g.R_i, azimuths(g.n_balls))
     tangents = np.broadcast_to(ball_tangents, (g.n_balls, 2, 2))
     return np.einsum("jdp,jde,jeq->pq", maps, tangents, maps)
@@ -102,7 +109,8 @@ def race_control_matrix(
 def radially_free(K: np.ndarray) -> float:
     """Returns the axial stiffness of a matrix (5, 5) whose race may yield across the axis [N/m].
 
-    A race that nothing holds across the axis, in a direction, yields the least there.
+    A race that nothing holds across the axis, in a direction, yields the least there. NaN if the
+    matrix is not known.
     """
     if not np.isfinite(K).all():
         return float("nan")

@@ -18,6 +18,7 @@ from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces; below rounding, where Newton's method ends
+FINER = 4  # points of the rule that the checks compare with, over those of the scene's
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
 STABILITY_POINTS = 512
 LIKE_STATE = 1e-2  # share of the speeds by which one state may differ between two rules
@@ -41,23 +42,19 @@ class ThrustProblem:
     @classmethod
     def of(cls, scene: Scene) -> "ThrustProblem":
         """Returns the problem of a scene."""
-        g = parameters.geometry(scene)
-        F_x = float(scene.operation.preload_N)
-        rule, fine_rule = parameters.quadrature(scene), parameters.quadrature(scene, refined=4)
-        constant_force = scene.operation.preload_method == "constant_force"
         preload = Preload(
-            constant_force=constant_force, F_x=F_x, delta_a=parameters.static_place(scene)
+            constant_force=scene.operation.preload_method == "constant_force",
+            F_x=float(scene.operation.preload_N),
+            delta_a=parameters.static_place(scene),
         )
-        op, search_rule = parameters.operating_point(scene), parameters.search_rule(scene)
-        traction = scene.model.traction_bears
         return cls(
-            g=g,
-            op=op,
+            g=parameters.geometry(scene),
+            op=parameters.operating_point(scene),
             preload=preload,
-            rule=rule,
-            fine_rule=fine_rule,
-            search_rule=search_rule,
-            traction=traction,
+            rule=parameters.quadrature(scene),
+            fine_rule=parameters.quadrature(scene, refined=FINER),
+            search_rule=parameters.search_rule(scene),
+            traction=scene.model.includes_traction,
         )
 
     def bearing(self, D: float) -> ThrustBearing:
@@ -67,7 +64,10 @@ class ThrustProblem:
         )
 
     def kinematic_start(self, kinematics_model: int) -> np.ndarray:
-        """Returns (w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
+        """Returns (w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s].
+
+        kinematics_model: outer or inner control, see `kernels.equilibrium.kinematics`.
+        """
         g, op = self.g, self.op
         k = race_control(kinematics_model, op.omega_i, op.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0)
         return np.array(
@@ -84,12 +84,11 @@ class ThrustProblem:
             # With a tiny v_r the sums jump where points gather anew: no state may fit them.
             along = most_points(self.rule)
             across = self.rule.across.size
-            sizes = [
-                (along, across),
-                (4 * along, across) if across == 1 else (2 * along, 2 * across),
-            ]
-            rules = (parameters.ellipse_rule("gauss", *size) for size in sizes)
-            fixed_case = self._solve(D, start, *rules)
+            # four times as many points check it, over the ellipse in both directions
+            finer_along, finer_across = (4, 1) if across == 1 else (2, 2)
+            rule = parameters.ellipse_rule("gauss", along, across)
+            fine = parameters.ellipse_rule("gauss", finer_along * along, finer_across * across)
+            fixed_case = self._solve(D, start, rule, fine)
             if fixed_case.status not in UNSETTLED:
                 return fixed_case._replace(held=True)
         return case
@@ -97,9 +96,8 @@ class ThrustProblem:
     def _solve(self, D: float, start: np.ndarray | None, rule: Rule, fine: Rule) -> ThrustCase:
         """Returns the steady state with a rule, and a finer one that the checks compare with."""
         op = self.op
-        if start is not None:
-            u, v_start = start, op.v_r
-        else:
+        u, v_start = start, op.v_r
+        if u is None:
             u = self.kinematic_start(OUTER_CONTROL)
             v_start = VISCOUS_START * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o)
         return thrust_case(self.bearing(D), rule, fine, u, v_start, FRICTION_TOLERANCE)
@@ -114,12 +112,16 @@ class ThrustProblem:
 
         Both are `without_finer`.
         """
-        half, twice = self.op._replace(v_r=0.5 * self.op.v_r), parameters.quadrature(scene, 2)
-        halved = replace(self, op=half, fine_rule=self.rule)
-        return halved, replace(self, rule=twice, fine_rule=twice)
+        half_slip = self.op._replace(v_r=0.5 * self.op.v_r)
+        twice_points = parameters.quadrature(scene, refined=2)
+        halved = replace(self, op=half_slip, fine_rule=self.rule)
+        return halved, replace(self, rule=twice_points, fine_rule=twice_points)
 
     def undetermined(self) -> int:
-        """Returns the status that is known before any solve, or OK."""
+        """Returns OK if the problem can be solved, or the status of one without a solution.
+
+        It is UNDETERMINED without friction, and PRELOAD_GONE under a spring without force.
+        """
         if not has_friction(self.op):
             return code.UNDETERMINED
         if self.preload.constant_force and self.preload.F_x == 0.0:
@@ -140,7 +142,9 @@ class ThrustProblem:
 
         rates: its `decay_rates`, if they are known.
         """
-        if (self.decay_rates(D, case) if rates is None else rates).real.max() < 0.0:
+        if rates is None:
+            rates = self.decay_rates(D, case)
+        if rates.real.max() < 0.0:
             return True
         many = parameters.ellipse_rule("split", STABILITY_POINTS, self.rule.across.size)
         again = replace(self, rule=many, fine_rule=many).solve(D, start=case.motion)
@@ -150,18 +154,29 @@ class ThrustProblem:
         )
 
     def other_states(self, D: float, case: ThrustCase, stable: bool, most: int) -> list[ThrustCase]:
-        """Searches over the orbit rate for steady states other than `case`.
+        """Returns steady states other than `case`, from a search over the orbit rate.
+
+        Those nearest to rolling come first.
 
         stable: whether `case` is stable.
         most: number of motions tried as a start, those nearest to rolling first.
         """
         if most == 0:
             return []
-        op, states = self.op, [case]
+        op = self.op
+        states = [case]
         v_r = max(op.v_r, SEARCH_SLIP * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o))
-        rules = self.rule, self.search_rule
-        options = case.delta_a, case.u, not stable, most
-        for u in settled_elsewhere(self.bearing(D), *rules, v_r, *options):
+        settled_motions = settled_elsewhere(
+            self.bearing(D),
+            self.rule,
+            self.search_rule,
+            v_r,
+            case.delta_a,
+            case.u,
+            not stable,
+            most,
+        )
+        for u in settled_motions:
             # Newton's method may lead from a motion that had not settled to a known state.
             if is_new(u, states):
                 solved = self.solve(D, start=u)
@@ -175,7 +190,10 @@ class ThrustProblem:
 
 
 def time_scale_values(rates: np.ndarray) -> dict[str, float]:
-    """Returns the time scales [s] of a state as result variables, from its `decay_rates`."""
+    """Returns `fast_time_scale` and `slow_time_scale` of a state [s].
+
+    rates: eigenvalues (4,) of the ball's linearised motion [1/s].
+    """
     return {
         "fast_time_scale": 1.0 / np.abs(rates).max(),
         "slow_time_scale": 1.0 / np.abs(rates.real).min(),

@@ -1,7 +1,7 @@
 """Numerical errors of a dynamic run, estimated by runs with other settings of accuracy."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def dynamic_error_estimates(
     turns: float,
     motion: PeriodicMotion | None,
 ) -> dict[str, Any]:
-    """Estimates the numerical errors of a dynamic run; empty if none can be found.
+    """Returns result variables of the numerical errors of a dynamic run; empty if not known.
 
     The end of the last window is run again with each setting of accuracy changed. That misses the
     motion of a ball's spin axis, which takes hundreds of turns. So the steady state under the
@@ -49,32 +49,17 @@ def dynamic_error_estimates(
 
     slow: slow time scale in shaft turns, 0 if it is not known.
     turns: shaft turns of the last window.
+    motion: the periodic motion, None if the run was not one.
     """
     slopes = run.trend.slopes()
     if slopes is None:
         return {}
-    system, bearing = run.system, run.system.bearing
-    v_r = 0.5 * bearing.op.v_r
-    half_slip = {
-        "op": bearing.op._replace(v_r=v_r),
-        "cage": bearing.cage._replace(v_r=v_r),
-    }
-    twice_points = {
-        "rule": parameters.quadrature(scene, refined=2),
-        "points": parameters.spread_points(scene, refined=2),
-    }
     # A new regularisation disturbs every ball; tight steps through that would take long.
     tolerance = max(run.tolerance, TIGHTEST)
     other_tolerance = min(LOOSER * tolerance, 1.0) if motion is None else tolerance / TIGHTER
-    settings: tuple[tuple[dict, float], ...] = (
-        ({}, tolerance),
-        (half_slip, tolerance),
-        (twice_points, tolerance),
-        ({}, other_tolerance),
-    )
     reruns = [
-        rerun_quantities(scene, system.variant(**changes), run, tolerance, motion)
-        for changes, tolerance in settings
+        rerun_quantities(scene, rerun.system, run, rerun.tolerance, motion)
+        for rerun in _reruns(scene, run.system, tolerance, other_tolerance)
     ]
     answers = [values for values in reruns if values is not None]
     if len(answers) < len(reruns):
@@ -93,8 +78,37 @@ def dynamic_error_estimates(
     return error_values([slip_error, point_error, step_error, drift_error])
 
 
+class _Rerun(NamedTuple):
+    """A run with one setting of accuracy changed."""
+
+    system: DynamicSystem  # with that setting, at no state of its own
+    tolerance: float  # of a step
+
+
+def _reruns(
+    scene: Scene, system: DynamicSystem, tolerance: float, other_tolerance: float
+) -> list[_Rerun]:
+    """Returns a run as it was, and those with half v_r, twice the points, and another tolerance."""
+    bearing = system.bearing
+    v_r = 0.5 * system.bearing.op.v_r
+    half_slip = system.variant(op=bearing.op._replace(v_r=v_r), cage=bearing.cage._replace(v_r=v_r))
+    twice_points = system.variant(
+        rule=parameters.quadrature(scene, refined=2),
+        points=parameters.spread_points(scene, refined=2),
+    )
+    return [
+        _Rerun(system.variant(), tolerance),
+        _Rerun(half_slip, tolerance),
+        _Rerun(twice_points, tolerance),
+        _Rerun(system.variant(), other_tolerance),
+    ]
+
+
 def thrust_slip_error(scene: Scene, start: Start) -> np.ndarray:
-    """Returns the error by the regularisation in the steady state under the thrust alone (5,)."""
+    """Returns the relative error (5,) by the regularisation in the steady state under thrust alone.
+
+    It is 0 where there is no such state.
+    """
     case = start.case
     if case is None or case.status != code.OK:
         return np.zeros(QUANTITY_COUNT)
@@ -105,7 +119,8 @@ def thrust_slip_error(scene: Scene, start: Start) -> np.ndarray:
     half_case = halved.solve(D, start=case.motion)
     if half_case.status != code.OK:
         return np.zeros(QUANTITY_COUNT)
-    return regularisation_error(*steady_quantities(thrust, problem, D, [case, half_case]))
+    reference, with_half = steady_quantities(thrust, problem, D, [case, half_case])
+    return regularisation_error(reference, with_half)
 
 
 def rerun_quantities(
@@ -115,7 +130,12 @@ def rerun_quantities(
     tolerance: float,
     motion: PeriodicMotion | None,
 ) -> np.ndarray | None:
-    """Returns the `estimated_quantities` over a short stretch of another run; None if it fails."""
+    """Returns the `estimated_quantities` over a short stretch of another run; None if it fails.
+
+    system: with another setting of accuracy; it is put at the end of `run`.
+    tolerance: of a step.
+    motion: periodic motion to start from, found anew; None for a run from its last turn.
+    """
     state, time = run.before_last_turn
     grid = run.grid
     if motion is None:
@@ -141,7 +161,12 @@ def move_to_periodic(
     tolerance: float,
     near: PeriodicMotion | None = None,
 ) -> PeriodicMotion | None:
-    """Moves a system to the periodic motion near its state, and returns it if there is one."""
+    """Moves a system to the periodic motion near its state, and returns that; None without one.
+
+    A system without such a motion stays where it is.
+
+    near: motion of much the same system, at which the balls already are.
+    """
     start_state = system.packed(), system.time
     motion = periodic_motion(system, tolerance, INTEGRATORS[scene.model.integrator], near)
     system.unpack(*start_state)

@@ -21,14 +21,21 @@ from bearingwear.solvers.bearing.outputs import contact_values
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.dynamic.windows import TimeRun, wear_per_joule
 
+LEAST_LOST = 1e-6  # of the kinetic energy: losses below it are no scale of an error
+
 
 def window_values(scene: Scene, run: TimeRun) -> dict:
-    """Returns averages and energy accounts from the opening of the last window until now."""
+    """Returns result variables of a run from the opening of its last window until now.
+
+    They are averages, ranges of loads, and the account of energy.
+    """
     system, sums, bearing = run.system, run.recorder.sums, run.system.bearing
-    now, then = system.snapshot(), run.opening
+    now = system.snapshot()
+    then = run.opening
     time, integrals = now.time - then.time, now.integrals - then.integrals
     count = sums.count[0]
-    contacts, loads = sums.contacts / count, run.loads
+    contacts = sums.contacts / count
+    loads = run.loads
     contacts[:, :, QV] = integrals[: contacts[:, :, QV].size].reshape(-1, 2) / time
     if run.grid.is_periodic:
         contacts[:] = contacts.mean(axis=0)
@@ -44,17 +51,18 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
     change = {key: value - then.energy[key] for key, value in now.energy.items()}
     values |= account_values(change, system.energy()["kinetic"])
     if scene.cage is not None:
-        speed, momentum_rate = sums.bearing[record.CAGE_SPEED] / count, now.momentum - then.momentum
         add_cage_values(scene, system, integrals, time, values)
-        values |= {"cage_speed": speed, "cage_momentum_rate": momentum_rate / time}
+        values["cage_speed"] = sums.bearing[record.CAGE_SPEED] / count
+        values["cage_momentum_rate"] = (now.momentum - then.momentum) / time
     return values
 
 
 def averages(
     scene: Scene, bearing: BearingModel, sums: record.Sums, contacts: np.ndarray
 ) -> dict[str, Any]:
-    """Returns means over the instants of a window.
+    """Returns the result variables that are means over the instants of a window.
 
+    sums: over the instants.
     contacts: (n, 2, COLUMNS), means already.
     """
     count, D = sums.count[0], bearing.D
@@ -83,17 +91,17 @@ def averages(
 
 
 def account_values(change: dict[str, float], kinetic: float) -> dict[str, float]:
-    """Returns the error of the energy balance, and the shares of the neglected terms.
+    """Returns result variables: the error of the energy balance, and shares of neglected terms.
 
     change: of each term of `DynamicSystem.energy` over the window [J].
     kinetic: energy at its end [J].
     """
-    supplied = change.pop("supplied")
+    accounted = sum(value for key, value in change.items() if key != "supplied")
     lost = sum(change[key] for key in ("heat", "cage heat", "damping")) + abs(change["drag"])
     # Without friction there is no heat to compare with; rounding depends on the kinetic energy.
-    scale = max(lost, 1e-6 * kinetic)
+    scale = max(lost, LEAST_LOST * kinetic)
     return {
-        "energy_account_error": (supplied - sum(change.values())) / scale,
+        "energy_account_error": (change["supplied"] - accounted) / scale,
         "coriolis_energy_share": change["coriolis"] / scale,
         "azimuth_energy_share": change["azimuth"] / scale,
     }
@@ -110,6 +118,7 @@ def add_cage_values(
 
     integrals: those of the state over the window, from the first one on.
     time: length of the window [s].
+    values: result variables, to which these are added in place.
     """
     layout, first, D = system.layout, system.layout.qv, system.bearing.D
     pockets = integrals[layout.pockets - first : layout.land - first] / time
@@ -132,8 +141,9 @@ def add_cage_values(
 
 
 def histories(scene: Scene, history: record.History, length: int) -> dict:
-    """Returns the histories of a run over its first instants.
+    """Returns the result variables along a run, over its first instants.
 
+    history: as recorded, which may have room for more.
     length: number of instants.
     """
     log = record.History._make(column[:length] for column in history)

@@ -26,6 +26,7 @@ CONVERGED = 1e-9  # change over a passing, of the largest speed or in rad
 ACCEPTED = 1e-6  # where the time steps are too rough for better
 _MOST_STEPS = 25  # of the quasi-Newton method
 _STALLED = 6  # steps without a smaller change
+TINY_RATE = 1e-300  # [rad/s], so that a standing ball has a finite passing
 MARCHED = (0.0, 4.0, 16.0)  # orbits simulated before each try
 LONGEST_PASSING = 50.0  # turns: balls that hardly pass the load have no useful period
 TANGENT_STEPS = 8  # steps of the disturbances in a passing; the motion takes as many as it needs
@@ -61,10 +62,13 @@ class Passing:
     """Change of the balls' states by one passing, as seen from the load.
 
     The search starts from the balls of a system, and changes its state.
+
+    tolerance, method: of the integration in time.
     """
 
     def __init__(self, system: DynamicSystem, tolerance: float, method: Tableau) -> None:
-        self.system, self.control = system, system.control(tolerance, method)
+        self.system = system
+        self.control = system.control(tolerance, method)
         self.start_state = system.packed(), system.time
         self.n = len(system.balls)
         bearing = system.bearing
@@ -73,7 +77,7 @@ class Passing:
         self.scale = np.append(np.full(OMEGA + 1, self.speed), 1.0)
         rate = float(system.balls[:, OMEGA].mean()) - self.load_rate
         self.ahead = 1 if rate > 0.0 else -1  # step to the number of the next ball
-        self.passing = _TURN / self.n / max(abs(rate), 1e-300)
+        self.passing = _TURN / self.n / max(abs(rate), TINY_RATE)
         self.middle = float(system.balls[:, PSI].mean())
         self.simulated = 0.0  # [s]
 
@@ -82,7 +86,10 @@ class Passing:
         return np.append(self.system.balls / self.scale, self.passing / self.system.turn)
 
     def put_balls(self, states: np.ndarray) -> float:
-        """Puts the balls into these states at the start; returns the passing [s]."""
+        """Puts the balls into states at the start of the search; returns the passing [s].
+
+        states: as `states`.
+        """
         self.system.unpack(*self.start_state)
         self.system.balls[:] = states[:-1].reshape(self.n, BALL) * self.scale
         return float(states[-1] * self.system.turn)
@@ -94,7 +101,10 @@ class Passing:
         return bool(tally.status == code.OK)
 
     def march(self, orbits: float) -> bool:
-        """Continues as a run would, for a number of orbits; returns whether that succeeded."""
+        """Moves the balls on as a run would, for a number of orbits; returns whether it succeeded.
+
+        Their azimuths are taken back by whole turns and by what the load has turned.
+        """
         system, passing = self.system, self.passing
         self.put_balls(np.append(self.start, passing / system.turn))
         duration = orbits * self.n * passing
@@ -115,7 +125,9 @@ class Passing:
     def change(self, states: np.ndarray) -> np.ndarray | None:
         """Returns the change in a passing beyond the shift by a ball, and of the mean azimuth.
 
-        None if the passing cannot be simulated.
+        It is zero for a periodic motion. None if the passing cannot be simulated.
+
+        states: as `states`.
         """
         passing = self.put_balls(states)
         if not self.is_usable(passing) or not self.advance(passing):
@@ -123,11 +135,11 @@ class Passing:
         return self.change_after(states)
 
     def is_usable(self, passing: float) -> bool:
-        """Returns whether a passing [s] has a finite length."""
+        """Returns whether a passing [s] is positive, and no longer than `LONGEST_PASSING`."""
         return 0.0 < passing < LONGEST_PASSING * self.system.turn
 
     def change_after(self, states: np.ndarray) -> np.ndarray:
-        """Returns `change`, once a passing from these states has been simulated."""
+        """Returns the change in a passing from states, once it has been simulated; see `change`."""
         after = self.system.balls.copy()
         after[:, PSI] -= self.load_rate * states[-1] * self.system.turn
         next_balls = np.roll(states[:-1].reshape(self.n, BALL), -self.ahead, axis=0)
@@ -136,7 +148,10 @@ class Passing:
         return np.append(after / self.scale - next_balls, azimuth_change)
 
     def change_and_tangents(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Returns `change`, and the derivative (5 n, 5 n) of the final states by the first ones."""
+        """Returns `change`, and the derivative (5 n, 5 n) of the final states by the first ones.
+
+        None if the passing cannot be simulated.
+        """
         passing = self.put_balls(states)
         if not self.is_usable(passing):
             return None
@@ -148,7 +163,10 @@ class Passing:
         return self.change_after(states), derivative * scale / scale[:, np.newaxis]
 
     def slope(self, derivative: np.ndarray) -> np.ndarray:
-        """Returns the derivative of `change`, from that of the final states."""
+        """Returns the derivative of `change` by the states (5 n + 1, 5 n + 1).
+
+        derivative: of the final states by the first ones (5 n, 5 n).
+        """
         m = self.n * BALL
         rates = self.system.rates()[:m].reshape(self.n, BALL) / self.scale
         rates[:, PSI] -= self.load_rate
@@ -159,7 +177,10 @@ class Passing:
         return J
 
     def growth(self, states: np.ndarray) -> GrowthRates | None:
-        """Returns the growth of disturbances of a periodic motion through these states."""
+        """Returns the growth of disturbances of a periodic motion through states.
+
+        None if a passing cannot be simulated.
+        """
         linearised = self.change_and_tangents(states)
         if linearised is None:
             return None
@@ -170,7 +191,7 @@ class Passing:
     def solve(self, states: np.ndarray, inverse: np.ndarray | None = None) -> RepeatedStates:
         """Returns states that repeat themselves, by Broyden's method.
 
-        It starts from `slope`, or from the inverse of a solution nearby.
+        inverse: of the derivative of `change`, of a solution nearby; else `slope` gives it.
         """
         failure = RepeatedStates(states, np.inf, np.empty((0, 0)))
         change: np.ndarray | None
@@ -184,7 +205,9 @@ class Passing:
             change = self.change(states)
         if change is None or inverse is None:
             return failure
-        best, best_size, inverse = states, float(np.abs(change).max()), inverse.copy()
+        best = states
+        best_size = float(np.abs(change).max())
+        inverse = inverse.copy()
         stalled = 0
         for _ in range(_MOST_STEPS if best_size > CONVERGED else 0):
             step = -inverse @ change
@@ -194,7 +217,9 @@ class Passing:
                 break
             stalled += 1
             if np.abs(new_change).max() < best_size:
-                best, best_size, stalled = states, float(np.abs(new_change).max()), 0
+                best = states
+                best_size = float(np.abs(new_change).max())
+                stalled = 0
             if best_size <= CONVERGED or stalled >= _STALLED:
                 break
             inverse_change = inverse @ (new_change - change)
@@ -210,15 +235,20 @@ def tangents(system: DynamicSystem, control: StepControl, duration: float) -> np
     """
     control = control._replace(method=ROSENBROCK)
     old = np.eye(len(system.balls) * BALL)
-    older, new, rate = old.copy(), old.copy(), TANGENT_STEPS / duration
+    older = old.copy()
+    new = old.copy()
+    rate = TANGENT_STEPS / duration
     for step in range(TANGENT_STEPS):
         tally = system.simulate(control, duration / TANGENT_STEPS)
         if tally.status != code.OK:
             return None
         system.time, system.h = tally.time, tally.h
+        # of the second order, but for the first step
         weights = (1.5 * rate, -2.0 * rate, 0.5 * rate) if step else (rate, -rate, 0.0)
-        buffers = (system.y, system.bearing, system.buffers, system.stages)
-        if not carry_tangents(weights, old, older, *buffers, new):
+        is_carried = carry_tangents(
+            weights, old, older, system.y, system.bearing, system.buffers, system.stages, new
+        )
+        if not is_carried:
             return None
         old, older, new = new, old, older
     return old.T

@@ -43,7 +43,9 @@ def solve_dynamic(
     restart: `state` and `time` where another run of the scene ended (its `final_state`,
         `final_time`).
     """
-    start, tolerance, longest = start_of(scene, bare), scene.model.dynamic_tolerance, 1.0
+    start = start_of(scene, bare)
+    tolerance = scene.model.dynamic_tolerance
+    longest = 1.0  # step, over the usual longest one
     while True:
         values, attrs = dynamic_run(scene, start, restart, progress, tolerance, longest)
         is_open = not abs(values.get("energy_account_error", 0.0)) <= LARGEST_ACCOUNT
@@ -66,7 +68,10 @@ def solve_dynamic(
 def system_at_start(
     scene: Scene, start: Start, restart: Mapping[str, Any] | None
 ) -> tuple[DynamicSystem, str]:
-    """Returns the system at the start of a run, and a description of this start."""
+    """Returns the system at the start of a run, and a description of this start.
+
+    restart: as in `solve_dynamic`; NotAvailable if it is of a system with other parts.
+    """
     system = DynamicSystem.of(scene, start.u, start.bare)
     if restart is None:
         return system, start.kind
@@ -94,6 +99,8 @@ class LastWindow:
 
 def run_until_settled(scene: Scene, run: TimeRun, slow: float) -> LastWindow:
     """Simulates windows until the averages have settled or the turns are used up.
+
+    Returns the last window, with the status of a failure in it.
 
     slow: slow time scale in shaft turns, 0 if it is not known.
     """
@@ -123,6 +130,8 @@ def dynamic_run(
 ) -> tuple[dict, dict]:
     """Returns values and attributes of one run of `solve_dynamic`.
 
+    restart: as in `solve_dynamic`.
+    tolerance: of a step.
     longest: longest step, see `TimeRun`.
     """
     system, start_words = system_at_start(scene, start, restart)
@@ -176,7 +185,7 @@ def dynamic_run(
 
 
 def _balance_sentence(residual: float, energy_error: float) -> str:
-    """States how well the two balances that check a run are satisfied."""
+    """Returns the errors of the two balances that check a run, in words."""
     return (
         f"error in the normal force balance: {residual:.1e} of the contact load (allowed: "
         f"{LARGEST_UNBALANCED:.0e}); error in the energy balance: {energy_error:.1e} of the energy "
@@ -187,7 +196,12 @@ def _balance_sentence(residual: float, energy_error: float) -> str:
 def usable_periodic(
     scene: Scene, system: DynamicSystem, tolerance: float, start_words: str
 ) -> tuple[PeriodicMotion | None, str]:
-    """Returns the periodic motion that a run records, or None, and a description of the start."""
+    """Returns the periodic motion that a run records, or None, and a description of the start.
+
+    An unstable one is not used unless the scene requests it.
+
+    start_words: description of the start of the system.
+    """
     start_state = system.packed(), system.time
     motion = move_to_periodic(scene, system, tolerance)
     if motion is None:
@@ -196,16 +210,13 @@ def usable_periodic(
     is_unstable = motion.growth is not None and motion.growth.slip_and_spin > LEAST_GROWTH
     if is_unstable and scene.model.dynamic_solution == "auto":
         system.unpack(*start_state)
-        return (
-            None,
-            f"{start_words}; a periodic motion was found but not used, because it is "
-            f"{motion.sentence}",
-        )
+        unused = f"a periodic motion was found but not used, because it is {motion.sentence}"
+        return None, f"{start_words}; {unused}"
     return motion, f"a periodic motion, found from {start_words} in {motion.turns:.3g} turns"
 
 
 def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
-    """States the tolerance of a run, and why it differs from the one requested."""
+    """Returns the tolerance of a run, and why it differs from the one requested, in words."""
     requested = scene.model.dynamic_tolerance
     tightened = (
         "" if tolerance == requested else f": the energy balance did not close with {requested:g}"
@@ -214,7 +225,7 @@ def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
 
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
-    """States how well a periodic motion repeats itself, and whether it is stable."""
+    """Returns how well a periodic motion repeats itself, and whether it is stable, in words."""
     drift = (
         "" if last.slopes is None else f"; the recorded QV drifts by {last.slopes[0]:+.1e} per turn"
     )
@@ -226,7 +237,7 @@ def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
 
 
 def settled_sentence(last: LastWindow) -> str:
-    """States whether the averages of a run have settled."""
+    """Returns whether the averages of a run have settled, in words."""
     if last.slopes is None:
         return "unknown: fewer than three complete turns were evaluated"
     verdict = "settled" if last.settled else "not settled; the turn limit was reached"

@@ -46,8 +46,9 @@ def seeks_periodic(scene: Scene) -> bool:
 
 
 def check_solution(scene: Scene) -> None:
-    """Refuses the request of a periodic motion for a scene without one."""
-    if scene.model.dynamic_solution == "periodic" and (why := why_not_periodic(scene)):
+    """Raises NotAvailable if a scene requests a periodic motion and has none."""
+    why = why_not_periodic(scene)
+    if scene.model.dynamic_solution == "periodic" and why:
         raise NotAvailable(
             f"{scene.name}: model.dynamic_solution: got periodic with {why}, expected auto or march"
         )
@@ -72,14 +73,16 @@ class GrowthRates:
 
         A passing moves the phases on by a ball: multipliers of the spacing lie near the roots of 1.
         """
-        others, phases = list(multipliers), []
+        others = list(multipliers)
+        phases = []
         for root in np.exp(2j * np.pi * np.arange(balls) / balls):
-            phases.append(others.pop(int(np.argmin(np.abs(np.array(others) - root)))))
-        rates = (
-            float(np.log(np.abs(group).max(initial=_SMALLEST))) / turns
-            for group in (phases[1:], others)
-        )
-        return cls(*rates)
+            nearest = int(np.argmin(np.abs(np.array(others) - root)))
+            phases.append(others.pop(nearest))
+
+        def largest_rate(group: list[complex]) -> float:
+            return float(np.log(np.abs(group).max(initial=_SMALLEST))) / turns
+
+        return cls(spacing=largest_rate(phases[1:]), slip_and_spin=largest_rate(others))
 
     @property
     def values(self) -> dict[str, float]:
@@ -108,7 +111,10 @@ def _turns(rate: float) -> str:
 
 
 def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | None:
-    """Returns sentence and advice for an unstable periodic motion; None if it is stable."""
+    """Returns `phrase` and `advice` for an unstable periodic motion; None if it is stable.
+
+    values: result variables, which have those of `GROWTHS` if the motion is periodic.
+    """
     spacing, disturbances = (values.get(name, -np.inf) for name in GROWTHS)
     if disturbances > LEAST_GROWTH:
         phrase = f"disturbances grow by a factor of e in {_turns(disturbances)}"

@@ -76,7 +76,8 @@ class DynamicSystem:
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        bearing, n = self.bearing, len(self.bearing.D)
+        bearing = self.bearing
+        n = len(self.bearing.D)
         self.buffers = buffers(n, bearing.rule, bearing.points, bearing.traction)
         self.stages = stages(n, self.layout)
         self.dy = np.zeros(self.y.size)
@@ -104,13 +105,18 @@ class DynamicSystem:
         return system
 
     def turning_displacement(self) -> tuple[float, float]:
-        """Returns the displacement (Y, Z) of the race by the rotating load alone [m], or 0."""
-        balls, displacements = self.buffers.balls, []
+        """Returns the displacement (Y, Z) of the race by the rotating load alone [m].
+
+        It is 0 where the bearing has no equilibrium.
+        """
+        balls = self.buffers.balls
+        displacements = []
         for bearing in (self.bearing._replace(F_rot=0.0), self.bearing):
             if free_equilibrium(self.time, self.y, bearing, self.buffers) != code.OK:
                 return 0.0, 0.0
             displacements.append(balls.delta[1:].copy())
-        y, z = (displacements[1] - displacements[0]).tolist()
+        without_load, with_load = displacements
+        y, z = (with_load - without_load).tolist()
         return y, z
 
     def variant(self, **changes) -> "DynamicSystem":
@@ -140,6 +146,7 @@ class DynamicSystem:
         middle = state[POSE] + np.r_[0.0, 0.0, cage.imbalance, 0.0, 0.0, 0.0]
 
         def elastic_energy(shift: np.ndarray) -> float:
+            """Moves the cage by a scaled shift (6,) and returns its elastic energy [J]."""
             state[POSE] = middle + shift * scale
             cage_contacts(self.y, self.bearing, balls, contacts)
             return float(contacts.sums[ELASTIC])
@@ -156,7 +163,9 @@ class DynamicSystem:
 
     def start_cage(self, start: CageStart) -> None:
         """Puts the cage at a start, wherever `place_cage` has put it."""
-        cage, state, omega = self.bearing.cage, self.cage_state, self.balls[:, OMEGA].mean()
+        cage = self.bearing.cage
+        state = self.cage_state
+        omega = self.balls[:, OMEGA].mean()
         race_centre = self.buffers.balls.delta if cage.land == INNER_LAND else np.zeros(3)
         room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
         outward = np.array([math.cos(start.angle), math.sin(start.angle)])
@@ -215,7 +224,9 @@ class DynamicSystem:
             return code.CAGE_JAMMED
         if status not in (code.NOT_CONVERGED, code.UNVERIFIED):
             return status
-        bearing, buffers, n = self.bearing, self.buffers, len(self.bearing.D)
+        bearing = self.bearing
+        buffers = self.buffers
+        n = len(self.bearing.D)
         loads = np.zeros((n, race.LOAD_FIELDS))
         loads[:, race.MODEL], loads[:, race.ORBIT_RATE] = ORBIT, self.balls[:, OMEGA]
         load_at(bearing, self.time, buffers.balls.F)
@@ -261,6 +272,7 @@ class DynamicSystem:
     ) -> StepControl:
         """Returns the control of the time steps.
 
+        tolerance: of a step, over the mean slip.
         longest: longest step, by default the usual one [s].
         """
         return StepControl(
@@ -269,18 +281,40 @@ class DynamicSystem:
             longest=longest or self.turn / STEPS_PER_TURN,
         )
 
-    def advance(self, duration: float, *options, **named) -> Tally:
-        """Integrates with options of `control`; the tally has the status."""
-        tally = self.simulate(self.control(*options, **named), duration)
+    def advance(
+        self,
+        duration: float,
+        tolerance: float = TOLERANCE,
+        method: Tableau = ROSENBROCK,
+        longest: float | None = None,
+    ) -> Tally:
+        """Moves state and time on by a duration [s]; the tally has the status.
+
+        tolerance, method, longest: as in `control`.
+        """
+        tally = self.simulate(self.control(tolerance, method, longest), duration)
         self.time, self.h = tally.time, tally.h
         return tally
 
     def simulate(self, control: StepControl, duration: float, intervals: int = 1) -> Tally:
-        """Moves the state on from this instant; time and first step stay as they are."""
+        """Moves the state on from this instant; time and first step stay as they are.
+
+        The tally has the status, and the time and step at the end.
+
+        duration: of an interval [s].
+        """
         grid = record.TimeGrid(origin=self.time, dt=duration, first=0)
-        model = (self.y, self.bearing, self.buffers, self.stages)
         return record.advance_and_record(
-            control, grid, 0, intervals, self.h, *model, self._idle_recorder
+            control,
+            grid,
+            0,
+            intervals,
+            self.h,
+            self.y,
+            self.bearing,
+            self.buffers,
+            self.stages,
+            self._idle_recorder,
         )
 
     @functools.cached_property
@@ -289,12 +323,16 @@ class DynamicSystem:
 
         A kernel without a recorder would take another half minute to compile.
         """
-        n, integrals = len(self.bearing.D), self.layout.size - self.layout.qv
+        n = len(self.bearing.D)
+        integrals = self.layout.size - self.layout.qv
         sums = record.empty_sums(n, self.bearing.rule, np.zeros(1), integrals)
         return record.Recorder(sums=sums, history=record.empty_history(1, n), keep=False)
 
     def parts(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Returns all arrays that a run continues from, the next step h (1,) among them."""
+        """Returns all arrays that a run continues from, as views.
+
+        h: buffer (1,) of the next step [s].
+        """
         balls = self.buffers.balls
         return self.y, h, self.buffers.cage.R0, balls.X, balls.delta
 
@@ -303,7 +341,10 @@ class DynamicSystem:
         return np.concatenate([np.ravel(part) for part in self.parts(np.array([self.h]))])
 
     def unpack(self, state: np.ndarray, time: float) -> None:
-        """Continues from the state that `packed()` returned at `time`."""
+        """Continues from the state that `packed()` returned at `time` [s].
+
+        ValueError if it is that of a system with other parts.
+        """
         h = np.empty(1)
         parts = self.parts(h)
         if state.size != sum(part.size for part in parts):
@@ -312,7 +353,8 @@ class DynamicSystem:
         for part in parts:
             part[...] = state[offset : offset + part.size].reshape(part.shape)
             offset += part.size
-        self.h, self.time = float(h[0]), time
+        self.h = float(h[0])
+        self.time = time
         # Kept, because the equilibrium starts from the last positions.
         self.buffers.balls.factors[:] = 0.0
 
@@ -333,7 +375,8 @@ class DynamicSystem:
         y, layout = self.y, self.layout
         w, Omega = self.balls[:, :OMEGA], self.balls[:, OMEGA]
         free = np.array([bearing.g.r_i, bearing.g.r_o]) - 0.5 * bearing.D[:, None]
-        to_inner, to_outer = balls.A - balls.X, balls.X
+        to_inner = balls.A - balls.X
+        to_outer = balls.X
         lengths = np.column_stack([np.hypot(*to_inner.T), np.hypot(*to_outer.T)])
         d = np.maximum(lengths - free, 0.0)
         r = bearing.g.R_o + balls.X[:, 1]

@@ -47,7 +47,7 @@ class Trend:
         self.values = np.zeros((3, 6))  # (value, k value, value^2) of each
 
     def add(self, values: np.ndarray) -> None:
-        """Adds the values of a turn."""
+        """Adds the values (6,) of a turn, in the order of the class."""
         k = self.sums[0]
         self.sums += (1.0, k, k * k)
         self.values += [values, k * values, values * values]
@@ -58,7 +58,7 @@ class Trend:
         return bool(self.sums[0] >= FEWEST_OF_TREND and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
-        """Returns relative changes per turn of all values but the room (5,), or None."""
+        """Returns relative changes per turn of all values but the room (5,); None if not known."""
         n, k, kk = self.sums
         total, weighted, _ = self.values[:, :-1]
         if not self.is_known:
@@ -77,7 +77,7 @@ class Trend:
         """Returns the turns until a drifting cage meets its land, infinite without a drift."""
         n, k, kk = self.sums
         total, weighted, square = self.values[:, -1]
-        if n < 3:
+        if n < FEWEST_OF_TREND:
             return math.inf
         spread = kk - k * k / n
         slope = (weighted - k * total / n) / spread
@@ -117,12 +117,12 @@ def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
 
 
 class LoadRange:
-    """Loads of each contact over the instants of a window: largest, smallest, and time without."""
+    """Range of the loads of each contact (n, 2) over the instants of a window."""
 
     def __init__(self, balls: int) -> None:
-        self.largest = np.zeros((balls, 2))
-        self.smallest = np.full((balls, 2), np.inf)
-        self.unloaded = np.zeros((balls, 2))  # instants
+        self.largest = np.zeros((balls, 2))  # [N]
+        self.smallest = np.full((balls, 2), np.inf)  # [N]
+        self.unloaded = np.zeros((balls, 2))  # instants without load
         self.roots = np.zeros((balls, 2))  # sum of the loads' cube roots, as of the pressure
 
     def add(self, loads: np.ndarray) -> None:
@@ -153,7 +153,12 @@ class LoadRange:
 
 
 class _Progress:
-    """Lines of progress, no more often than every few seconds."""
+    """Lines of progress, no more often than every few seconds.
+
+    say: receives a line; None for none.
+    turns: of the whole run.
+    turn: duration of one [s].
+    """
 
     def __init__(self, say: Callable[[str], None] | None, turns: float, turn: float) -> None:
         self.say, self.turns, self.turn = say, turns, turn
@@ -161,6 +166,11 @@ class _Progress:
         self.recent = deque([(self.start, 0.0)], maxlen=RECENT_REPORTS)  # clock, turns
 
     def __call__(self, done: float, slopes: np.ndarray | None) -> None:
+        """Writes a line if the last one is old enough.
+
+        done: turns simulated.
+        slopes: see `Trend.slopes`.
+        """
         now = clock.monotonic()
         if self.say is None or now - self.last < REPORT_EVERY:
             return
@@ -213,8 +223,14 @@ class RunGrid:
 
     @classmethod
     def of_orbit(cls, scene: Scene, motion: PeriodicMotion, turn: float) -> "RunGrid":
-        """Returns passings of a periodic motion: an orbit for histories, or enough for a trend."""
-        turns, balls = motion.passing / turn, len(motion.balls)
+        """Returns the grid of a run through passings of a periodic motion.
+
+        They make an orbit if histories are kept, else they are enough for a trend.
+
+        turn: duration of a shaft turn [s].
+        """
+        turns = motion.passing / turn
+        balls = len(motion.balls)
         per_turn = scene.model.history_points_per_turn or STEPS_PER_TURN
         points = math.ceil(per_turn * turns)
         passings = balls if scene.model.history_points_per_turn else min(balls, FEWEST_OF_TREND)
@@ -230,7 +246,11 @@ class RunGrid:
         )
 
     def short(self, scene: Scene, time: float, turn: float) -> "RunGrid":
-        """Returns half a turn from a time [s] or less; of a periodic motion, a passing."""
+        """Returns the grid of half a turn or less, or of a passing of a periodic motion.
+
+        time: of the first instant [s].
+        turn: duration of a shaft turn [s].
+        """
         if self.is_periodic:
             return replace(self, origin=time, total=self.points, window=self.points)
         count = max(1, min(self.points // 2, self.total // SHORT))
@@ -244,9 +264,10 @@ class RunGrid:
 
     @property
     def windows(self) -> list[int]:
-        """Returns the lengths of the windows; a rest that fills none comes first."""
+        """Returns the lengths of the windows in intervals; a rest that fills none comes first."""
         count, rest = divmod(self.total, self.window)
-        return [rest] * (rest > 0) + [self.window] * count
+        windows = [self.window] * count
+        return [rest, *windows] if rest else windows
 
 
 class TimeRun:
@@ -264,7 +285,9 @@ class TimeRun:
         grid: RunGrid | None = None,
         longest: float = 1.0,
     ):
-        model, layout, n = scene.model, system.layout, len(system.bearing.D)
+        model = scene.model
+        layout = system.layout
+        n = len(system.bearing.D)
         self.system = system
         self.grid = grid = grid or RunGrid.of(scene, system.time, system.turn)
         self.tolerance = tolerance or model.dynamic_tolerance
@@ -293,6 +316,7 @@ class TimeRun:
 
     @property
     def turns(self) -> float:
+        """Returns the shaft turns simulated."""
         return self.done / self.grid.points * self.grid.turns
 
     def advance(self, count: int) -> int:
@@ -301,7 +325,8 @@ class TimeRun:
         time_grid = record.TimeGrid(origin=grid.origin, dt=grid.dt, first=grid.first)
         if not self.keeps_history:
             assert count <= grid.points
-            time_grid, first = time_grid._replace(first=time_grid.first + first), 0
+            time_grid = time_grid._replace(first=time_grid.first + first)
+            first = 0
         tally = record.advance_and_record(
             self.control,
             time_grid,
@@ -339,12 +364,13 @@ class TimeRun:
         return offset
 
     def window(self, length: int) -> int:
-        """Simulates a window and records it; returns a status."""
+        """Simulates a window of so many intervals and records it; returns a status."""
         integrals = self.system.y[self.system.layout.qv :]
         sums, points = self.recorder.sums, self.grid.points
         record.clear(sums)
         self.loads = LoadRange(len(self.system.bearing.D))
-        before_last, self.trend = self.trend, Trend(self.grid.turns)
+        before_last = self.trend
+        self.trend = Trend(self.grid.turns)
         self.opening = self.system.snapshot()
         for first in range(0, length, points):
             count = min(points, length - first)
@@ -357,9 +383,8 @@ class TimeRun:
                 return status
             if count == points:
                 gain = integrals - integrals_before
-                preload, torque = (sums.bearing - sums_before)[
-                    [record.PRELOAD, record.INNER_RACE_TORQUE]
-                ]
+                sums_gain = sums.bearing - sums_before
+                preload, torque = sums_gain[[record.PRELOAD, record.INNER_RACE_TORQUE]]
                 self.trend.add(np.array([*self.weights @ gain, preload, torque, self.room]))
             shown = self.trend if self.trend.is_known else before_last
             self.report(self.turns, shown.slopes())

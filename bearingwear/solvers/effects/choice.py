@@ -49,7 +49,7 @@ class Choice:
 
 
 def asymmetries(scene: Scene) -> list[str]:
-    """Returns properties of a scene that make its balls differ."""
+    """Returns the properties of a scene that make its balls differ, in words."""
     if scene.pair is not None:
         return list(dict.fromkeys(text for side in scene.sides for text in asymmetries(side)))
     operation = scene.operation
@@ -59,7 +59,7 @@ def asymmetries(scene: Scene) -> list[str]:
         "tilt": operation.tilt_mrad,
         "unequal ball diameters": len(set(scene.wear.ball_diameter_loss_um)) > 1,
     }
-    return [name for name, is_there in properties.items() if is_there]
+    return [name for name, value in properties.items() if value]
 
 
 def stands_still(scene: Scene) -> bool:
@@ -68,13 +68,14 @@ def stands_still(scene: Scene) -> bool:
 
 
 def choice(scene: Scene, fidelity: str | None = None) -> Choice:
-    """Chooses the model; `fidelity` overrides `model.fidelity` of the scene.
+    """Returns the choice of the model; `fidelity` overrides `model.fidelity` of the scene.
 
     Raises NotAvailable if the requested fidelity does not exist or cannot solve this scene.
     """
     wanted = fidelity or scene.model.fidelity
     _check_fidelity(scene, wanted)
-    asymmetry, needs_cage = " and ".join(asymmetries(scene)), scene.model.cage_results
+    asymmetry = " and ".join(asymmetries(scene))
+    needs_cage = scene.model.cage_results
     if wanted != "auto":
         return _choice_of(scene, wanted, ASKED_FOR)
     if needs_cage:
@@ -92,9 +93,10 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
 
 
 def _check_fidelity(scene: Scene, wanted: str) -> None:
-    """Refuses a fidelity that does not exist or cannot solve a scene: NotAvailable."""
+    """Raises NotAvailable for a fidelity that does not exist or cannot solve a scene."""
 
     def refusal(problem: str, others: str) -> NotAvailable:
+        """Returns the error that names a problem of the fidelity and others to choose."""
         return NotAvailable(
             f"{scene.name}: model.fidelity: got '{wanted}'; {problem}, expected auto, {others}"
         )
@@ -103,15 +105,14 @@ def _check_fidelity(scene: Scene, wanted: str) -> None:
         raise NotAvailable(
             f"{scene.name}: fidelity: got {wanted!r}, expected {', '.join(FIDELITIES)}"
         )
-    asymmetry, needs_cage = " and ".join(asymmetries(scene)), scene.model.cage_results
+    asymmetry = " and ".join(asymmetries(scene))
+    needs_cage = scene.model.cage_results
     if needs_cage and wanted in ("steady", "race_control"):
         raise refusal("cage motion and wear require the dynamic model", "dynamic")
     if scene.pair is not None and (wanted == "dynamic" or needs_cage):
-        got, instead = (
-            ("model.fidelity: got 'dynamic'", "steady or race_control")
-            if wanted == "dynamic"
-            else ("model.cage_results: got true", "false")
-        )
+        got, instead = "model.cage_results: got true", "false"
+        if wanted == "dynamic":
+            got, instead = "model.fidelity: got 'dynamic'", "steady or race_control"
         raise NotAvailable(
             f"{scene.name}: {got} with a {scene.pair.kind}, expected {instead}; the dynamic "
             "model supports only one bearing: set arrangement.kind to single (one of two identical "
@@ -127,9 +128,11 @@ def _check_fidelity(scene: Scene, wanted: str) -> None:
 
 
 def _choice_of(scene: Scene, fidelity: str, why: str) -> Choice:
-    """Returns the choice of a fidelity.
+    """Returns the choice of a fidelity, with the cage where it is to be solved.
 
-    Raises NotAvailable if a requested dynamic solution does not exist.
+    Raises NotAvailable if the dynamic solution that the scene requests does not exist for it.
+
+    why: reason of the choice, or `ASKED_FOR`.
     """
     # a dynamic model requested by name includes the cage
     cage = fidelity == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
@@ -140,7 +143,7 @@ def _choice_of(scene: Scene, fidelity: str, why: str) -> Choice:
 
 
 def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
-    """Chooses the model of a wear life: that of a solve, if it evaluates any of the criteria.
+    """Returns the choice for a wear life: that of a solve, if it evaluates any of the criteria.
 
     Raises NotAvailable if the requested fidelity cannot solve this scene, evaluates none of its
     criteria, or is race control for a scene that the steady model solves.
@@ -172,9 +175,9 @@ def unevaluated_criteria(scene: Scene, chosen: Choice) -> dict[str, float]:
 
 
 def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
-    """Describes the accuracy settings of a scene in words."""
+    """Returns the accuracy settings of a scene, in words."""
     model = scene.model
-    across = f" by {model.points_across} across" if model.slip_is_over == "ellipse" else ""
+    across = f" by {model.points_across} across" if model.slip_region == "ellipse" else ""
     settings = (
         f"accuracy: {model.accuracy}; {model.strips} points or strips ({model.quadrature}){across}"
         ", friction regularised below a slip speed of "
@@ -189,7 +192,7 @@ def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
 
 
 def effort_sentence(scene: Scene, chosen: Choice) -> str:
-    """Estimates roughly the computing time of a solve, in words."""
+    """Returns a rough estimate of the computing time of a solve, in words."""
     compiled = PROJECT.is_compiled(LARGEST_KERNEL[chosen.fidelity])
     compile_words = (
         "" if compiled else f"up to {PROJECT.compile_time} to compile the solver (once), then "

@@ -13,19 +13,30 @@ from bearingwear.sides import OF_ARRANGEMENT, SHARED
 
 
 def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
-    """Returns the measure [SI] and the variable of each criterion of a scene that a case holds."""
+    """Returns the critical value [SI] and its variable by the names of a scene's criteria.
+
+    A criterion is left out if the case holds none of its variables, or if it compares with a
+    preload and the scene has none.
+
+    case: result variables of the solved scene.
+    """
     end, preload = scene.wear.end_of_life, scene.operation.preload_N
     values = dict(case)
     for system_name, bearing_name in OF_ARRANGEMENT.items():
         if system_name not in values and bearing_name in values:
             holding = bearings_holding(scene.operation.preload_method)
             values[system_name] = holding * np.asarray(values[bearing_name])
-    measures = {name: ENDS[name] for name in (end.criteria if end else ())}
-    return {
-        name: measure.critical(lambda variable: values.get(variable, np.nan), preload)
-        for name, measure in measures.items()
-        if values.keys() & {*measure.variables} and (preload or not measure.over_preload)
-    }
+
+    def known_value(variable: str) -> Any:
+        return values.get(variable, np.nan)
+
+    critical = {}
+    for name in end.criteria if end else ():
+        measure = ENDS[name]
+        is_held = not values.keys().isdisjoint(measure.variables)
+        if is_held and (preload or not measure.over_preload):
+            critical[name] = measure.critical(known_value, preload)
+    return critical
 
 
 class Reached(NamedTuple):
@@ -48,12 +59,14 @@ class Reached(NamedTuple):
 
 
 def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[Reached]:
-    """Returns each criterion that a case exceeds, the one exceeded most first."""
+    """Returns the criteria that a case exceeds, the one exceeded most first."""
     end = scene.wear.end_of_life
+    if end is None:
+        return []
     reached = [
-        Reached(ENDS[name], end.criteria[name], *critical)
-        for name, critical in criteria_of_case(scene, case).items()
-        if end and ENDS[name].is_passed(critical[0], end.criteria[name])
+        Reached(measure=ENDS[name], limit=end.criteria[name], value=value, variable=variable)
+        for name, (value, variable) in criteria_of_case(scene, case).items()
+        if ENDS[name].is_passed(value, end.criteria[name])
     ]
     return sorted(reached, key=lambda criterion: -criterion.excess)
 
@@ -63,6 +76,7 @@ def criterion_met(scene: Scene, life: Mapping[str, Any], k: int) -> Reached | No
 
     In a pair, the value is that of the worse bearing.
 
+    life: result variables of the life.
     k: index of the step in the histories.
     """
     name, end = CRITERIA[int(life["end_criterion"])], scene.wear.end_of_life
@@ -75,11 +89,15 @@ def criterion_met(scene: Scene, life: Mapping[str, Any], k: int) -> Reached | No
         return history[:, k] if is_by_bearing else history[k]
 
     initial = np.array([side.operation.preload_N for side in scene.sides])
-    return Reached(ENDS[name], end.criteria[name], *ENDS[name].critical(at_step, initial))
+    value, variable = ENDS[name].critical(at_step, initial)
+    return Reached(measure=ENDS[name], limit=end.criteria[name], value=value, variable=variable)
 
 
 def end_attribute(scene: Scene, values: Mapping[str, Any]) -> dict[str, str]:
-    """Returns the attribute of a life that names the criterion, its value and its limit."""
+    """Returns the attribute `ended_by` of a life: its criterion with value and limit, in words.
+
+    It is left out if no criterion ends the life.
+    """
     met = criterion_met(scene, values, -1)
     if met is None:
         return {}

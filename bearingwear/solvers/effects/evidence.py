@@ -52,7 +52,10 @@ _SOLVED = (
 
 
 def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
-    """Yields a case, or the first and the last state of a life."""
+    """Yields the evidence of a case, or that of the first and of the last state of a life.
+
+    values: result variables of the case or life, or none before a solve.
+    """
     status = int(values.get("status", _UNKNOWN_STATUS))
     prefix = "history_" if "end_criterion" in values else ""
     temperatures = values.get(prefix + "part_temperature", part_temperatures(scene))
@@ -64,7 +67,11 @@ def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iter
     elif not prefix:
         yield Evidence(scene, chosen, State(status, temperature_values | dict(values)), case=values)
     else:
-        histories = {name[len(prefix) :]: value for name, value in values.items() if prefix in name}
+        histories = {
+            name.removeprefix(prefix): value
+            for name, value in values.items()
+            if name.startswith(prefix)
+        }
         for k in (0, -1):
             state = {name: np.asarray(value)[k] for name, value in histories.items()}
             yield Evidence(scene, chosen, State(status, temperature_values | state), life=values)

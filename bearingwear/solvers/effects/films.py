@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +22,10 @@ from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 
 def film_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes friction and wear of films, and running in."""
-    scene, films, film = chosen.scene, Films.of(chosen.scene), chosen.scene.friction.film
+    """Yields sentences on friction and wear of films, and on running in."""
+    scene = chosen.scene
+    films = Films.of(chosen.scene)
+    film = chosen.scene.friction.film
     if film is not None:
         offset = f" plus {film.pressure_coefficient:g}" if film.pressure_coefficient else ""
         yield (
@@ -58,7 +61,7 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _table_range(table: WearTable) -> str:
-    """Describes the range of pressures and temperatures of a table."""
+    """Returns the range of pressures and temperatures of a table, in words."""
     pressures, temperatures = (
         " to ".join(dict.fromkeys(map(plain, values[[0, -1]])))
         for values in (table.pressure / MPA, table.temperature)
@@ -69,58 +72,96 @@ def _table_range(table: WearTable) -> str:
 NEAR_TESTS_K = 5.0
 """Kelvin beyond the temperatures of a table above which there is a warning, assumed."""
 
+KELVIN_PER_EXCESS = 100.0
+"""Kelvin beyond that which weigh as much as twice the highest pressure of a table, assumed."""
 
 FILM_SPEED = 0.6
 """Speed times pitch diameter [million mm r/min] above which a film is warned of: ten times that of
 the one published test of a sputtered film in an angular contact bearing (docs/film_tests.md)."""
 
 
-def film_too_fast(e: Evidence) -> Finding | None:
-    """Compares the speed of a bearing with a film with that of a test."""
-    if e.scene.friction.film is None:
+def film_too_fast(evidence: Evidence) -> Finding | None:
+    """Returns the finding of speed times pitch diameter, whose limit is that of films in tests.
+
+    None without a film.
+    """
+    if evidence.scene.friction.film is None:
         return None
-    operation = e.scene.operation
+    operation = evidence.scene.operation
     relative = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm)
-    return {"value": 1e-6 * relative * e.scene.bearing.pitch_diameter_mm, "limit": FILM_SPEED}
+    return {
+        "value": 1e-6 * relative * evidence.scene.bearing.pitch_diameter_mm,
+        "limit": FILM_SPEED,
+    }
 
 
-def film_beyond_tests(e: Evidence) -> Finding | None:
-    """Finds the contact whose pressure or temperature lies farthest beyond the film's tests."""
-    table, findings = Films.of(e.scene).table, []
+class _Distance(NamedTuple):
+    """How far a pressure or temperature lies beyond the range of a film's tests."""
+
+    excess: float  # above 1 beyond the range, NaN without load
+    quantity: str  # in words
+    is_above: bool  # above the range, not below it
+
+
+def film_beyond_tests(evidence: Evidence) -> Finding | None:
+    """Returns the finding of the pressure or temperature farthest beyond a film's tests.
+
+    None without a table of tests, or without load.
+    """
+    table = Films.of(evidence.scene).table
     if table is None:
         return None
-    pressures = PEAK_OVER_MEAN * pressure_of_load(e.scene, e.contacts("contact_load").mean(axis=0))
+    distances = []
+    pressures = PEAK_OVER_MEAN * pressure_of_load(
+        evidence.scene, evidence.contacts("contact_load").mean(axis=0)
+    )
     for pressure in pressures.tolist():
         low, high = table.pressure[[0, -1]].tolist()
         excess = max(pressure / high, low / pressure) if pressure > 0.0 else math.nan
-        findings.append((excess, f"peak pressure of {plain(pressure / MPA)} MPa", pressure > high))
-    for celsius in contact_temperatures(e.scene, e.state["part_temperature"]).tolist():
+        words = f"peak pressure of {plain(pressure / MPA)} MPa"
+        distances.append(_Distance(excess, words, pressure > high))
+    for celsius in contact_temperatures(
+        evidence.scene, evidence.state["part_temperature"]
+    ).tolist():
         low, high = table.temperature[[0, -1]].tolist()
-        excess = 1.0 + (max(celsius - high, low - celsius) - NEAR_TESTS_K) / 100.0
-        findings.append((excess, f"temperature of {plain(celsius)} degC", celsius > high))
-    with_load = [finding for finding in findings if not math.isnan(finding[0])]
-    if not with_load:
+        excess = 1.0 + (max(celsius - high, low - celsius) - NEAR_TESTS_K) / KELVIN_PER_EXCESS
+        words = f"temperature of {plain(celsius)} degC"
+        distances.append(_Distance(excess, words, celsius > high))
+    distances = [distance for distance in distances if not math.isnan(distance.excess)]
+    if not distances:
         return None
-    excess, quantity, is_above = max(with_load)
-    advice = "expect a shorter life than computed" if is_above else "the life computed is cautious"
-    return {"what": quantity, "range": _table_range(table), "advice": advice, "excess": excess}
+    farthest = max(distances)
+    advice = "the life computed is cautious"
+    if farthest.is_above:
+        advice = "expect a shorter life than computed"
+    return {
+        "what": farthest.quantity,
+        "range": _table_range(table),
+        "advice": advice,
+        "excess": farthest.excess,
+    }
 
 
-def film_worn(e: Evidence) -> Finding | None:
-    """Finds a film worn through in a life that continues with the film's friction."""
-    if e.life is None or "history_film_worn_share" not in e.life:
+def film_worn(evidence: Evidence) -> Finding | None:
+    """Returns the finding of a film worn through in a life that continues with its friction.
+
+    None where no film is worn through, where that ends the life, and where the scene has another
+    friction without film.
+    """
+    if evidence.life is None or "history_film_worn_share" not in evidence.life:
         return None
-    shares, film = e.life["history_film_worn_share"], e.scene.friction.film
+    shares, film = evidence.life["history_film_worn_share"], evidence.scene.friction.film
     if not shares.max() > 0.0 or (film is not None and film.bare_ball_race is not None):
         return None
-    if len(shares) < 3 or not shares[:-1].max() > 0.0:  # it ends there
+    ends_life = len(shares) < 3 or not shares[:-1].max() > 0.0
+    if ends_life:
         return None
     races = [name for name, share in zip(("inner", "outer"), shares[-1], strict=True) if share]
     return {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}
 
 
 def _worn_through_words(scene: Scene) -> str:
-    """States what happens where a film is worn through."""
+    """Returns what happens where a film is worn through, in words."""
     end, film = scene.wear.end_of_life, scene.friction.film
     if end is not None and end.film_worn_share is not None:
         share = f"{100.0 * end.film_worn_share:g} %"
@@ -131,11 +172,13 @@ def _worn_through_words(scene: Scene) -> str:
 
 
 def _friction_at_rest(scene: Scene) -> str:
-    """Describes friction coefficients under the preload at rest, by fitted Hertz factors."""
+    """Returns the friction coefficients at rest by fitted Hertz factors, in words."""
     # loaded here: its kernels load slowly, and other commands do not use them
     from bearingwear.solvers.bearing.parameters import friction_law
 
-    g, preload, law = mounted_geometry(scene), scene.operation.preload_N, friction_law(scene)
+    g = mounted_geometry(scene)
+    preload = scene.operation.preload_N
+    law = friction_law(scene)
     sin_alpha = math.sin(g.alpha0)
     if not (preload > 0.0 and sin_alpha > 0.0):
         return f"at least {law.mu:.3g}"

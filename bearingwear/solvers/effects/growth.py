@@ -16,7 +16,7 @@ from bearingwear.solvers.bearing.growth import (
     RingGrowth,
     axial_change,
     fit_loss_speed,
-    grown,
+    grown_geometry,
     growth_of,
     growth_with_bore,
     growth_with_fits,
@@ -43,6 +43,7 @@ TRIED_UM = (5.0, 12.0)
 that of a fast spindle."""
 
 _NO_MARGIN = 1e-9
+"""Thermal margin in place of zero, over which a ratio stays finite."""
 
 _STILL, _COLD = RingGrowth(), Expansion()
 
@@ -52,7 +53,8 @@ def preload_change(scene: Scene, growth: Growth) -> float:
 
     It is that of the unworn bearing at rest, by fitted Hertz factors; NaN without a preload.
     """
-    a, F = scene.arrangement or Arrangement(), scene.operation.preload_N
+    a = scene.arrangement or Arrangement()
+    F = scene.operation.preload_N
     if not F > 0.0:
         return math.nan
     return _preload_change(
@@ -62,9 +64,16 @@ def preload_change(scene: Scene, growth: Growth) -> float:
 
 @functools.lru_cache(maxsize=64)
 def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientation: str) -> float:
-    """Returns `preload_change` of a geometry as mounted; a solve uses it several times."""
+    """Returns the relative change of a preload by growth at rest [1].
+
+    It is cached, because a solve asks for it several times.
+
+    g: geometry as mounted.
+    F: preload at rest, without growth [N].
+    span: distance of the two bearings [m].
+    """
     axial = g.BD * math.sin(g.alpha0) + fitted_displacement(g, F)
-    running = grown(g, growth, 0.0)
+    running = grown_geometry(g, growth, 0.0)
     running_preload = fitted_preload(
         running, axial + axial_change(growth.heat, axial, span, orientation)
     )
@@ -104,7 +113,10 @@ def change_by_warmth(scene: Scene) -> float:
 
 
 def _effect_words(scene: Scene, relative_change: Callable[[Scene], float]) -> str:
-    """Describes the effect of a growth on the preload."""
+    """Returns the effect of a growth on the preload, in words.
+
+    relative_change: returns the relative change of a scene's fixed-position preload [1].
+    """
     if not is_held(scene):
         return "a second-order effect, because the preload force is constant"
     percent = 100.0 * relative_change(scene)
@@ -115,7 +127,7 @@ def _effect_words(scene: Scene, relative_change: Callable[[Scene], float]) -> st
 
 
 def speed_growth_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes the growth of the rings at speed."""
+    """Yields sentences on the growth of the rings at speed."""
     scene, bearing, operation = chosen.scene, chosen.scene.bearing, chosen.scene.operation
     if operation.shaft_speed_rpm or operation.outer_speed_rpm:
         size = _effect_words(scene, change_at_speed)
@@ -135,8 +147,9 @@ def speed_growth_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def temperature_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes the effect of temperatures."""
-    scene, is_fixed = chosen.scene, is_held(chosen.scene)
+    """Yields a sentence on the effect of temperatures."""
+    scene = chosen.scene
+    is_fixed = is_held(chosen.scene)
     if scene.thermal is not None:
         caveat = (
             "; conductances, and therefore the preload, are rough estimates" if is_fixed else ""
@@ -151,7 +164,7 @@ def temperature_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def fit_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes the effect of fits on a fixed-position preload; else only a given fit."""
+    """Yields a sentence on fits; none without fits where the preload force is constant."""
     scene = chosen.scene.sides[0]
     if has_interference(scene):
         effect = _effect_words(scene, change_by_fits)
@@ -190,7 +203,8 @@ def tried_fits(scene: Scene, running_preload: Callable[[Scene, Growth], float]) 
 
     running_preload: returns the preload of a scene's bearing with its growth [N].
     """
-    F, bore = scene.operation.preload_N, assumed_bore(scene)
+    F = scene.operation.preload_N
+    bore = assumed_bore(scene)
     if not (F > 0.0 and bore > 0.0):
         return []
     is_warm = scene.temperature is not None or scene.thermal is not None
@@ -238,7 +252,7 @@ def largest_change(tried: Sequence[TriedFit], running: float) -> float:
 
 
 def estimated_preload(scene: Scene, growth: Growth) -> float:
-    """Estimates the preload of the running bearing by its contacts at rest, before a solve."""
+    """Estimates the preload of the running bearing by its contacts at rest, before a solve [N]."""
     return scene.operation.preload_N * (1.0 + preload_change(scene, growth))
 
 
@@ -251,11 +265,14 @@ def frictionless_preload(scene: Scene, growth: Growth) -> float:
     from bearingwear.solvers.bearing.parameters import running_geometry, static_place
 
     g = running_geometry(scene, growth)
-    return Mechanics(g, g.D0, rolling_rates(scene)[1]).force(static_place(scene))
+    _, orbit_rate = rolling_rates(scene)
+    return Mechanics(g, g.D0, orbit_rate).force(static_place(scene))
 
 
 def interference_sizes(tried: Sequence[TriedFit], running: float | None) -> str:
-    """Describes the preload with fits of usual size.
+    """Returns the preload with fits of usual size, in words.
+
+    tried: no interference, then fits of usual size.
 
     running: preload at speed without a fit [N]; None before a solve: an estimate without the
         centrifugal force of the balls would be far too small.
@@ -276,65 +293,82 @@ def interference_sizes(tried: Sequence[TriedFit], running: float | None) -> str:
 
 
 def _speed_words(rpm: float) -> str:
-    """Describes the speed from which a ring is loose."""
+    """Returns the speed from which a ring is loose, in words."""
     return f"{float(f'{rpm:.2g}'):.0f} r/min" if math.isfinite(rpm) else "no speed"
 
 
-def fit_left_out(e: Evidence) -> Finding | None:
-    """Finds a bearing at a fixed position with a known bore and no interference on the shaft."""
-    scene = e.scene
+def fit_left_out(evidence: Evidence) -> Finding | None:
+    """Returns the finding of a fixed position without interference on the shaft.
+
+    Its excess is the largest change of the preload by a usual fit, over the one that may be
+    neglected. None where a fit is given, the preload force is constant, or the bore is unknown.
+    """
+    scene = evidence.scene
     if has_interference(scene) or not is_held(scene) or scene.bearing.bore_mm is None:
         return None
-    solved = float(e.state["residual_preload"])
+    solved = float(evidence.state["residual_preload"])
     is_solved = math.isfinite(solved)
     tried = tried_fits(scene, frictionless_preload if is_solved else estimated_preload)
     if not tried[1:]:
         return None
-    is_new = is_solved and not e.mean("ball_diameter_loss") > 0.0
+    is_new = is_solved and not evidence.mean("ball_diameter_loss") > 0.0
     running = solved if is_new else tried[0].running  # the warning concerns a new bearing
-    preload_words = "fixed position" if e.chosen.scene.pair is None else "rigid pair"
+    preload_words = "fixed position" if evidence.chosen.scene.pair is None else "rigid pair"
     change = largest_change(tried, running)
     sizes = interference_sizes(tried, running if is_solved else None)
     return {"excess": change / MOST_LEFT_OUT, "held": preload_words, "sizes": sizes}
 
 
-def growth_left_out(e: Evidence) -> Finding | None:
-    """Finds neglected growth of the inner ring at speed, at a fixed position."""
-    if e.scene.bearing.bore_mm is not None or not is_held(e.scene):
+def growth_left_out(evidence: Evidence) -> Finding | None:
+    """Returns the finding of neglected growth of the inner ring at speed, at a fixed position.
+
+    None where the growth is modelled or the preload force is constant.
+    """
+    if evidence.scene.bearing.bore_mm is not None or not is_held(evidence.scene):
         return None
-    return _growth_finding(e, change_at_speed(e.scene)) | {"bore": assumed_bore(e.scene) / MM}
+    return _growth_finding(evidence, change_at_speed(evidence.scene)) | {
+        "bore": assumed_bore(evidence.scene) / MM
+    }
 
 
-def temperature_left_out(e: Evidence) -> Finding | None:
-    """Finds neglected temperatures of a bearing at a fixed position."""
-    is_given = e.scene.temperature is not None or e.scene.thermal is not None
-    if is_given or not is_held(e.scene):
+def temperature_left_out(evidence: Evidence) -> Finding | None:
+    """Returns the finding of neglected temperatures of a bearing at a fixed position.
+
+    None where temperatures are modelled or the preload force is constant.
+    """
+    is_given = evidence.scene.temperature is not None or evidence.scene.thermal is not None
+    if is_given or not is_held(evidence.scene):
         return None
-    return _growth_finding(e, change_by_warm_ring(e.scene, WARMER)) | {"kelvin": WARMER}
+    return _growth_finding(evidence, change_by_warm_ring(evidence.scene, WARMER)) | {
+        "kelvin": WARMER
+    }
 
 
-def _growth_finding(e: Evidence, change: float) -> Finding:
-    """Returns the finding of a neglected growth, from the relative change of the preload."""
+def _growth_finding(evidence: Evidence, change: float) -> Finding:
+    """Returns the finding of a neglected growth: the change of the preload in percent and [N].
+
+    change: relative change of the preload [1].
+    """
     # each bearing of a pair is evaluated alone
-    preload_words = "fixed position" if e.chosen.scene.pair is None else "rigid pair"
-    newtons = change * e.scene.operation.preload_N
+    preload_words = "fixed position" if evidence.chosen.scene.pair is None else "rigid pair"
+    newtons = change * evidence.scene.operation.preload_N
     excess = abs(change) / MOST_LEFT_OUT
     return {"value": 100.0 * change, "newtons": newtons, "excess": excess, "held": preload_words}
 
 
-def thermal_margin_low(e: Evidence) -> Finding | None:
-    """Finds a thermal network near the point from which on its temperatures run away."""
-    margin = e.state.values.get("thermal_margin")
+def thermal_margin_low(evidence: Evidence) -> Finding | None:
+    """Returns the finding of a low thermal margin; None where the margin is unknown."""
+    margin = evidence.state.values.get("thermal_margin")
     if margin is None:
         return None
     return {"value": float(margin), "excess": LOW_MARGIN / max(float(margin), _NO_MARGIN)}
 
 
-def fit_lost(e: Evidence) -> Finding | None:
-    """Finds seats that are tight at rest and loose when the bearing runs."""
-    if e.scene.fits is None:
+def fit_lost(evidence: Evidence) -> Finding | None:
+    """Returns the finding of seats that are tight at rest and loose at speed; None without any."""
+    if evidence.scene.fits is None:
         return None
-    growth = growth_of(e.scene)
+    growth = growth_of(evidence.scene)
     seats = {"shaft": growth.inner.seat_lost, "housing": growth.outer.seat_lost}
     names = " and ".join(seat for seat, is_lost in seats.items() if is_lost)
     return {"seats": names} if names else None

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 from bearingwear.measures import plain
 from bearingwear.scene.accuracy import CAGE_TOLERANCE
-from bearingwear.scene.arrangement import Arrangement, set_over_pair
-from bearingwear.scene.scene import Scene
+from bearingwear.scene.arrangement import Arrangement, set_preload_ratio
+from bearingwear.scene.scene import Cage, Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, curvatures
 from bearingwear.solvers.bearing.mounted import MM, RPM, mounted_geometry
 from bearingwear.solvers.dynamic.stability import seeks_periodic, why_not_periodic
@@ -35,7 +35,8 @@ def gyroscopic_share(scene: Scene) -> float:
     race control, the steeper of the two. NaN without a preload.
     """
     b, operation = scene.bearing, scene.operation
-    D, alpha = MM * b.ball_diameter_mm, math.radians(b.contact_angle_deg)
+    D = MM * b.ball_diameter_mm
+    alpha = math.radians(b.contact_angle_deg)
     gamma = b.ball_diameter_mm / b.pitch_diameter_mm
     relative, orbit = rolling_rates(scene)
     beta = math.atan2(math.sin(alpha), math.cos(alpha) - gamma)
@@ -47,7 +48,7 @@ def gyroscopic_share(scene: Scene) -> float:
 
 
 def rolling_rates(scene: Scene) -> tuple[float, float]:
-    """Returns orbit rates relative to the outer race and in space [rad/s].
+    """Returns the orbit rates of the balls, relative to the outer race and in space [rad/s].
 
     The balls roll at the free contact angle.
     """
@@ -70,11 +71,11 @@ def spin_across_share(scene: Scene) -> float:
 
 
 def slip_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes where slip is evaluated, and what a centre line neglects."""
+    """Yields a sentence on where slip is evaluated, and on what a centre line neglects."""
     model = chosen.scene.model
     share = 100.0 * spin_across_share(chosen.scene)
     size = f"about {plain(share, 2)} % of the friction of a spinning contact"
-    if model.slip_is_over == "line":
+    if model.slip_region == "line":
         key = "model.slip_over" if model.slip_over else "model.contact: paper"
         yield f"slip: evaluated on the centre line of the ellipse ({key}), which neglects {size}"
     else:
@@ -85,15 +86,16 @@ def slip_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def traction_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes whether traction counts in the balance of normal forces, and its share."""
-    model, share = chosen.scene.model, gyroscopic_share(chosen.scene)
+    """Yields a sentence on traction in the balance of normal forces, and on its share."""
+    model = chosen.scene.model
+    share = gyroscopic_share(chosen.scene)
     share_words = (
         "an unknown share" if math.isnan(share) else f"up to about {plain(100.0 * share, 2)} %"
     )
     status = "included in the balance of normal forces"
     if chosen.fidelity == "race_control":
         status += " at the controlling race"
-    elif not model.traction_bears:
+    elif not model.includes_traction:
         key = "model.normal_balance" if model.normal_balance else "model.contact: paper"
         status = f"neglected in the balance of normal forces ({key})"
     yield (
@@ -103,7 +105,7 @@ def traction_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def pair_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes how a pair is solved, and what is assumed of it."""
+    """Yields sentences on how a pair is solved, and on what is assumed; none without a pair."""
     a = chosen.scene.pair
     if a is None:
         return
@@ -128,12 +130,12 @@ def pair_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _set_preload_words(scene: Scene, a: Arrangement) -> str:
-    """States which force the preload of a set is, and the corresponding one of a maker's pair."""
+    """Returns which force the preload of a set is, and the one of a maker's pair, in words."""
     preload = scene.operation.preload_N
     of_side = f"operation.preload_N, {preload:g} N, is the force of each side"
     if a.kind != "rigid_pair":
         return of_side
-    ratio = set_over_pair(a.tandem)
+    ratio = set_preload_ratio(a.tandem)
     return (
         f"{of_side}; bearings matched for a pair of {plain(preload / ratio)} N give it, because a "
         f"set has {ratio:.3g} times the preload of the pair (if {preload:g} N is that of a pair, "
@@ -142,7 +144,7 @@ def _set_preload_words(scene: Scene, a: Arrangement) -> str:
 
 
 def cage_sentences(chosen: Choice) -> Iterator[str]:
-    """Names a cage that is missing or neglected."""
+    """Yields a sentence on a cage that is missing or neglected."""
     if chosen.scene.cage is None:
         yield "cage: none in the scene"
     elif not chosen.cage:
@@ -153,8 +155,9 @@ def cage_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def ball_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes the motion of the balls in the model, and the forces on them."""
-    scene, count = chosen.reduced(chosen.scene), chosen.scene.bearing.ball_count
+    """Yields sentences on the motion of the balls in the model, and on the forces on them."""
+    scene = chosen.reduced(chosen.scene)
+    count = chosen.scene.bearing.ball_count
     if chosen.fidelity == "steady":
         yield "balls: one ball represents all, because all balls move identically"
         yield from _force_sentences(scene)
@@ -173,8 +176,9 @@ def ball_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _force_sentences(scene: Scene) -> Iterator[str]:
-    """Describes the forces on a ball; neglecting one saves no time (benchmarks/reductions.py)."""
-    share, size = centrifugal_share(scene), "its magnitude is unknown before the solve"
+    """Yields sentences on the forces on a ball; neglecting one saves no time (reductions.py)."""
+    share = centrifugal_share(scene)
+    size = "its magnitude is unknown before the solve"
     if not math.isnan(share):
         share_words = (
             f"{plain(100.0 * share, 2)} % of" if share < 1.0 else f"{plain(share, 2)} times"
@@ -189,8 +193,8 @@ def _force_sentences(scene: Scene) -> Iterator[str]:
 
 
 def _dynamic_sentences(scene: Scene) -> Iterator[str]:
-    """Describes degrees of freedom, loads and cage of the dynamic model."""
-    operation, cage = scene.operation, scene.cage
+    """Yields sentences on degrees of freedom, loads and cage of the dynamic model."""
+    operation = scene.operation
     is_fixed = operation.preload_method == "fixed_position"
     loads = [] if is_fixed else [f"preload of {operation.preload_N:g} N"]
     if any(operation.radial_load_N):
@@ -209,32 +213,35 @@ def _dynamic_sentences(scene: Scene) -> Iterator[str]:
     yield from _force_sentences(scene)
     if len(set(scene.wear.ball_diameter_loss_um)) > 1:
         yield "ball diameters: individual, as worn"
-    if cage is not None:
-        guide = "balls" if cage.guiding_race == "ball" else f"land of the {cage.guiding_race} race"
-        g = math.hypot(*operation.gravity_m_s2)
-        weight = (
-            f"gravity {g:.3g} m/s2"
-            if g
-            else "weightless, because operation.gravity_m_s2 is not given"
-        )
-        balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
-        yield f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}"
-        tolerance = scene.model.dynamic_tolerance
-        if tolerance > CAGE_TOLERANCE:
-            yield f"steps: tolerance {tolerance:g}; cage wear requires 0.001"
-        elif tolerance == CAGE_TOLERANCE:
-            yield (
-                "steps: tolerance 0.001, which gives cage wear to within 10 % as long as the "
-                "motion persists"
-            )
+    if scene.cage is not None:
+        yield from _cage_motion_sentences(scene, scene.cage)
     yield (
         "Coriolis force and radial inertia of the balls: neglected, as in the published model; "
         "the energy balance includes the work done by the Coriolis force"
     )
 
 
+def _cage_motion_sentences(scene: Scene, cage: Cage) -> Iterator[str]:
+    """Yields sentences on the motion of a cage that is solved, and on the steps it requires."""
+    guide = "balls" if cage.guiding_race == "ball" else f"land of the {cage.guiding_race} race"
+    g = math.hypot(*scene.operation.gravity_m_s2)
+    weight = "weightless, because operation.gravity_m_s2 is not given"
+    if g:
+        weight = f"gravity {g:.3g} m/s2"
+    balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
+    yield f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}"
+    tolerance = scene.model.dynamic_tolerance
+    if tolerance > CAGE_TOLERANCE:
+        yield f"steps: tolerance {tolerance:g}; cage wear requires 0.001"
+    elif tolerance == CAGE_TOLERANCE:
+        yield (
+            "steps: tolerance 0.001, which gives cage wear to within 10 % as long as the "
+            "motion persists"
+        )
+
+
 def solution_sentences(chosen: Choice) -> Iterator[str]:
-    """Describes how the dynamic model finds the motion."""
+    """Yields a sentence on how the dynamic model finds the motion."""
     scene = chosen.reduced(chosen.scene)
     if chosen.fidelity != "dynamic":
         return

@@ -53,7 +53,7 @@ class EffectSize(NamedTuple):
 
 
 def effect_sizes(chosen: Choice) -> Iterator[EffectSize]:
-    """Yields the effects of a scene and its model."""
+    """Yields every effect of a scene: whether the model has it, its size and its limit."""
     scene, fidelity = chosen.scene, chosen.fidelity
     yield from _force_effects(scene, fidelity)
     yield _slip_effect(scene)
@@ -88,9 +88,13 @@ def effect_sizes(chosen: Choice) -> Iterator[EffectSize]:
 
 
 def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
-    """Yields the forces on a ball; neglecting one saves no time, so all but one are modelled."""
+    """Yields the effects of forces on a ball.
+
+    Neglecting one saves no time, so all but one are modelled.
+    """
     load_note, axial_note = "of the contact load at rest", "of a ball's axial load"
-    centrifugal, gyroscopic = centrifugal_share(scene), 100.0 * gyroscopic_share(scene)
+    centrifugal = centrifugal_share(scene)
+    gyroscopic = 100.0 * gyroscopic_share(scene)
     yield EffectSize(
         name="centrifugal force",
         is_on=True,
@@ -116,7 +120,7 @@ def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
         note="but for race control",
     )
     model = scene.model
-    is_included = model.traction_bears or not is_balanced
+    is_included = model.includes_traction or not is_balanced
     key = "model.normal_balance" if model.normal_balance else "model.contact"
     yield EffectSize(
         name="traction in normal forces",
@@ -129,9 +133,10 @@ def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
 
 
 def _slip_effect(scene: Scene) -> EffectSize:
-    """Returns slip across the ellipse, by its share of spin friction."""
-    model, note = scene.model, "of spin friction"
-    is_included = model.slip_is_over != "line"
+    """Returns the effect of slip across the ellipse, by its share of spin friction."""
+    model = scene.model
+    note = "of spin friction"
+    is_included = model.slip_region != "line"
     key = "model.slip_over" if model.slip_over else "model.contact"
     return EffectSize(
         name="slip across the ellipse",
@@ -144,10 +149,11 @@ def _slip_effect(scene: Scene) -> EffectSize:
 
 
 def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
-    """Yields growth by speed, heat and fits, each by its change of a fixed-position preload."""
+    """Yields the effects of speed, heat and fits, by their changes of a fixed-position preload."""
     limit = 100.0 * MOST_LEFT_OUT
 
     def effect(name: str, is_on: bool, change: float, note: str) -> EffectSize:
+        """Returns an effect by its relative change of the preload [1]."""
         if not is_held(scene):
             return EffectSize(name=name, is_on=is_on, size=SECOND_ORDER, limit=IF_GIVEN, note=note)
         return EffectSize(
@@ -173,14 +179,14 @@ def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
 
 
 def _groove_effect(scene: Scene, fidelity: str) -> EffectSize:
-    """Returns the wear of grooves, which a life models or not."""
+    """Returns the effect of wear of the grooves, by loss over gap, and whether a life models it."""
     share = max(wear_over_gap_estimate(side) for side in scene.sides)
     end, model = scene.wear.end_of_life, scene.model
     is_possible = (
         fidelity == "steady"
         and scene.wear.counts == "ball_and_races"
         and model.contact == "auto"
-        and model.slip_is_over != "line"
+        and model.slip_region != "line"
     )
     ends_by_depth = end is not None and end.groove_depth_um is not None
     is_on = model.contact == "worn" or (is_possible and (ends_by_depth or share > FLAT_GROOVE))
@@ -194,15 +200,20 @@ def _groove_effect(scene: Scene, fidelity: str) -> EffectSize:
 
 
 def wear_over_gap_estimate(scene: Scene) -> float:
-    """Estimates loss at the end of life over the gap at the contact's edge, by fitted factors.
+    """Estimates the loss at the end of life over the gap at the contact's edge [1].
 
-    NaN if the scene does not limit the loss or has no preload.
+    The contacts are those under the preload at rest, by fitted Hertz factors. NaN if the scene does
+    not limit the loss or has no preload.
     """
-    g, end, operation = mounted_geometry(scene), scene.wear.end_of_life, scene.operation
+    g = mounted_geometry(scene)
+    end = scene.wear.end_of_life
+    operation = scene.operation
     sine, cosine = math.sin(g.alpha0), math.cos(g.alpha0)
     if end is None or not (sine > 0.0 and operation.preload_N > 0.0):
         return math.nan
-    Q, gaps, approach = operation.preload_N / (g.n_balls * sine), [], 0.0
+    Q = operation.preload_N / (g.n_balls * sine)
+    gaps = []
+    approach = 0.0  # of both contacts [m]
     for race in (INNER_RACE, OUTER_RACE):
         K, c_a, _ = fitted_factors(g, race, g.D0, cosine)
         gaps.append(curvatures(g, race, g.D0, cosine)[0] * c_a * c_a * Q ** (2.0 / 3.0))

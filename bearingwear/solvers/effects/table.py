@@ -44,37 +44,43 @@ class Effect:
     """
 
     id: str
-    size: Callable[[Evidence], Finding | None] = lambda e: None
+    size: Callable[[Evidence], Finding | None] = lambda evidence: None
     sentence: str = ""
     advice: str = ""
     impractical: bool = False
     modelled: Callable[[Choice], Iterable[str]] = lambda chosen: ()
 
 
-def _groove_worn(e: Evidence) -> Finding | None:
-    """Compares the wear depth with the gap between ball and groove at the ellipse's edge."""
-    if e.life is not None and "groove_depth" in e.life:
-        return None  # the life has computed it
-    bearing = e.scene.bearing
+def _groove_worn(evidence: Evidence) -> Finding | None:
+    """Returns the finding of the wear depth, over the gap at the edge of the contact ellipse.
+
+    None if the life follows the depth of the grooves.
+    """
+    if evidence.life is not None and "groove_depth" in evidence.life:
+        return None
+    bearing = evidence.scene.bearing
     radii = (
         _MM
         * bearing.ball_diameter_mm
         * np.array([bearing.inner_groove_factor, bearing.outer_groove_factor])
     )
     curvature = 0.5 * (2.0 / (_MM * bearing.ball_diameter_mm) - 1.0 / radii)
-    loss, major = e.mean("ball_diameter_loss"), e.contacts("semi_major_axis").mean(axis=0)
+    loss, major = (
+        evidence.mean("ball_diameter_loss"),
+        evidence.contacts("semi_major_axis").mean(axis=0),
+    )
     value = loss / np.min(curvature * major**2)
     return {"loss": loss / _UM, "value": value, "limit": FLAT_GROOVE}
 
 
-def _slip_rounded(e: Evidence) -> Finding | None:
-    """Finds slip so low that the friction law is not Coulomb's."""
-    load = e.contacts("contact_load").sum()
-    slip = e.contacts("qv").sum() / load if load else math.nan
+def _slip_rounded(evidence: Evidence) -> Finding | None:
+    """Returns the finding of slip so low that the friction law is not Coulomb's; None at rest."""
+    load = evidence.contacts("contact_load").sum()
+    slip = evidence.contacts("qv").sum() / load if load else math.nan
     if not slip > 0.0:
         return None
-    v_r = e.scene.friction.slip_regularisation_m_s
-    lost_share = e.state["torque_lost_to_regularisation"]
+    v_r = evidence.scene.friction.slip_regularisation_m_s
+    lost_share = evidence.state["torque_lost_to_regularisation"]
     torque_words = (
         f", the torque by {plain(100.0 * lost_share)} %" if math.isfinite(lost_share) else ""
     )
@@ -82,32 +88,35 @@ def _slip_rounded(e: Evidence) -> Finding | None:
     return {"v_r": v_r, "slip": slip, "by": torque_words, "better": recommended, "excess": excess}
 
 
-def _criterion_not_watched(e: Evidence) -> Finding | None:
-    """Names the end-of-life criteria that the model cannot evaluate."""
-    names = [ENDS[name].words for name in unevaluated_criteria(e.scene, e.chosen)]
-    return {"names": ", ".join(names), "fidelity": e.chosen.fidelity} if names else None
+def _criterion_not_watched(evidence: Evidence) -> Finding | None:
+    """Returns the finding that names the criteria that the model cannot evaluate; None without."""
+    names = [ENDS[name].words for name in unevaluated_criteria(evidence.scene, evidence.chosen)]
+    return {"names": ", ".join(names), "fidelity": evidence.chosen.fidelity} if names else None
 
 
 def _criteria_sentences(chosen: Choice) -> Iterator[str]:
-    """Names the end-of-life criteria that a life does not evaluate, before a solve."""
-    if chosen.of_life and (unevaluated := unevaluated_criteria(chosen.scene, chosen)):
+    """Yields a sentence on the end-of-life criteria that a life does not evaluate."""
+    unevaluated = unevaluated_criteria(chosen.scene, chosen)
+    if chosen.of_life and unevaluated:
         yield f"end-of-life criteria not evaluated: {', '.join(unevaluated)}"
 
 
-def _speed_assumed(e: Evidence) -> Finding | None:
-    """Finds a speed that `bearingwear new` assumed."""
-    speed = e.scene.operation.shaft_speed_rpm
-    return {"value": speed} if SPEED_ASSUMED.format(speed) in e.scene.description else None
+def _speed_assumed(evidence: Evidence) -> Finding | None:
+    """Returns the finding of a speed that `bearingwear new` assumed; None if the user gave it."""
+    speed = evidence.scene.operation.shaft_speed_rpm
+    return {"value": speed} if SPEED_ASSUMED.format(speed) in evidence.scene.description else None
 
 
-def _over_limit_when_new(e: Evidence) -> Finding | None:
-    """Finds the criterion that ends a life at its start."""
-    if e.life is None or len(e.life.get("history_ball_diameter_loss", ())) != 1:
+def _over_limit_when_new(evidence: Evidence) -> Finding | None:
+    """Returns the finding of a criterion that ends a life at its start; None if none does."""
+    if evidence.life is None or len(evidence.life.get("history_ball_diameter_loss", ())) != 1:
         return None
-    criterion = criterion_met(e.scene, e.life, 0)
+    criterion = criterion_met(evidence.scene, evidence.life, 0)
     if criterion is None:
         return None
-    time_words = "when new" if max(e.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
+    time_words = (
+        "when new" if max(evidence.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
+    )
     excess = max(criterion.excess, JUST_MET)
     return {
         "phrase": criterion.phrase,
@@ -117,16 +126,16 @@ def _over_limit_when_new(e: Evidence) -> Finding | None:
     }
 
 
-def _nothing_wears(e: Evidence) -> Finding | None:
-    """Finds a life at rest, which does not end."""
-    operation = e.scene.operation
-    at_rest = e.chosen.of_life and operation.shaft_speed_rpm == operation.outer_speed_rpm
-    return {} if at_rest and e.state.status == code.CRITERION_NOT_REACHED else None
+def _nothing_wears(evidence: Evidence) -> Finding | None:
+    """Returns a finding, which is empty, of a life at rest, which does not end; else None."""
+    operation = evidence.scene.operation
+    at_rest = evidence.chosen.of_life and operation.shaft_speed_rpm == operation.outer_speed_rpm
+    return {} if at_rest and evidence.state.status == code.CRITERION_NOT_REACHED else None
 
 
-def _limit_passed(e: Evidence) -> Finding | None:
-    """Finds the criteria that a case violates, the one exceeded most first."""
-    criteria = [] if e.case is None else criteria_passed(e.scene, e.case)
+def _limit_passed(evidence: Evidence) -> Finding | None:
+    """Returns the finding of the criteria that a case violates; None if it violates none."""
+    criteria = [] if evidence.case is None else criteria_passed(evidence.scene, evidence.case)
     if not criteria:
         return None
     phrase = ", ".join(criterion.phrase for criterion in criteria)
@@ -356,7 +365,9 @@ EFFECTS = (
     ),
     Effect(
         "cage_weightless",
-        lambda e: {} if e.chosen.cage and not any(e.scene.operation.gravity_m_s2) else None,
+        lambda evidence: (
+            {} if evidence.chosen.cage and not any(evidence.scene.operation.gravity_m_s2) else None
+        ),
         "gravity is not specified; it may alter the motion of the cage and change pocket and land "
         "wear by a factor of ten or more",
         "set operation.gravity_m_s2 (for a horizontal shaft: [0, 0, -9.81])",
@@ -364,7 +375,7 @@ EFFECTS = (
     ),
     Effect(
         "motion_unstable",
-        lambda e: instability(e.scene, e.state.values),
+        lambda evidence: instability(evidence.scene, evidence.state.values),
         "the periodic motion is unstable: {phrase}",
         "{advice}",
         modelled=motion.solution_sentences,

@@ -15,9 +15,9 @@ from scipy.integrate import BDF
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 from bearingwear.scene.warmth import Thermal, check_heat_capacities
-from bearingwear.solvers.bearing_states import heats_of, kept_at, states_of
+from bearingwear.solvers.bearing_states import bearings_at_temperatures, heats_of, states_of
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import SolvedBearing, States
 from bearingwear.solvers.rotor import Alone, OnRotor, RotorState
@@ -66,18 +66,22 @@ class SpeedCourse(NamedTuple):
     shares: tuple[float, ...]
 
     def at(self, time: float) -> float:
+        """Returns the share of the full speed at a time [s]."""
         return float(np.interp(time, self.times, self.shares))
 
 
 def ramp(seconds: float) -> SpeedCourse:
-    """Constant acceleration from rest to the full speed."""
+    """Returns the course of a constant acceleration from rest to full speed in some seconds."""
     return SpeedCourse((0.0, seconds), (0.0, 1.0)) if seconds else SpeedCourse((0.0,), (1.0,))
 
 
 def course_of(scene: Scene, pairs: Sequence[tuple[float, float]]) -> SpeedCourse:
-    """Speeds [r/min] at times [s] as shares of the speed of a scene."""
+    """Returns the course of speeds, as shares of the speed of a scene.
+
+    pairs: times [s] and speeds [r/min].
+    """
     times, speeds = zip(*pairs, strict=True)
-    return SpeedCourse(times, tuple(n / scene.operation.shaft_speed_rpm for n in speeds))
+    return SpeedCourse(times, tuple(rpm / scene.operation.shaft_speed_rpm for rpm in speeds))
 
 
 class Instant(NamedTuple):
@@ -103,8 +107,16 @@ class WarmUp:
 
     @property
     def runs_away(self) -> bool:
-        """Whether the heat grew faster than it could flow off until no state was left."""
+        """Returns whether the heat grew faster than it could flow off until no state was left."""
         return self.status != code.OK and self.margin < 1.0
+
+
+class _SolvedInstant(NamedTuple):
+    """Bearings of an instant, solved."""
+
+    bearings: Alone | OnRotor
+    rotor: RotorState
+    heats: tuple[HeatFlow, ...]  # of each bearing
 
 
 class ThermalBearings:
@@ -112,63 +124,78 @@ class ThermalBearings:
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.sides = scene.one_of_alike.sides
+        self.sides = scene.symmetric_half.sides
         check_heat_capacities(self.sides, scene.name)
         self.near: list[SolvedBearing | None] = [None] * len(self.sides)
         self.solves = 0
         self._at: tuple[float, Alone | OnRotor] = (np.nan, solver_of(scene).bearings)
 
     def networks(self) -> list[Thermal]:
-        """The network of each bearing."""
+        """Returns the thermal network of each bearing."""
         networks = [side.thermal for side in self.sides]
         assert all(networks)
         return networks  # type: ignore[return-value]
 
     def instant(self, time: float, share: float, temperatures: np.ndarray) -> Instant:
-        """The bearings at a share of their speed and temperatures (bearing, part) [degC].
+        """Returns the bearings at a share of their speed and temperatures (bearing, part) [degC].
 
-        NoState: where they have no state.
+        Raises NoState where they have none.
+
+        time: for the temperatures of shaft and housing [s].
         """
-        kept, balance, heats = self._solved(time, share, temperatures)
-        states = states_of(kept, kept.start, balance)
-        return Instant(time, share, temperatures, states, heats, balance.stiffness)
+        solved = self._solved(time, share, temperatures)
+        states = states_of(solved.bearings, solved.bearings.start, solved.rotor)
+        return Instant(
+            time=time,
+            share=share,
+            temperatures=temperatures,
+            states=states,
+            heats=solved.heats,
+            stiffness=solved.rotor.stiffness,
+        )
 
     def heat(self, time: float, share: float, temperatures: np.ndarray) -> np.ndarray:
-        """Heat of all parts (parts,) [W] there; a required thermal margin takes no solves here."""
-        _, _, heats = self._solved(time, share, temperatures)
-        return heat_of_parts(heats)
+        """Returns the heat of all parts (parts,) [W]; the arguments are those of `instant`.
 
-    def _solved(
-        self, time: float, share: float, temperatures: np.ndarray
-    ) -> tuple[Alone | OnRotor, RotorState, tuple[HeatFlow, ...]]:
-        whole = max(share, LINEAR_SHARE)
+        A thermal margin that the scene requires takes no solves here.
+        """
+        return heat_of_parts(self._solved(time, share, temperatures).heats)
+
+    def _solved(self, time: float, share: float, temperatures: np.ndarray) -> _SolvedInstant:
+        """Returns the bearings solved as in `instant`, each from its last solution."""
+        solved_share = max(share, LINEAR_SHARE)
         networks = [network_at(network, time) for network in self.networks()]
-        kept = kept_at(self._bearings(whole), temperatures, networks)
-        if kept is None:
+        bearings = bearings_at_temperatures(self._bearings(solved_share), temperatures, networks)
+        if bearings is None:
             raise NoState(code.WARM_SEIZURE)
-        if isinstance(kept, Alone):
-            kept.near = self.near[0]
+        if isinstance(bearings, Alone):
+            bearings.near = self.near[0]
         else:
-            kept.near = list(self.near)
+            bearings.near = list(self.near)
         self.solves += 1
-        balance = kept.solve(kept.start)
-        if balance.status != code.OK:
-            raise NoState(balance.status)
-        self.near = list(balance.sides)
+        rotor = bearings.solve(bearings.start)
+        if rotor.status != code.OK:
+            raise NoState(rotor.status)
+        self.near = list(rotor.sides)
         heats = tuple(
-            HeatFlow(*(share / whole * np.array(heat))) for heat in heats_of(kept, balance)
+            HeatFlow(*(share / solved_share * np.array(heat))) for heat in heats_of(bearings, rotor)
         )
-        return kept, balance, heats
+        return _SolvedInstant(bearings, rotor, heats)
 
     def _bearings(self, share: float) -> Alone | OnRotor:
+        """Returns the bearings at a share of their speed, the last ones if the share is theirs."""
         if share != self._at[0]:
-            self._at = share, solver_of(at_share(self.scene, share)).bearings
+            self._at = share, solver_of(at_speed_share(self.scene, share)).bearings
         return self._at[1]
 
     def heat_slopes(self, instant: Instant) -> np.ndarray | None:
-        """Change of the heat of all parts by their temperatures (parts, parts) [W/K]."""
+        """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K].
+
+        None where a state beside that of the instant is missing.
+        """
 
         def heats(temperatures: np.ndarray) -> np.ndarray | None:
+            """Returns the heat of all parts at other temperatures; None without a state."""
             try:
                 return self.heat(instant.time, instant.share, temperatures)
             except NoState:
@@ -178,66 +205,70 @@ class ThermalBearings:
 
 
 class HeatEquation:
-    """C dT/dt = heat(T, t) - G (T - temperatures beside), of all parts of all bearings."""
+    """C dT/dt = heat(T, t) - G (T - temperatures of the surroundings), of all parts."""
 
     def __init__(self, bearings: ThermalBearings, course: SpeedCourse):
         self.bearings, self.course = bearings, course
         self.networks = bearings.networks()
         self.G = all_conductances(self.networks)
-        capacities = [network.heat_capacity_J_K for network in self.networks]
-        assert all(capacities)
-        self.C = np.array(
-            [c for one in capacities if one for c in (one.inner_ring, one.balls, one.outer_ring)]
-        )
+        capacities: list[float] = []
+        for network in self.networks:
+            parts = network.heat_capacity_J_K
+            assert parts is not None
+            capacities += [parts.inner_ring, parts.balls, parts.outer_ring]
+        self.C = np.array(capacities)
 
     @property
     def start(self) -> np.ndarray:
-        """All parts at mounting temperature (parts,) [degC]."""
-        return np.repeat(
-            [network.reference_C for network in self.networks], PARTS_OF_BEARING
-        ).astype(float)
+        """Returns the mounting temperatures of all parts (parts,) [degC]."""
+        references = [network.reference_C for network in self.networks]
+        return np.repeat(references, PARTS_OF_BEARING).astype(float)
 
     @property
     def slowest(self) -> float:
-        """The slowest time constant without heat, that of shaft or housing included [s]."""
+        """Returns the slowest time constant without heat, of parts, shaft and housing [s]."""
         rates = np.linalg.eigvals(self.G / self.C[:, None]).real
-        followed = [
-            tau
-            for n in self.networks
-            for tau in (n.shaft_time_constant_s, n.housing_time_constant_s)
-        ]
-        return max(1.0 / float(rates.min()), *followed)
+        time_constants = [1.0 / float(rates.min())]
+        for network in self.networks:
+            time_constants += [network.shaft_time_constant_s, network.housing_time_constant_s]
+        return max(time_constants)
 
     def heat_from_surroundings(self, time: float) -> np.ndarray:
         """Returns the heat that shaft and housing conduct into parts at 0 degC (parts,) [W]."""
         flows = []
         for n in self.networks:
-            G, now = n.conductance_W_K, network_at(n, time)
+            G = n.conductance_W_K
+            now = network_at(n, time)
             flows += [G.inner_ring_shaft * now.shaft_C, 0.0, G.outer_ring_housing * now.housing_C]
         return np.array(flows)
 
     def instant(self, time: float, y: np.ndarray) -> Instant:
+        """Returns the bearings at a time [s] and temperatures (parts,) [degC]; raises NoState."""
         temperatures = np.reshape(y, (-1, PARTS_OF_BEARING))
         return self.bearings.instant(time, self.course.at(time), temperatures)
 
     def __call__(self, time: float, y: np.ndarray) -> np.ndarray:
-        """dT/dt (parts,) [K/s]."""
+        """Returns dT/dt (parts,) [K/s] at temperatures (parts,) [degC]; raises NoState."""
         temperatures = np.reshape(y, (-1, PARTS_OF_BEARING))
         heat = self.bearings.heat(time, self.course.at(time), temperatures)
         return (heat + self.heat_from_surroundings(time) - self.G @ y) / self.C
 
 
 def network_at(network: Thermal, time: float) -> Thermal:
-    """The network with the temperatures of shaft and housing at a time."""
+    """Returns the network with the temperatures of shaft and housing at a time [s]."""
     n = network
     return replace(
         n,
-        shaft_C=_approached(time, n.reference_C, n.shaft_C, n.shaft_time_constant_s),
-        housing_C=_approached(time, n.reference_C, n.housing_C, n.housing_time_constant_s),
+        shaft_C=_approach(time, n.reference_C, n.shaft_C, n.shaft_time_constant_s),
+        housing_C=_approach(time, n.reference_C, n.housing_C, n.housing_time_constant_s),
     )
 
 
-def _approached(time: float, start: float, end: float, constant: float) -> float:
+def _approach(time: float, start: float, end: float, constant: float) -> float:
+    """Returns a temperature that approaches its end exponentially, or at once if constant is 0.
+
+    constant: time constant [s].
+    """
     return end + (start - end) * float(np.exp(-time / constant)) if constant else end
 
 
@@ -247,16 +278,18 @@ def warm_up(
     duration: float | None = None,
     tolerance: float = STEP_TOLERANCE,
 ) -> WarmUp:
-    """Follow the temperatures of a scene with heat capacities until they are steady.
+    """Returns the warm-up of a scene with heat capacities, until its temperatures are steady.
 
     duration: end in place of that [s].
+    tolerance: relative error of a step.
     """
     equation = HeatEquation(ThermalBearings(scene), course)
     last = course.times[-1]
     end = duration or last + _LONGEST * equation.slowest
     instants = [equation.instant(0.0, equation.start)]
     status, left = code.OK, np.inf
-    for corner in [*(t for t in course.times[1:] if t < end), end]:
+    # the acceleration changes at corners, so a step ends there
+    for corner in [*(time for time in course.times[1:] if time < end), end]:
         checked = len(instants)
         for answer in _steps(equation, instants[-1], corner, tolerance):
             if isinstance(answer, int):
@@ -270,22 +303,31 @@ def warm_up(
                     break
         if status != code.OK or left < SETTLED_TO:
             break
+    slopes = equation.bearings.heat_slopes(instants[-1])
     return WarmUp(
-        scene,
-        tuple(instants),
-        status,
-        thermal_margin(equation.networks, equation.bearings.heat_slopes(instants[-1])),
-        left,
+        scene=scene,
+        instants=tuple(instants),
+        status=status,
+        margin=thermal_margin(equation.networks, slopes),
+        left=left,
     )
 
 
 def _steps(
     equation: HeatEquation, start: Instant, end: float, tolerance: float
 ) -> Iterator[Instant | int]:
-    """Instants up to an end; a status last, where there is no state before it."""
-    time, y = start.time, start.temperatures.ravel()
-    bearings, near = equation.bearings, list(equation.bearings.near)
-    longest, lost = np.inf, 0
+    """Yields the instants after each step up to an end [s].
+
+    Where there is no state before the end, a status is the last that is yielded.
+
+    tolerance: relative error of a step.
+    """
+    time = start.time
+    y = start.temperatures.ravel()
+    bearings = equation.bearings
+    near = list(equation.bearings.near)
+    longest = np.inf
+    lost = 0
     while time < end:
         rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
         reach = end - time
@@ -299,7 +341,9 @@ def _steps(
                     yield code.NO_HEAT_BALANCE
                     return
                 instant = equation.instant(method.t, method.y.copy())
-                time, y, near = method.t, instant.temperatures.ravel(), list(bearings.near)
+                time = method.t
+                y = instant.temperatures.ravel()
+                near = list(bearings.near)
                 yield instant
         except NoState as unsolved:
             lost += 1
@@ -311,29 +355,27 @@ def _steps(
 
 
 def _distance_left(equation: HeatEquation, instant: Instant) -> float:
-    """Distance to the steady temperatures by one Newton step, over the rise so far [1].
+    """Returns the distance to the steady temperatures by one Newton step, over the rise so far [1].
 
-    That of shafts and housings alone, without further solves, while they are too far away.
+    It is that of shafts and housings alone, without further solves, while they are too far away. It
+    is infinite where a state beside that of the instant is missing.
     """
     y = instant.temperatures.ravel()
     rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
-    beside = _shaft_and_housing_left(equation, instant.time) / rise
-    if beside >= SETTLED_TO:
-        return beside
+    surroundings = _shaft_and_housing_left(equation, instant.time) / rise
+    if surroundings >= SETTLED_TO:
+        return surroundings
     slopes = equation.bearings.heat_slopes(instant)
     if slopes is None:
         return np.inf
     step = np.linalg.solve(equation.G - slopes, equation.C * equation(instant.time, y))
-    return max(float(abs(step).max()) / rise, beside)
+    return max(float(abs(step).max()) / rise, surroundings)
 
 
 def _shaft_and_housing_left(equation: HeatEquation, time: float) -> float:
-    """How far shafts and housings are from their temperatures [K]."""
-    return max(
-        abs(_approached(time, n.reference_C, end, constant) - end)
-        for n in equation.networks
-        for end, constant in (
-            (n.shaft_C, n.shaft_time_constant_s),
-            (n.housing_C, n.housing_time_constant_s),
-        )
-    )
+    """Returns how far shafts and housings are from their final temperatures at most [K]."""
+    distances = []
+    for network in equation.networks:
+        now = network_at(network, time)
+        distances += [abs(now.shaft_C - network.shaft_C), abs(now.housing_C - network.housing_C)]
+    return max(distances)

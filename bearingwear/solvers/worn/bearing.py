@@ -3,6 +3,7 @@
 Depths of grooves stand on fixed grids, each along its own arc. Balls wear evenly.
 """
 
+import copy
 from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
@@ -32,8 +33,9 @@ from bearingwear.solvers.worn.depths import (
     WornPoint,
     arc_values,
     depth_spline,
+    seat_force,
     seat_of_case,
-    wandering,
+    spread_by_wander,
 )
 from bearingwear.solvers.worn.films import AS_WITH_FILM, LEAST_WANDER, WornFilms
 
@@ -45,6 +47,7 @@ LONGER_THAN_WORN, ARC_SPARE = 1.3, 1.5
 MOST_ARC = 1.0  # rad, to which grids longer than `ARC_END` reach: shoulders are lower
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
 SPARE = 3.0  # cells beyond the contact, at least
+LAST_CELL = 1.5  # the same, where only a contact that reaches the last cell has grown too far
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
 ROWS = 2  # more cells across, likewise
 LOAD_GONE = 3e-4  # of the load when new, below which a ball carries none: it hardly wears any more
@@ -56,12 +59,17 @@ without end, and their number with them: a state that needs more has none."""
 _GRIPS, _LESS_GRIP = 8, 4.0  # times v_r is raised, each by so much, to start with less friction
 _FAR = code.NOT_CONVERGED, code.BEYOND_GROOVE, code.CONTACT_LOST
 """How a start that is too far from the state ends, or where there is no state."""
+_SLIP_SHARE = 2  # column of the slip of a state
+_SLIP_SETS_IN = 0.1  # rise of a slip share in a step of wear that may have led past a fold
+_FOLD_STEP, _MOST_FOLD_STEPS = 0.1, 40
+"""Moves of a race past a fold, over the approach of a contact, and how many."""
 _RACE, _NOT_RACE = 2, [0, 1]  # of the unknowns, the axial place of the race; and the others
 _ACROSS = np.linspace(-0.95, 0.95, 20)
 _SHAPE = np.sqrt(1.0 - _ACROSS**2) / np.sqrt(1.0 - _ACROSS**2).sum()
 """Places along a contact, over its semi-major axis, and the load of Hertz there, over its sum."""
 _FIRST_ON_THE_WAY, _LEAST_ON_THE_WAY, _MOST_ON_THE_WAY = 0.25, 1.0 / 32.0, 16
 """Steps from an even groove to one as it is worn, over what they differ by, and how many."""
+_MOVES = 8  # of a race that is held too far from where it was, to where it is held
 _ROUNDS = 3  # in which the depth of the grooves at a contact is found
 _NO_MOVES = np.empty((0, 3)), np.empty((0, 2, 3))
 ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
@@ -82,11 +90,13 @@ class _Start(NamedTuple):
 class WornBearing:
     """A bearing under thrust whose contacts follow its worn grooves.
 
-    From the problem as new, of which a state may have another geometry and preload, its unworn
-    state and its loss of ball diameter [m]. There are so many cells along the major axis and on
-    each side of it; the track wanders by an rms over the initial semi-major axes. Films are there
-    where friction or wear go by films or running in. Grids have room for contacts that are most
-    worn [m].
+    problem: of the new bearing; a state may have another geometry and preload.
+    case: unworn state of the new bearing.
+    loss: of ball diameter at the start [m].
+    cells: numbers along the major axis, and on each side of it.
+    wander: rms of the wander of the track, over the initial semi-major axes.
+    films: where friction or wear go by films or running in.
+    most_worn: depth of wear for which the grids of depths have room [m].
     """
 
     def __init__(
@@ -99,7 +109,8 @@ class WornBearing:
         films: WornFilms | None = None,
         most_worn: float = 0.0,
     ):
-        self.films, self.on_the_way = films, False
+        self.films = films
+        self.on_the_way = False  # whether states are balanced roughly, and not checked
         self.wears = True  # else contacts may leave the grids, beyond which nothing is worn
         self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
         self.wander = wander
@@ -120,12 +131,15 @@ class WornBearing:
         self.even = code.OK  # status of a bearing evenly worn, where a solve had to start from that
         self.seat = seat_of_case(case, problem.g, self.D, 0.0)
         self.u = case.u[:4].copy()
+        self.slip_shares = np.ones(2)  # of the state from which a solve starts [1]
         self.state = state_work()
         self._work: tuple[tuple[int, ...], FrictionWork] | None = None
         self.check = WornCheck()
 
     def _arc_end(self, most_worn: float) -> float:
         """Returns the length of the grids from their middles, over the semi-major axes.
+
+        most_worn: depth of wear for which they have room [m].
 
         A groove of some depth over the gap A a^2 is as long as the square root of that.
         """
@@ -166,7 +180,7 @@ class WornBearing:
         )
 
     def take_grids_of(self, other: "WornBearing") -> None:
-        """Counts depths on the grids of the same bearing in another condition."""
+        """Puts depths on the grids of `other`: the same bearing in another condition."""
         self.major, self.angle = other.major, other.angle
         self.arc_step, self.arc = other.arc_step, other.arc
         self.races = tuple(
@@ -175,12 +189,16 @@ class WornBearing:
         )
 
     def unworn(self) -> WornDepths:
+        """Returns no wear, on the grids of this bearing."""
         return WornDepths(0.0, np.zeros_like(self.arc))
 
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
         """Returns the steady state with some wear, solved from the last state.
 
-        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried.
+        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried,
+        and a state past a fold is sought. A state that is not found leaves the bearing as it was.
+
+        problem: with another geometry or preload than those of the new bearing.
         """
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
@@ -194,26 +212,44 @@ class WornBearing:
         else:
             self._start_from_nearest(p, wear)
             starts = (self._start_through_grooves,)
-        kept = self.seat, self.u, self.reference
-        cells = self.races, self.ends, self.rows_added
+        kept = _Start(self.seat, self.u, self.reference, self.races, self.ends, self.rows_added)
         seat, u, races, work = self._state_in_cells(p, D, wear)
         for start in starts:
             if seat.status not in _FAR:
                 break
-            self.seat, self.u = kept[:2]
-            self.races, self.ends, self.rows_added = cells
+            self.seat, self.u = kept.seat, kept.u
+            self._take_cells(kept)
             if start(seat.status, p, D, wear):
                 seat, u, races, work = self._state_in_cells(p, D, wear)
+        has_jumped = seat.status == code.OK and self._has_jumped(kept.seat, seat, work.slip)
+        if self.wears and p.preload.constant_force and (seat.status in _FAR or has_jumped):
+            farthest = seat.delta_a if has_jumped else None
+            nearest = self._state_past_fold(kept, farthest, p, D, wear)
+            seat, u, races, work = nearest or (seat, u, races, work)
         status = seat.status
         if status in _FAR and self.even not in (code.OK, code.NOT_CONVERGED):
             status = self.even  # nothing holds the balls, however they are worn
         if status != code.OK:
-            self.seat, self.u, self.reference = kept
-            self.races, self.ends, self.rows_added = cells  # those added in vain would be slow
+            self.seat, self.u, self.reference = kept.seat, kept.u, kept.reference
+            self._take_cells(kept)  # those added in vain would be slow
             self._reset_pressures()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
+        self.slip_shares = work.slip[:, _SLIP_SHARE].copy()
         self._keep_start(p)
+        return self._checked_point(p, D, wear, work)
+
+    def _checked_point(
+        self, p: ThrustProblem, D: float, wear: WornDepths, work: FrictionWork
+    ) -> WornPoint:
+        """Returns the state just solved with some wear, or why it does not count as one.
+
+        A state on the way is not checked.
+
+        D: worn ball diameter [m].
+        work: friction of the state.
+        """
+        seat, u, races = self.seat, self.u, self.worn_races
         slip = work.slip.copy()
         forces = (seat.inner, seat.outer)
         if self.wears and max(seat.inner.Q, seat.outer.Q) < self.least_load:
@@ -227,7 +263,7 @@ class WornBearing:
         if not self.on_the_way and not self.check.passes(p, races, seat, slip, u, D, bare):
             return WornPoint(code.UNVERIFIED, wear, p)
         return WornPoint(
-            status=status,
+            status=seat.status,
             wear=wear,
             problem=p,
             seat=seat,
@@ -282,6 +318,63 @@ class WornBearing:
                 self._widen_cells(seat.status)
         return True
 
+    def _has_jumped(self, start: WornSeat, seat: WornSeat, slip: np.ndarray) -> bool:
+        """Returns whether slip of a contact set in as the race moved on in a step of wear.
+
+        Another state may then lie nearer.
+
+        slip: (2, 5), that of `FrictionWork` in the state.
+        """
+        rise = slip[:, _SLIP_SHARE] - self.slip_shares
+        return seat.delta_a > start.delta_a and bool(rise.max() > _SLIP_SETS_IN)
+
+    def _state_past_fold(
+        self, start: _Start, farthest: float | None, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork] | None:
+        """Returns the next state to which a constant force moves the race, as `_state_in_cells`.
+
+        As slip of a contact sets in, the axial force falls while the race moves on. Once wear has
+        brought its peak below the preload, the race moves until the force has risen again. Returns
+        None where the force does not fall: there is no fold. Without a state the bearing stays as
+        it is.
+
+        farthest: place of the race to which a solve has jumped; only a state that lies nearer is
+            returned, whether or not the force falls before it [m].
+        D: worn ball diameter [m].
+        """
+        held = copy.copy(self)
+        held.seat, held.u = start.seat, start.u
+        held._take_cells(start)
+        held.races = tuple(held._unworn_race(k) for k in range(2))
+        held.state, held._work = state_work(), None
+        left, step, has_fallen = 0.0, 0.0, False
+        for _ in range(_MOST_FOLD_STEPS):
+            delta_a = held.seat.delta_a + np.copysign(step, left)
+            if farthest is not None and delta_a >= farthest:
+                return None
+            there = replace(p, preload=p.preload._replace(constant_force=False, delta_a=delta_a))
+            held.seat, held.u, _, _ = held._state_in_cells(there, D, wear)
+            if held.seat.status != code.OK:
+                return None
+            before, left = left, p.preload.F_x - seat_force(p.g, held.seat)
+            if left * before < 0.0:
+                break
+            has_fallen = has_fallen or abs(left) > abs(before) > 0.0
+            step = _FOLD_STEP * max(held.seat.inner.approach, held.seat.outer.approach)
+        else:
+            return None
+        if farthest is None and not has_fallen:
+            return None
+        state = held._state_in_cells(p, D, wear)
+        if state[0].status != code.OK:
+            return None
+        vars(self).update(vars(held))
+        return state
+
+    def _take_cells(self, start: _Start) -> None:
+        """Takes the cells of a start, with the pressures that they have now."""
+        self.races, self.ends, self.rows_added = start.races, start.ends, start.rows_added
+
     def _reset_pressures(self) -> None:
         """Resets pressures and slopes, which a failed solve has changed."""
         for race in self.races:
@@ -300,7 +393,7 @@ class WornBearing:
             self.starts[p.op.omega_i - p.op.omega_o] = self._present_start()
 
     def _present_start(self) -> "_Start":
-        """Returns a copy of what the next solve starts from."""
+        """Returns what the next solve starts from, with its arrays copied."""
         races = tuple(race._replace(pressure=race.pressure.copy()) for race in self.races)
         return _Start(self.seat, self.u.copy(), self.reference, races, self.ends, self.rows_added)
 
@@ -392,7 +485,10 @@ class WornBearing:
         return float(_SHAPE @ arc_values(arcs[k], places))
 
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
-        """Sets the start by extrapolation from two states, by a share of their difference."""
+        """Sets the start of the next solve by extrapolation from two states.
+
+        share: of their difference, beyond the second one.
+        """
         if share <= LONGEST_AHEAD:
             old, new = before.seat, now.seat
             self.seat = new._replace(
@@ -401,6 +497,7 @@ class WornBearing:
                 delta_a=new.delta_a + share * (new.delta_a - old.delta_a),
             )
             self.u = now.u + share * (now.u - before.u)
+            self.slip_shares = now.slip[:, _SLIP_SHARE]
 
     def _state_in_cells(
         self, p: ThrustProblem, D: float, wear: WornDepths
@@ -419,9 +516,8 @@ class WornBearing:
             work = self._friction_work(p, races)
             seat, u = self._state(p, D, races, work)
             self.loaded = [race.cells.X[loaded_ends(race.pressure)] for race in races]
-            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widen_cells(
-                seat.status
-            ):
+            is_state = seat.status in (code.OK, code.BEYOND_GROOVE)
+            if not (is_state and self._widen_cells(seat.status)):
                 break
         return seat, u, races, work
 
@@ -437,7 +533,7 @@ class WornBearing:
         state = self.state._replace(balance=ROUGH) if self.on_the_way else self.state
         way = p.preload.delta_a - self.seat.delta_a if held else 0.0
         kept = [race.pressure.copy() for race in races]
-        for moves in (1, 8) if way != 0.0 else (1,):
+        for moves in (1, _MOVES) if way != 0.0 else (1,):
             seat, u = self.seat, self.u.copy()
             for race, pressure in zip(races, kept, strict=True):
                 np.copyto(race.pressure, pressure)
@@ -456,7 +552,7 @@ class WornBearing:
         return seat, u
 
     def _is_on_grids(self, seat: WornSeat) -> bool:
-        """Whether both loaded contacts lie on the grids of depths."""
+        """Returns whether both loaded contacts lie on the grids of depths."""
         for k, (ends, force) in enumerate(zip(self.loaded, (seat.inner, seat.outer), strict=True)):
             reach = force.a * ends
             if np.abs(reach + self.shift(k, force.alpha, self.problem.g)).max() > self.arc[k, -1]:
@@ -464,12 +560,14 @@ class WornBearing:
         return True
 
     def _arcs(self, wear: WornDepths) -> tuple[Arc, Arc]:
+        """Returns the depths of the inner and the outer groove as splines along their arcs."""
         inner, outer = (
             depth_spline(*arc) for arc in zip(self.arc, self.arc_step, wear.grooves, strict=True)
         )
         return inner, outer
 
     def _friction_work(self, p: ThrustProblem, races: tuple[WornRace, ...]) -> FrictionWork:
+        """Returns buffers of friction for the cells of both races, new ones if these have grown."""
         n, rows = (max(race.pressure.shape[k] for race in races) for k in (1, 0))
         size = n, rows, most_points(p.rule), p.rule.across.size
         if self._work is None or size != self._work[0]:
@@ -513,7 +611,7 @@ class WornBearing:
         )
 
     def rate(self, point: WornPoint, ball: float, race: float, scene: Scene) -> WornDepths:
-        """Returns the wear per second in a state (theory.md Eqs. 73-74).
+        """Returns the wear per second in a state, in the form of depths [m/s] (Eqs. 73-74).
 
         ball, race: K_s/H [1/Pa], where films and running in do not determine them.
         scene: with the temperatures of the state.
@@ -523,23 +621,34 @@ class WornBearing:
         for k, force in enumerate(point.forces):
             x, qv = point.x[k], point.qv_along[k]
             places = x + self.shift(k, force.alpha, g)
-            wear = wandering(self.arc[k], places, qv, self.wander * self.major[k])
+            wear = spread_by_wander(self.arc[k], places, qv, self.wander * self.major[k])
             factor: float | np.ndarray = race
             if self.films is not None:
-                depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
-                covered = self.films.cover_of_race(depth, self.spread)
-                hertz = force.hertz
-                # of the unworn contact, as those of the tests are
-                pressure = PEAK_OVER_MEAN * force.Q ** (1.0 / 3.0) / (np.pi * hertz.c_a * hertz.c_b)
-                of_test = float(pressure), float(contact_temperatures(scene)[k])
-                _, factor = self.films.factors(covered, depth, on_ball, *of_test)
-                covered = self.at_cells(covered, k, x, force.alpha, g)
-                there, _ = self.films.factors(covered, covered, on_ball, *of_test)
-                qv = qv * (there / ball)
-                if (total := point.qv_along[k].sum()) > 0.0:  # else nothing turns
-                    off_ball[k] *= qv.sum() / total
+                at_cells, factor = self._film_factors(self.films, point, k, scene)
+                total = qv.sum()
+                if total > 0.0:  # else nothing turns
+                    off_ball[k] *= (qv * (at_cells / ball)).sum() / total
             grooves[k] = g.n_balls * factor * wear / (2.0 * np.pi * point.track[k])
         return WornDepths(float(2.0 * ball * off_ball.sum() / (np.pi * D * D)), grooves)
+
+    def _film_factors(
+        self, films: WornFilms, point: WornPoint, k: int, scene: Scene
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Returns K_s/H in contact k: of the ball at its cells, and of the race along its arc.
+
+        scene: with the temperatures of the state.
+        """
+        force = point.forces[k]
+        hertz = force.hertz
+        # of the unworn contact, as those of the tests are
+        pressure = PEAK_OVER_MEAN * force.Q ** (1.0 / 3.0) / (np.pi * hertz.c_a * hertz.c_b)
+        of_test = float(pressure), float(contact_temperatures(scene)[k])
+        depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
+        covered = films.cover_of_race(depth, self.spread)
+        _, of_race = films.factors(covered, depth, on_ball, *of_test)
+        covered = self.at_cells(covered, k, point.x[k], force.alpha, point.problem.g)
+        of_ball, _ = films.factors(covered, covered, on_ball, *of_test)
+        return of_ball, of_race
 
     def lengths(self, point: WornPoint) -> np.ndarray:
         """Returns the approaches (2,) of ball and grooves as they were when new [m]."""
@@ -547,6 +656,7 @@ class WornBearing:
 
     @staticmethod
     def _lengths(seat: WornSeat, g: Geometry, D: float) -> np.ndarray:
+        """Returns the approaches (2,) of a ball of diameter D [m] and grooves as when new [m]."""
         R = 0.5 * D
         A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         inner = np.hypot(A1 - seat.X1, A2 - seat.X2) - (g.r_i - R)
@@ -578,7 +688,10 @@ class WornBearing:
         return point.problem.g.n_balls * axial
 
     def _force_changes(self, point: WornPoint, moves: np.ndarray) -> np.ndarray:
-        """Returns the changes (n, 2, 3) of the forces of a state by moves (n, 3) of its places."""
+        """Returns the changes (n, 2, 3) of the forces of a state by moves (n, 3) of its places [m].
+
+        NaN where a place nearby has no state.
+        """
         p, changes = point.problem, np.empty((len(moves), 2, 3))
         work = self._friction_work(p, self.worn_races)
         seat = worn_state(
@@ -588,11 +701,15 @@ class WornBearing:
         return changes if seat.status == code.OK else np.full_like(changes, np.nan)
 
     def _widen_cells(self, status: int) -> bool:
-        """Adds cells where a contact has grown to the ends or edges of its own; returns whether."""
+        """Adds cells where a contact has grown to the ends or edges of its own.
+
+        status: of the last solve with these cells.
+        Returns whether cells were added.
+        """
         races, self.ends, self.rows_added = [], self.ends.copy(), self.rows_added.copy()
         for k, (race, ends) in enumerate(zip(self.races, self.loaded, strict=True)):
             X = race.cells.X
-            spare = SPARE if status != code.NOT_CONVERGED else 1.5  # the last cell
+            spare = LAST_CELL if status == code.NOT_CONVERGED else SPARE
             is_long = ends.size and np.abs(ends).max() > X[-1] - (spare - 1.0) * (X[1] - X[0])
             is_wide = status != code.OK and race.pressure[-2:].any()
             if not self.wears:
@@ -620,7 +737,11 @@ def _track_radii(p: ThrustProblem, seat: WornSeat, D: float) -> np.ndarray:
 
 
 def edge_gap(log_kappa: float, approach: float) -> float:
-    """Gap A a^2 of unworn bodies at the edge of the ellipse [m], by its shape and the approach."""
+    """Returns the gap A a^2 of unworn bodies at the edge of the ellipse [m].
+
+    log_kappa: logarithm of the ratio of the semi-axes.
+    approach: of the bodies [m].
+    """
     return float(elliptic_integrals(float(np.exp(-log_kappa)))[2] * approach)
 
 

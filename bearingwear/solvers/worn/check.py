@@ -35,7 +35,10 @@ class WornCheck:
     ) -> bool:
         """Returns whether contacts, friction of films and the power balance are right.
 
-        slip: (2, 5), that of `FrictionWork`.
+        races, seat: of the state.
+        slip: (2, 5), that of `FrictionWork`: QV, heat, share, torque, friction coefficient.
+        u: motion (4,) of the ball [rad/s].
+        D: worn ball diameter [m].
         bare: shares of the cells of both contacts without film, empty if there are no films.
         """
         for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
@@ -47,15 +50,20 @@ class WornCheck:
                     return False
         g, op = p.g, p.op
         r = g.R_o + seat.X2
+        heat, torque, mu = slip[:, 1], slip[:, 3], slip[:, 4]
         drag = drag_force(g, D, op.drag, u[3])[0] * r * u[3]
-        power = slip[0, 3] * op.omega_i + slip[1, 3] * op.omega_o
-        shaft_power = max(abs(slip[0, 3] * op.omega_i), abs(slip[1, 3] * op.omega_o))
-        floor = slip[:, 4].max() * (seat.inner.Q + seat.outer.Q) * op.v_r
-        error = abs(power - slip[:, 1].sum() - drag) / max(shaft_power, floor)
+        power = torque[0] * op.omega_i + torque[1] * op.omega_o
+        shaft_power = max(abs(torque[0] * op.omega_i), abs(torque[1] * op.omega_o))
+        # where nothing turns: the heat of all friction at the slip of the regularisation
+        least_power = mu.max() * (seat.inner.Q + seat.outer.Q) * op.v_r
+        error = abs(power - heat.sum() - drag) / max(shaft_power, least_power)
         return bool(error <= LARGEST_POWER_ERROR)
 
     def _is_closed(self, k: int, race: WornRace, force: WornForce) -> bool:
-        """Returns whether bodies touch where they press and never overlap, under the right load."""
+        """Returns whether contact k is right: bodies touch where they press, under the right load.
+
+        They never overlap, and nothing pulls.
+        """
         places = race.cells.X
         if self._influence[k][0] is not places:
             self._influence[k] = places, check_influence(race.cells)
@@ -70,6 +78,7 @@ class WornCheck:
         p: ThrustProblem, k: int, race: WornRace, force: WornForce, bare: np.ndarray
     ) -> float:
         """Returns the friction coefficient of a contact with films, by plain sums over cells."""
-        op, Q = p.op, contact_load(force.hertz.K, force.approach)
+        op = p.op
+        Q = contact_load(force.hertz.K, force.approach)
         law = plain_law((op.law_i, op.law_o)[k], Q, force.a, force.b)
         return float(friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without))

@@ -52,7 +52,7 @@ class WornPoint:
     problem: ThrustProblem
     seat: WornSeat = NOWHERE
     u: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (4,) motion of a ball [rad/s]
-    slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 4), see kernel
+    slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 5), see `FrictionWork.slip`
     qv_along: tuple[np.ndarray, ...] = ()  # QV per length at the cells, inner and outer [W/m]
     x: tuple[np.ndarray, ...] = ()  # the cells along the major axis [m]
     pressure: tuple[np.ndarray, ...] = ()  # (m, n) each, over the peak of Hertz
@@ -67,29 +67,36 @@ class WornPoint:
 
 def seat_force(g: Geometry, seat: WornSeat) -> float:
     """Returns the axial force of the inner race on all balls [N]."""
-    inner, across = seat.inner, seat.inner.T + seat.F_i
+    inner = seat.inner
+    across = seat.inner.T + seat.F_i
     return float(g.n_balls * (inner.Q * np.sin(inner.alpha) + across * np.cos(inner.alpha)))
 
 
 def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
-    """Returns a depth over equally spaced places as a spline."""
+    """Returns a depth over equally spaced places as a cubic spline.
+
+    places: (n,) [m], `step` apart.
+    """
     c = np.empty((4, depth.size - 1))
     spline_pieces(float(step), depth, c)
     return Arc(float(places[0]), float(step), c)
 
 
 def arc_values(arc: Arc, places: np.ndarray) -> np.ndarray:
-    """Returns values of a spline; beyond its ends they are those at the ends."""
+    """Returns values of a spline at places [m]; beyond its ends they are those at the ends."""
     steps = (places - arc.first) / arc.step
     piece = np.clip(np.floor(steps).astype(int), 0, arc.c.shape[1] - 1)
-    x, c = np.clip(steps - piece, 0.0, 1.0) * arc.step, arc.c[:, piece]
+    x = np.clip(steps - piece, 0.0, 1.0) * arc.step
+    c = arc.c[:, piece]
     return np.asarray(((c[0] * x + c[1]) * x + c[2]) * x + c[3])
 
 
-def wandering(
+def spread_by_wander(
     grid: np.ndarray, places: np.ndarray, values: np.ndarray, wander: float
 ) -> np.ndarray:
-    """Spreads values at equally spaced places over a grid; their integral is kept.
+    """Returns values at equally spaced places, spread over a grid by the wander of the track.
+
+    Their integral is kept.
 
     wander: rms of the places, in the unit of the grid.
     """

@@ -21,8 +21,11 @@ AS_WITH_FILM = -1.0
 """Stands for a friction coefficient that does not change where no film is left."""
 
 
-def cover(surface: Surface, depth: np.ndarray | float) -> np.ndarray:
-    """Returns the share of each place that its film still covers at a worn depth [m]."""
+def film_cover(surface: Surface, depth: np.ndarray | float) -> np.ndarray:
+    """Returns the share of each place that its film still covers at a worn depth [m].
+
+    It falls from 1 to 0 over the last `FILM_EDGE` of the film; 0 without a film.
+    """
     if surface.film is None:
         return np.zeros_like(depth, dtype=float)
     remaining = np.maximum(surface.thickness - np.asarray(depth, dtype=float), 0.0)
@@ -41,7 +44,8 @@ class WornFilms:
     @classmethod
     def of(cls, scene: Scene) -> "WornFilms":
         """Returns the films of a scene."""
-        film, films = scene.friction.film, Films.of(scene)
+        film = scene.friction.film
+        films = Films.of(scene)
         if film is None or not films.wear_through or film.bare_ball_race is None:
             return cls(films, AS_WITH_FILM)
         return cls(films, film.bare_ball_race)
@@ -54,14 +58,18 @@ class WornFilms:
         """
         from scipy.ndimage import gaussian_filter1d  # loads slowly; most bearings have no film
 
-        return gaussian_filter1d(cover(self.films.race, depth), spread, truncate=6.0)
+        return gaussian_filter1d(film_cover(self.films.race, depth), spread, truncate=6.0)
 
     def bare(self, race_depth: np.ndarray, ball_depth: float, spread: float) -> np.ndarray:
-        """Returns the share of each place of a groove without any film; see `cover_of_race`."""
+        """Returns the share of each place of a groove on which no film is left [1].
+
+        race_depth, spread: as `depth` and `spread` of `cover_of_race`.
+        ball_depth: worn off the balls [m].
+        """
         if not self.films.wear_through:
             return np.zeros_like(race_depth)
         on_race = self.cover_of_race(race_depth, spread)
-        return 1.0 - np.maximum(on_race, cover(self.films.ball, ball_depth))
+        return 1.0 - np.maximum(on_race, film_cover(self.films.ball, ball_depth))
 
     def factors(
         self,
@@ -75,10 +83,12 @@ class WornFilms:
 
         They are in proportion to the cover of each film.
 
+        on_race: share of each place that the film of the race covers.
+        race_depth, ball_depth: worn off [m].
         pressure: peak pressure of the unworn contact [Pa].
         temperature: of the contact [degC].
         """
-        on_ball = cover(self.films.ball, ball_depth)
+        on_ball = film_cover(self.films.ball, ball_depth)
         table_factor = self.films.table_factor(pressure, temperature)
         return self.films.factors(on_ball, on_race, ball_depth, race_depth, table_factor)
 
@@ -92,9 +102,13 @@ class WornFilms:
         """Returns the time in which a film wears by a share of its thickness, or begins to go [s].
 
         While its deepest place becomes bare, this is half of that time at most. Once it is bare,
-        the film beside it goes: half of the share is allowed, but at least the time `least`.
+        the film beside it goes: half of the share is allowed, but at least the time `least` [s].
+        Infinite without a film that wears.
+
+        rate: wear per second.
         """
-        shortest, bare_parts = np.inf, self.bare_parts(wear)
+        shortest = np.inf
+        bare_parts = self.bare_parts(wear)
         balls = np.array([0.5 * wear.ball]), np.array([0.5 * rate.ball])
         grooves = zip(wear.grooves, rate.grooves, strict=True)
         parts: list[tuple[np.ndarray, np.ndarray]] = [*grooves, balls]

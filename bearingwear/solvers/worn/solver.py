@@ -13,7 +13,7 @@ from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.contact.profile import contact_approach, semi_axis
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.steady.thrust import skid_ratio
-from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.friction import friction_changes_with_wear
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import friction_used
@@ -30,21 +30,22 @@ _NEAR = 0.02  # of the approaches: first range about the guess in which an even 
 _HEAT_OF_ROUGH = 10.0  # error of the heat of a rough state over that of its balance
 
 _FURTHER = 12  # extensions of this range, each twice as long
+_CLOSE = 1e-9  # of the approaches: accuracy of the even loss
 
 
 @dataclass
 class _Memory:
     """Results that later solves and states start from, at whatever temperatures."""
 
-    slope: float  # stiffness last found [N/m]
+    slope: float  # last stiffness [N/m]
     offset: float | None = None  # even loss at the start less that of the scene [m]
     ahead: float = 0.0  # last even loss less that of the approaches, over the approaches
 
 
-def _most_worn(scene: Scene) -> float:
-    """Returns the loss at the end of a life [m]; inf where no criterion limits it, 0 without any.
+def _largest_loss_of_life(scene: Scene) -> float:
+    """Returns the loss of ball diameter that the criteria of a scene allow [m].
 
-    Another criterion may end the life before.
+    It is infinite where they do not limit the loss, and 0 without any criterion.
     """
     end = scene.wear.end_of_life
     if end is None:
@@ -54,13 +55,17 @@ def _most_worn(scene: Scene) -> float:
 
 
 class Worn(Steady):
-    """A bearing with worn grooves, unworn by `Steady`; each solve starts from the last one."""
+    """A bearing with worn grooves; each solve starts from the last one.
+
+    unworn: its solution without wear, by `Steady`.
+    cells: numbers along and across a contact.
+    """
 
     def __init__(self, scene: Scene, unworn: SolvedBearing, cells: tuple[int, int]):
         self.scene, self.problem, self.start = scene, unworn.problem, unworn.condition
         self.mounted = parameters.static_place(scene)
         self.factors = parameters.wear_factors(scene)
-        filmed = scene.friction.film is not None or changes_as_it_wears(scene)
+        filmed = scene.friction.film is not None or friction_changes_with_wear(scene)
         self.bearing = WornBearing(
             self.problem,
             unworn.answer,
@@ -68,17 +73,20 @@ class Worn(Steady):
             cells,
             wander=scene.wear.track_wander,
             films=WornFilms.of(scene) if filmed else None,
-            most_worn=_most_worn(scene),
+            most_worn=_largest_loss_of_life(scene),
         )
         self.memory = _Memory(unworn.steepness)
 
     def elsewhere(self, scene: Scene) -> "Worn":
-        """Returns the bearing with its grooves at another speed or temperature, without wear."""
-        moved = copy.copy(self)
-        moved.scene, moved.problem = scene, self.problem.of(scene).without_finer
-        moved.mounted = moved.problem.preload.delta_a
-        moved.bearing.stop_wear()
-        return moved
+        """Returns the solver with the same grooves at the speed and temperatures of a scene.
+
+        They wear no further.
+        """
+        solver = copy.copy(self)
+        solver.scene, solver.problem = scene, self.problem.of(scene).without_finer
+        solver.mounted = solver.problem.preload.delta_a
+        solver.bearing.stop_wear()
+        return solver
 
     @property
     def heat_error(self) -> float:  # type: ignore[override]
@@ -87,11 +95,12 @@ class Worn(Steady):
 
     @staticmethod
     def condition(wear: WornDepths) -> Condition:
-        """Returns the condition with some wear, whose loss is its progress."""
+        """Returns the condition with some wear; its loss is the balls' and the deepest grooves'."""
         deepest = float(wear.grooves.max(axis=1, initial=0.0).sum())
         return Condition(wear.ball + deepest, depths=wear)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        """Returns the bearing solved, from its last state; `near` is not used."""
         assert condition.depths is not None
         point = self.bearing.solve(condition.depths, self.problem_in(condition))
         if point.status != code.OK:
@@ -115,15 +124,19 @@ class Worn(Steady):
         return with_both
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
+        """Returns the heat of friction and drag of all balls in a solution."""
         point: WornPoint = solution.answer
         g, op, n = point.problem.g, point.problem.op, point.problem.g.n_balls
-        r, Omega = g.R_o + point.seat.X2, float(point.u[3])
+        r = g.R_o + point.seat.X2
+        Omega = float(point.u[3])
         drag = drag_force(g, point.D, op.drag, Omega)[0] * r * Omega
         inner, outer = (float(n * heat) for heat in point.slip[:, 1])
         return HeatFlow(inner, outer, drag=float(n * drag))
 
     def rate(self, solution: SolvedBearing) -> WornDepths:
-        return self.bearing.rate(solution.answer, *self.factors, solution.scene)
+        """Returns the wear per second in a solution, as depths [m/s]."""
+        ball, race = self.factors
+        return self.bearing.rate(solution.answer, ball, race, solution.scene)
 
     def approach_loss(self, point: WornPoint) -> float:
         """Returns L: ball diameter lost, and the approach of the contacts beyond Hertz [m]."""
@@ -149,6 +162,7 @@ class Worn(Steady):
 
         @functools.cache
         def difference(loss: float) -> float:
+            """Returns how far the evenly worn bearing is from the position or preload [1]."""
             nonlocal state
             delta_a, state = thrust_equilibrium(
                 g, g.D0 - loss, load, hold.F_x, seat.delta_a, hold.constant_force, state
@@ -159,31 +173,37 @@ class Worn(Steady):
 
         scale = seat.inner.approach + seat.outer.approach
         guess = self.approach_loss(point) + self.memory.ahead * scale
-        width, low, high = _NEAR * scale, guess, guess
+        width = _NEAR * scale
+        low = guess
+        high = guess
         for _ in range(_FURTHER):
             low, high, width = low - width, high + width, 2.0 * width
             if difference(low) <= 0.0 <= difference(high):
                 break
         try:
-            root = brent_root(difference, low, high, xtol=1e-9 * scale, rtol=1e-14)
+            root = brent_root(difference, low, high, xtol=_CLOSE * scale, rtol=1e-14)
         except ValueError:
             return float("nan")
         self.memory.ahead += (root - guess) / scale
         return root - self.memory.offset
 
     def state(self, solution: SolvedBearing) -> State:
-        """Returns the state of a point; its rate of loss and stiffnesses need more than it."""
+        """Returns the state of a solution, without its rate of loss and stiffnesses.
+
+        These need the states beside it, and more solves.
+        """
         point = solution.answer
         values = self._values(point) | self._film_values(solution)
         values["friction_power"] = self.heat(solution).total
         return State(point.status, values, solution)
 
     def _film_values(self, solution: SolvedBearing) -> dict[str, Any]:
-        """Returns the values of a state that films and running in decide; nothing without any."""
+        """Returns the result variables that films and running in change; empty without any."""
         films, point = self.bearing.films, solution.answer
         if films is None:
             return {}
-        D, shares = point.D, []
+        D = point.D
+        shares = []
         for k, force in enumerate(point.forces):
             on_arc = self.bearing.bare(point.wear, k)
             g = point.problem.g
@@ -199,8 +219,10 @@ class Worn(Steady):
         }
 
     def _values(self, point: WornPoint) -> dict[str, Any]:
+        """Returns the result variables of a state, as if it had no films."""
         g, op, D = point.problem.g, point.problem.op, point.D
-        forces, r = point.forces, g.R_o + point.seat.X2
+        forces = point.forces
+        r = g.R_o + point.seat.X2
         alpha = np.array([f.alpha for f in forces])
         qv, _, share, _, mu = point.slip.T
         ball, race = self.factors

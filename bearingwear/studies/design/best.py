@@ -17,7 +17,7 @@ import numpy as np
 
 from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.choice import (
     ACTIVE,
@@ -40,6 +40,12 @@ SWEPT_FACTORS = tuple(2.0 ** (k / 4) for k in range(-12, 21))
 
 _RANGE_STEP = 8.0
 """Factor by which the range is extended once, beyond an end with the best life."""
+
+_STEPS_BEYOND_END = 6
+"""Number of preloads in the extension of the range."""
+
+_SHARES_BETWEEN = (0.05, 0.95)
+"""Least and greatest share of the way between two preloads at which another one is solved."""
 
 _LITTLE_LONGER = 1.1
 """Ratio of the lives beyond an end and at it up to which the preload at the end is taken."""
@@ -77,19 +83,20 @@ class PreloadPoint:
 
     @property
     def life(self) -> float:
-        """The life [s]; zero where it was not solved."""
+        """Returns the life [s]; zero where it was not solved."""
         life = self.values.get("life", 0.0) if self.values["status"] == OK else 0.0
         return life if life > 0.0 else 0.0
 
     @property
     def end_criterion(self) -> int | None:
-        """The criterion that ends the life; None where none is known."""
+        """Returns the flag of the criterion that ends the life; None for new bearings alone."""
         return self.values.get("end_criterion")
 
     def margins(self, limits: DesignLimits) -> np.ndarray:
-        """Returns relative margins of the requirements, and last 1 if it is practical, else -1.
+        """Returns the relative margins (n + 1,) of n requirements; negative ones are violated.
 
-        A value that is not known breaks its requirement, but one that new bearings do not have.
+        The last margin is 1 for a practical design, else -1. A margin is -1 where nothing was
+        solved or the value is NaN, and infinite for a measure that new bearings do not have.
         """
         if self.values["status"] != OK:
             return np.full(len(limits.effective) + 1, -1.0)
@@ -97,17 +104,18 @@ class PreloadPoint:
         for name, limit in limits.effective.items():
             measure = LIMITED[name]
             values = [self.values[key] for key in measure.extremes if key in self.values]
-            known_margins = [measure.margin(value, limit) for value in values if value == value]
+            known_margins = [
+                measure.margin(value, limit) for value in values if not math.isnan(value)
+            ]
             unknown = math.inf if self.solved == NEW_BEARING and not values else -1.0
             margins.append(min(known_margins, default=unknown))
         margins.append(-1.0 if self.values.get("impractical") else 1.0)
         return np.array(margins)
 
     def is_allowed(self, limits: DesignLimits) -> bool:
-        """Whether all requirements are met and, if a life was solved, there is one."""
-        return (self.solved == NEW_BEARING or self.life > 0.0) and bool(
-            self.margins(limits).min() >= 0.0
-        )
+        """Whether all requirements are met and, unless bearings are new, the life is above zero."""
+        has_life = self.solved == NEW_BEARING or self.life > 0.0
+        return has_life and bool(self.margins(limits).min() >= 0.0)
 
 
 @dataclass
@@ -127,12 +135,15 @@ class PreloadLine:
         return [point for _, point in sorted((refused | self.lives).items())]
 
     def best(self, limits: DesignLimits) -> PreloadPoint | None:
-        """Returns the longest life that was solved within the requirements."""
+        """Returns the point with the longest life within the requirements; None without one."""
         allowed = [point for point in self.lives.values() if point.is_allowed(limits)]
         return max(allowed, key=lambda point: point.life, default=None)
 
     def may_live(self, preload: float, limits: DesignLimits) -> bool:
-        """Whether new bearings at a preload do not rule out that it is allowed worn."""
+        """Whether a life at a preload [N] may be allowed.
+
+        It cannot be if new bearings were solved there and break a requirement.
+        """
         new = self.new.get(preload)
         return new is None or new.values["status"] != OK or new.is_allowed(limits)
 
@@ -191,19 +202,21 @@ class PreloadSearch:
         return bool(places)
 
     def _solve(self, places: Sequence[tuple[PreloadLine, float]], solved: int) -> None:
-        """Solves at preloads of lines, and keeps the points."""
+        """Solves at preloads [N] of lines, and keeps the points in these.
+
+        solved: NEW_BEARING, QUICK_LIFE or EXACT_LIFE.
+        """
         jobs = [
-            _Job(held_by(self.scene, line.method, preload), self.limits, solved)
+            _Job(with_method(self.scene, line.method, preload), self.limits, solved)
             for line, preload in places
         ]
-        for (line, preload), values in zip(
-            places, self.answers_at(_solved_values, jobs), strict=True
-        ):
-            point = PreloadPoint(preload, values, solved)
-            (line.new if solved == NEW_BEARING else line.lives)[preload] = point
+        answers = self.answers_at(_solved_values, jobs)
+        for (line, preload), values in zip(places, answers, strict=True):
+            points = line.new if solved == NEW_BEARING else line.lives
+            points[preload] = PreloadPoint(preload, values, solved)
 
     def run(self) -> None:
-        """Solves all that shows the best preload of each method, and where it may be set."""
+        """Finds the best preload of each method, and those that may be set in its place."""
         self.sweep()
         ends = [self._extend(line) for line in self.lines]
         if any(ends):
@@ -215,11 +228,13 @@ class PreloadSearch:
             pass
 
     def _exact_preloads(self, line: PreloadLine) -> list[float]:
-        """Returns preloads beside the best one, whose exact lives are solved.
+        """Returns preloads [N] beside the best one, whose exact lives are solved next.
 
-        Without any, those that show where it may be set, of the line with the longest life.
+        Where there are none, they are those at other edges where a life may be longer. Then they
+        are those that show between which ones the best may be set, but only on the line with the
+        longest life.
         """
-        preloads = self._preloads_beside_best(line)
+        preloads = self._preloads_beside_best(line) or self._preloads_at_worn_edges(line)
         if preloads:
             return preloads
         bests = [other.best(self.but_life) for other in self.lines]
@@ -237,164 +252,196 @@ class PreloadSearch:
             pass
 
     def _preloads_between_new(self, line: PreloadLine) -> list[float]:
-        """Returns preloads near those where new bearings come to meet the requirements.
+        """Returns preloads [N] in the middle of gaps between new bearings, for further ones.
 
-        They also lie beside those where they come nearest to that.
+        They are the gaps in which the requirements come to be met or broken, and those beside a
+        point that breaks them less than its neighbours, up to the width `_EDGE`.
         """
         points = [line.new[p] for p in sorted(line.new)]
         least = [point.margins(self.but_life).min() for point in points]
-        gaps = set()
-        for k, (a, b) in enumerate(itertools.pairwise(points)):
-            if (least[k] >= 0.0) != (least[k + 1] >= 0.0) and _width(a, b) > _EDGE:
-                gaps.add(k)
+        gaps = {k for k in range(len(points) - 1) if (least[k] >= 0.0) != (least[k + 1] >= 0.0)}
         for k in range(1, len(points) - 1):
-            is_peak = least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1])
-            for j in (k - 1, k):
-                if is_peak and _width(points[j], points[j + 1]) > _EDGE:
-                    gaps.add(j)
-        return [_middle(points[k], points[k + 1]) for k in sorted(gaps)]
+            if least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1]):
+                gaps |= {k - 1, k}
+        wide_gaps = [k for k in sorted(gaps) if _log_width(points[k], points[k + 1]) > _EDGE]
+        return [_middle_preload(points[k], points[k + 1]) for k in wide_gaps]
 
     def _first_preloads(self, line: PreloadLine) -> list[float]:
-        """Returns every second preload of the grid that new bearings allow, for quick lives.
+        """Returns every second preload [N] of the grid that new bearings allow, for quick lives.
 
-        Of each range that they allow, the ends and the middle are among them.
+        The ends and the middle of each range that they allow are among them.
         """
         preloads = {p for p in line.grid[::2] if line.may_live(p, self.but_life)}
         ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.but_life))
-        for inside in [[*inside] for is_allowed, inside in ranges if is_allowed]:
-            preloads |= {inside[0], inside[-1]}
-            if len(inside) > 1:
-                preloads.add(_middle(line.new[inside[0]], line.new[inside[-1]]))
+        for is_allowed, range_preloads in ranges:
+            if is_allowed:
+                lowest, *others = range_preloads
+                preloads.add(lowest)
+                if others:
+                    highest = others[-1]
+                    middle = _middle_preload(line.new[lowest], line.new[highest])
+                    preloads |= {middle, highest}
         return sorted(preloads - set(line.lives))
 
     def _further_preloads(self, line: PreloadLine) -> list[float]:
-        """Returns the other preloads of the grid at which a life may be longer than the best."""
-        best, order, preloads = line.best(self.but_life), sorted(line.lives), []
+        """Returns the other preloads [N] of the grid at which a life may be longer than the best.
+
+        It cannot be between two shorter lives that the same criterion ends.
+        """
+        best = line.best(self.but_life)
         longest = best.life if best else 0.0
+        solved_preloads = sorted(line.lives)
+        preloads = []
         for p in line.grid:
             if p in line.lives or not line.may_live(p, self.but_life):
                 continue
-            k = bisect.bisect(order, p)
-            neighbours = [line.lives[near] for near in order[max(k - 1, 0) : k + 1]]
+            k = bisect.bisect(solved_preloads, p)
+            neighbours = [line.lives[near] for near in solved_preloads[max(k - 1, 0) : k + 1]]
             ends = {point.end_criterion for point in neighbours if point.life > 0.0}
-            most = max((point.life for point in neighbours), default=math.inf)
-            if len(ends) != 1 or len(neighbours) < 2 or most >= longest:
+            longest_beside = max((point.life for point in neighbours), default=math.inf)
+            if len(ends) != 1 or len(neighbours) < 2 or longest_beside >= longest:
                 preloads.append(p)
         return preloads
 
     def _preloads_at_worn_edges(self, line: PreloadLine) -> list[float]:
-        """Returns preloads where worn bearings come to meet the requirements, for quick lives.
+        """Returns preloads [N] where worn bearings come to meet the requirements.
 
         They lie between a life that is longer than the best but breaks requirements, and one that
         meets them: a narrow range between may be allowed, if another criterion soon ends the life.
+        Those beside the best one are left out.
         """
-        best, points, preloads = line.best(self.but_life), line.points(self.but_life), []
+        best = line.best(self.but_life)
         longest = best.life if best else 0.0
-        for pair in itertools.pairwise(points):
-            for broken, met in (pair, pair[::-1]):
+        preloads = []
+        for point, following in itertools.pairwise(line.points(self.but_life)):
+            if _log_width(point, following) <= _EDGE:
+                continue
+            for broken, met in ((point, following), (following, point)):
                 is_longer = broken.solved != NEW_BEARING and broken.life > longest
                 is_edge = (
                     broken.margins(self.but_life).min() < 0.0 <= met.margins(self.but_life).min()
                 )
-                if is_longer and is_edge and met is not best and abs(_width(*pair)) > _EDGE:
+                if is_longer and is_edge and met is not best:
                     preloads.append(self._preload_between(met, broken))
         return preloads
 
     def _extend(self, line: PreloadLine) -> PreloadPoint | None:
-        """Extends the range of a line if its best preload is at an end, and returns that point."""
+        """Extends the range of a line once if its best preload is at an end.
+
+        Returns the best point, at that end; None if the range was not extended.
+        """
         best = line.best(self.but_life)
-        if (
-            best is None
-            or line.best_beyond_end
-            or best.preload not in (line.grid[0], line.grid[-1])
-        ):
+        if best is None or line.best_beyond_end:
+            return None
+        if best.preload not in (line.grid[0], line.grid[-1]):
             return None
         sign = 1.0 if best.preload == line.grid[-1] else -1.0
-        factors = _RANGE_STEP ** (sign * np.arange(1, 7) / 6)
-        more = [float(f"{best.preload * factor:.3g}") for factor in factors.tolist()]
-        more = [p for p in more if p <= largest_permitted_preload()]
-        line.grid = sorted({*line.grid, *more})
-        return best if more else None
+        steps = np.arange(1, _STEPS_BEYOND_END + 1) / _STEPS_BEYOND_END
+        factors = _RANGE_STEP ** (sign * steps)
+        preloads = [float(f"{best.preload * factor:.3g}") for factor in factors.tolist()]
+        preloads = [p for p in preloads if p <= largest_permitted_preload()]
+        line.grid = sorted({*line.grid, *preloads})
+        return best if preloads else None
 
     def _shorten(self, line: PreloadLine, end: PreloadPoint) -> None:
-        """Leaves out preloads beyond an end of the range if the life is hardly longer there."""
+        """Takes back an extension of the range if the life is hardly longer beyond its end.
+
+        end: the point at the end of the range before.
+        """
         best = line.best(self.but_life)
         assert best is not None
         if best is end or best.life >= _LITTLE_LONGER * end.life:
             return
         line.best_beyond_end = best
-        is_low = best.preload < end.preload
-        line.grid = [p for p in line.grid if (p >= end.preload if is_low else p <= end.preload)]
-        for points in (line.new, line.lives):
-            for p in [p for p in points if not line.grid[0] <= p <= line.grid[-1]]:
-                del points[p]
+        if best.preload < end.preload:
+            line.grid = [p for p in line.grid if p >= end.preload]
+        else:
+            line.grid = [p for p in line.grid if p <= end.preload]
+        lowest, highest = line.grid[0], line.grid[-1]
+        line.new = {p: point for p, point in line.new.items() if lowest <= p <= highest}
+        line.lives = {p: point for p, point in line.lives.items() if lowest <= p <= highest}
 
     def _preloads_beside_best(self, line: PreloadLine) -> list[float]:
-        """Returns the best preload, and those beside it where an exact life may be longer.
+        """Returns the best preload [N] and those beside it where an exact life may be longer.
 
-        A neighbour that a quick life refuses by little is solved itself, as is one beside which
-        nothing else is solved.
+        Those with an exact life are left out. A neighbour that a quick life refuses by little is
+        solved itself, as is one beside which nothing else is solved. Quick lives between exact ones
+        are dropped from the line first.
         """
-        line.lives = {p: point for p, point in line.lives.items() if self._counts(line, point)}
+        line.lives = {p: point for p, point in line.lives.items() if self._is_kept(line, point)}
         best = line.best(self.but_life)
         if best is None:
             return []
         preloads = {best.preload}
         points = line.points(self.but_life)
-        k = _index(points, best)
+        k = _index_at_preload(points, best)
         for near in (*points[max(k - 1, 0) : k], *points[k + 1 : k + 2]):
-            margin, may_gain = near.margins(self.but_life).min(), self._may_gain(best, near)
-            if near.solved == QUICK_LIFE and margin < 0.0 and (margin > -_ROUGH or not may_gain):
+            margin = near.margins(self.but_life).min()
+            may_gain = self._may_gain(best, near)
+            is_refused_by_quick_life = near.solved == QUICK_LIFE and margin < 0.0
+            if is_refused_by_quick_life and (margin > -_ROUGH or not may_gain):
                 preloads.add(near.preload)
             elif may_gain:
                 preloads.add(self._preload_between(best, near))
-        return sorted(
-            preloads - {p for p, point in line.lives.items() if point.solved == EXACT_LIFE}
-        )
+        exact_preloads = {p for p, point in line.lives.items() if point.solved == EXACT_LIFE}
+        return sorted(preloads - exact_preloads)
 
     def _may_gain(self, best: PreloadPoint, near: PreloadPoint) -> bool:
-        """Whether a life between two preloads may be longer than the best one.
+        """Whether a life between two preloads may be longer than the best one by more than `_GAIN`.
 
-        Towards an edge, a life may rise by any power of the preload; else at most in proportion.
+        Towards a preload that is not allowed, or where another criterion ends the life, it may rise
+        by any power of the preload. Else it changes at most in proportion to the preload, and
+        one that falls faster from the best to the near preload jumps between these.
         """
-        width = abs(_width(best, near))
+        width = abs(_log_width(best, near))
         is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.but_life)
         if is_edge or best.end_criterion != near.end_criterion:
             return width > _EDGE
         drop = math.log(best.life / near.life)
-        return (width if drop > width else 0.5 * (width - drop)) > _GAIN  # so steep is a jump
+        largest_gain = width if drop > width else 0.5 * (width - drop)
+        return largest_gain > _GAIN
 
     def _preload_between(self, best: PreloadPoint, near: PreloadPoint) -> float:
         """Returns a preload between two [N]: just within the requirements that near breaks.
 
-        It is in the middle if near breaks none, or one by more than can be interpolated.
+        The margins are interpolated. It is in the middle if near breaks no requirement, or if a
+        margin there is -1, of a value that is not known.
+
+        best: a point that meets all requirements.
         """
-        inside, outside = best.margins(self.but_life), near.margins(self.but_life)
-        broken = (outside < 0.0) & (outside > -1.0)
-        if not broken.any() or (outside <= -1.0).any():
-            return _middle(best, near)
-        share = float((inside[broken] / (inside[broken] - outside[broken])).min())
-        width = _width(best, near)
-        share = min(max(share - 0.5 * _EDGE / abs(width), 0.05), 0.95)
+        inside = best.margins(self.but_life)
+        outside = near.margins(self.but_life)
+        is_broken = (outside < 0.0) & (outside > -1.0)
+        if not is_broken.any() or (outside <= -1.0).any():
+            return _middle_preload(best, near)
+        share = float((inside[is_broken] / (inside[is_broken] - outside[is_broken])).min())
+        width = _log_width(best, near)
+        least_share, most_share = _SHARES_BETWEEN
+        share = min(max(share - 0.5 * _EDGE / abs(width), least_share), most_share)
         low, high = sorted((best.preload, near.preload))
         return round_number(best.preload * math.exp(share * width), low, high)
 
-    def _counts(self, line: PreloadLine, point: PreloadPoint) -> bool:
+    def _is_kept(self, line: PreloadLine, point: PreloadPoint) -> bool:
         """Whether a life is exact, or has no exact ones on both sides within a step of the grid."""
         if point.solved == EXACT_LIFE:
             return True
         step = SWEPT_FACTORS[1] / SWEPT_FACTORS[0]
-        exact = [p for p, other in line.lives.items() if other.solved == EXACT_LIFE]
-        is_below = any(point.preload / step <= p < point.preload for p in exact)
-        return not (is_below and any(point.preload < p <= point.preload * step for p in exact))
+        exact_preloads = [p for p, other in line.lives.items() if other.solved == EXACT_LIFE]
+        has_below = any(point.preload / step <= p < point.preload for p in exact_preloads)
+        has_above = any(point.preload < p <= point.preload * step for p in exact_preloads)
+        return not (has_below and has_above)
 
     def settable_points(self, line: PreloadLine) -> list[PreloadPoint]:
-        """Returns the best point and those around it that may be set in its place, rising."""
+        """Returns the best point and those around it that may be set in its place, rising.
+
+        They are allowed, and their lives are at least `SIMILAR` times the longest. Without a best
+        point, there are none.
+        """
         best = line.best(self.limits)
         if best is None:
             return []
         points = line.points(self.limits)
-        k = _index(points, best)
+        k = _index_at_preload(points, best)
 
         def is_similar(point: PreloadPoint) -> bool:
             is_long = point.solved != NEW_BEARING and point.life >= SIMILAR * best.life
@@ -405,20 +452,32 @@ class PreloadSearch:
         return [*list(below)[::-1], best, *above]
 
     def _preloads_at_ends(self, line: PreloadLine) -> list[float]:
-        """Returns preloads whose lives show between which ones the best one may be set."""
-        settable, points, preloads = self.settable_points(line), line.points(self.limits), set()
-        for end, step in ((settable[0], -1), (settable[-1], 1)) if settable else ():
-            k = _index(points, end) + step
+        """Returns preloads [N] whose lives show between which ones the best one may be set.
+
+        They are the ends of the range of settable preloads, and the middle of the gap beyond each.
+        """
+        settable = self.settable_points(line)
+        if not settable:
+            return []
+        points = line.points(self.limits)
+        preloads = set()
+        for end, step in ((settable[0], -1), (settable[-1], 1)):
+            k = _index_at_preload(points, end) + step
             if end.solved != EXACT_LIFE:
                 preloads.add(end.preload)
-            if 0 <= k < len(points) and abs(_width(end, points[k])) > _END_WIDTH:
-                preloads.add(_middle(end, points[k]))
+            if 0 <= k < len(points) and abs(_log_width(end, points[k])) > _END_WIDTH:
+                preloads.add(_middle_preload(end, points[k]))
         return sorted(preloads)
 
     def active_limit(self, line: PreloadLine, best: PreloadPoint) -> int:
-        """Returns the index into `ACTIVE` of what keeps the best preload from a longer life."""
+        """Returns the index into `ACTIVE` of what keeps the best preload from a longer life.
+
+        It is the requirement that a neighbour breaks by most, else a neighbour without solution, a
+        requirement that the best preload just meets, the end of the range, another end of life, or
+        nothing.
+        """
         points = line.points(self.but_life)
-        k = _index(points, best)
+        k = _index_at_preload(points, best)
         neighbours = [points[j] for j in (k - 1, k + 1) if 0 <= j < len(points)]
         names = [*self.but_life.effective, ACTIVE[NOT_PRACTICAL]]
         margins = best.margins(self.but_life)
@@ -446,23 +505,23 @@ class PreloadSearch:
 
 
 def _solved_values(job: _Job) -> dict[str, Any]:
-    """Returns the values of the point at one preload."""
+    """Returns the values of new bearings, or of the life, at one preload; see `PreloadPoint`."""
     if job.solved == NEW_BEARING:
         return new_point(job.scene, job.limits)
     return design_point(job.scene, job.limits, quick=job.solved == QUICK_LIFE)
 
 
-def _index(points: Sequence[PreloadPoint], point: PreloadPoint) -> int:
-    """Returns the index of the point at the preload of another."""
+def _index_at_preload(points: Sequence[PreloadPoint], point: PreloadPoint) -> int:
+    """Returns the index in a list of the point that has the preload of another."""
     return next(k for k, other in enumerate(points) if other.preload == point.preload)
 
 
-def _width(a: PreloadPoint, b: PreloadPoint) -> float:
-    """Returns the width in log preload from one point to another."""
-    return math.log(b.preload / a.preload)
+def _log_width(start: PreloadPoint, end: PreloadPoint) -> float:
+    """Returns the logarithm of the preload at the end over that at the start."""
+    return math.log(end.preload / start.preload)
 
 
-def _middle(a: PreloadPoint, b: PreloadPoint) -> float:
-    """Returns a round preload in the middle of two [N]."""
-    low, high = sorted((a.preload, b.preload))
+def _middle_preload(start: PreloadPoint, end: PreloadPoint) -> float:
+    """Returns a preload [N] with few digits near the geometric mean of two."""
+    low, high = sorted((start.preload, end.preload))
     return round_number(math.sqrt(low * high), low, high)

@@ -5,6 +5,7 @@ Theory: docs/theory.md, section 14.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Callable, Sequence
@@ -19,8 +20,9 @@ from bearingwear.kernels.status import OK
 from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.measures import LIMITED
 from bearingwear.results.variable import Variable, table
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.cases import cases_that_wear
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import Key
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.solvers.bearing.growth import temperatures
@@ -62,17 +64,20 @@ CHANGES = table(
 
 @dataclass(frozen=True, kw_only=True)
 class Change:
-    """An assumption, and the values at which the other method lives longer."""
+    """An assumption, and the values at which the other method lives longer.
 
-    name: str
+    Values are in the unit of the assumption's key, and NaN where none that was tried is such.
+    """
+
+    name: str  # key of a scene, or `LIMIT_KEY` and the name of a requirement
     now: float
     other_better_below: float = math.nan
     other_better_above: float = math.nan
-    tried: tuple[float, float]
+    tried: tuple[float, float]  # lowest and highest
 
 
 def changes_dataset(changes: Sequence[Change]) -> xr.Dataset:
-    """Returns what would change the choice, as variables of a file over `change`."""
+    """Returns the variables of `CHANGES` over the dimension `change`."""
     columns = {
         "value_now": [change.now for change in changes],
         "other_better_below": [change.other_better_below for change in changes],
@@ -88,17 +93,18 @@ def changes_dataset(changes: Sequence[Change]) -> xr.Dataset:
 
 
 def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -> list[Change]:
-    """Returns what would change the choice between two methods.
+    """Returns what would change the choice between two preload methods; nothing without a life.
 
-    best: the recommended point of each line of the search.
+    search: run before, with a line for each method.
+    best: the recommended point of each line; None without one.
     """
     lives = [0.0 if point is None else point.life for point in best]
     if not max(lives) > 0.0:
         return []
     better = int(np.argmax(lives))
-    # zero cannot be multiplied by a factor
-    movable = [name for name, value in search.limits.given.items() if value > 0.0]
-    changes = [_limit_change(search, name, better) for name in movable]
+    # values of a requirement are tried by factors of the present one, which zero has not
+    names = [name for name, value in search.limits.given.items() if value > 0.0]
+    changes = [_limit_change(search, name, better) for name in names]
     points = [point for point in best if point is not None]
     if len(points) == len(search.lines):
         changes += _assumption_changes(search, points, better)
@@ -108,16 +114,16 @@ def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -
 def _limit_change(search: PreloadSearch, name: str, better: int) -> Change:
     """Returns how far a requirement may move until the other method is better.
 
+    name: of the requirement.
     better: number of the line with the longer life.
     """
     now = search.limits.given[name]
     low, high = _limit_range(now, name)
-    below, above = (_limit_end(search, name, farthest, better) for farthest in (low, high))
     return Change(
         name=f"{LIMIT_KEY}{name}",
         now=now,
-        other_better_below=below,
-        other_better_above=above,
+        other_better_below=_limit_end(search, name, low, better),
+        other_better_above=_limit_end(search, name, high, better),
         tried=(low, high),
     )
 
@@ -127,21 +133,24 @@ def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -
 
     Values go from the present one to the farthest, each with its own best preloads. Returns NaN
     where none changes the choice.
+
+    better: number of the line with the longer life now.
     """
-    now, limits = search.limits.given[name], search.limits
+    limits = search.limits
+    now = limits.given[name]
     is_looser = (farthest > now) != LIMITED[name].falls
     if is_looser:  # preloads that are not allowed now come in
         loosest = _with_limit(limits, name, farthest)
         search.solve(partial(_newly_allowed, limits=limits, looser=loosest), QUICK_LIFE, loosest)
-    previous = 1.0  # an advantage: positive now
+    previous_advantage = 1.0  # positive now, its size does not matter
     for value in np.geomspace(now, farthest, _MOVES + 1)[1:].tolist():
         advantage = _advantage(search.lines, _with_limit(limits, name, value), better)
         if math.isnan(advantage):
             return math.nan
         if advantage <= 0.0:
             step = (farthest / now) ** (1.0 / _MOVES)
-            return value * step ** (_share_to_zero(previous, advantage) - 1.0)
-        previous = advantage
+            return value * step ** (_share_to_zero(previous_advantage, advantage) - 1.0)
+        previous_advantage = advantage
     return math.nan
 
 
@@ -152,13 +161,16 @@ def _limit_range(now: float, name: str) -> tuple[float, float]:
 
 
 def _with_limit(limits: DesignLimits, name: str, value: float) -> DesignLimits:
-    """Returns requirements of which one has another value."""
+    """Returns the requirements with another value of one of them."""
     changed: Any = {name: value}
     return replace(limits, **changed)
 
 
 def _newly_allowed(line: PreloadLine, limits: DesignLimits, looser: DesignLimits) -> list[float]:
-    """Returns every second preload that new bearings allow by looser requirements alone."""
+    """Returns every second preload [N] that new bearings allow by looser requirements alone.
+
+    Preloads with a life are left out.
+    """
     refused = [p for p in line.grid[::2] if p not in line.lives and not line.may_live(p, limits)]
     return [p for p in refused if line.may_live(p, looser)]
 
@@ -167,13 +179,20 @@ def _advantage(lines: Sequence[PreloadLine], limits: DesignLimits, better: int) 
     """Returns the logarithm of the better method's best life over the other's.
 
     NaN where neither has a life.
+
+    lines: of both methods.
+    better: number of the better one by the present requirements.
     """
-    life, other_life = (interpolated_best_life(lines[k], limits) for k in (better, 1 - better))
+    life = interpolated_best_life(lines[better], limits)
+    other_life = interpolated_best_life(lines[1 - better], limits)
     return _log_ratio(life, other_life)
 
 
 def _log_ratio(life: float, other_life: float) -> float:
-    """Returns the logarithm of a life over another; NaN if one was not solved or both are zero."""
+    """Returns the logarithm of a life over another, infinite if one of them is zero.
+
+    NaN if one is NaN or both are zero.
+    """
     if not max(life, other_life) > 0.0 or math.isnan(life + other_life):
         return math.nan
     if not min(life, other_life) > 0.0:
@@ -184,7 +203,7 @@ def _log_ratio(life: float, other_life: float) -> float:
 def _share_to_zero(start: float, end: float) -> float:
     """Returns the share of the way from one advantage to another at which it is zero.
 
-    The advantage goes evenly; the share is a half where one end is infinite.
+    The advantage changes evenly on the way. The share is a half where one end is infinite.
     """
     return start / (start - end) if math.isfinite(start - end) else 0.5
 
@@ -192,25 +211,29 @@ def _share_to_zero(start: float, end: float) -> float:
 def interpolated_best_life(line: PreloadLine, limits: DesignLimits) -> float:
     """Returns the longest life [s] of a line within requirements, between the solved preloads.
 
-    Margins and the logarithm of the life go evenly from a preload with a life to the next.
+    Margins and the logarithm of the life change evenly from a preload with a life to the next.
+    Returns zero where no preload is allowed.
     """
-    points = [point for _, point in sorted((line.new | line.lives).items())]
-    alive = [point for point in points if point.life > 0.0]
-    margins = [point.margins(limits) for point in alive]
-    allowed = [k for k in range(len(alive)) if margins[k].min() >= 0.0]
-    longest = max((alive[k].life for k in allowed), default=0.0)
-    for k, (point, following) in enumerate(itertools.pairwise(alive)):
+    solved_points = [point for _, point in sorted((line.new | line.lives).items())]
+    points = [point for point in solved_points if point.life > 0.0]
+    margins = [point.margins(limits) for point in points]
+    lives = [0.0]
+    for point, point_margins in zip(points, margins, strict=True):
+        if point_margins.min() >= 0.0:
+            lives.append(point.life)
+    for k, (point, following) in enumerate(itertools.pairwise(points)):
         if max(margins[k].min(), margins[k + 1].min()) >= 0.0:
-            start, end = math.log(point.life), math.log(following.life)
-            shares = _allowed_shares(margins[k], margins[k + 1])
-            longest = max(longest, *(math.exp(start + s * (end - start)) for s in shares))
-    return longest
+            start = math.log(point.life)
+            end = math.log(following.life)
+            for share in _allowed_shares(margins[k], margins[k + 1]):
+                lives.append(math.exp(start + share * (end - start)))
+    return max(lives)
 
 
 def _allowed_shares(start: np.ndarray, end: np.ndarray) -> tuple[float, float]:
-    """Returns between which shares of the way from margins to others none is negative.
+    """Returns the lowest and highest share of a way along which no margin is negative.
 
-    None is negative at one end at least.
+    start, end: margins (n,) at the ends of the way; at one end at least, none is negative.
     """
     step = end - start
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -223,17 +246,23 @@ def _allowed_shares(start: np.ndarray, end: np.ndarray) -> tuple[float, float]:
 def _assumption_changes(
     search: PreloadSearch, best: Sequence[PreloadPoint], better: int
 ) -> list[Change]:
-    """Returns the changes of friction, warmth and grooves, by quick lives at the best preloads."""
+    """Returns the changes of friction, warmth and grooves, by quick lives at the best preloads.
+
+    Quick lives with a changed assumption are scaled by exact over quick life without the change.
+
+    best: the recommended point of each line.
+    better: number of the line with the longer life.
+    """
     scenes = [
-        held_by(search.scene, line.method, point.preload)
+        with_method(search.scene, line.method, point.preload)
         for line, point in zip(search.lines, best, strict=True)
     ]
-    now = _log_ratio(best[better].life, best[1 - better].life)
-    assumptions = _assumptions(search.scene, now)
+    advantage = _log_ratio(best[better].life, best[1 - better].life)
+    assumptions = _assumptions(search.scene, advantage)
     exact_over_quick: list[float] = []
     while trials := [(tried, value) for tried in assumptions for value in tried.wanted]:
         changed = [tried.change(value, scene) for tried, value in trials for scene in scenes]
-        unchanged = [] if exact_over_quick else scenes
+        unchanged = [] if exact_over_quick else scenes  # in the first round
         answers = search.answers_at(quick_life, [*unchanged, *changed])
         lives = [answer.get("life", math.nan) for answer in answers]
         if not exact_over_quick:
@@ -242,27 +271,58 @@ def _assumption_changes(
                 for point, life in zip(best, lives, strict=False)
             ]
         trial_lives = np.reshape(lives[len(unchanged) :], (len(trials), len(scenes)))
-        for (assumption, value), pair in zip(
-            trials, (trial_lives * exact_over_quick).tolist(), strict=True
-        ):
-            assumption.advantages[value] = _log_ratio(pair[better], pair[1 - better])
+        scaled_lives = trial_lives * exact_over_quick
+        for (assumption, value), method_lives in zip(trials, scaled_lives.tolist(), strict=True):
+            life, other_life = method_lives[better], method_lives[1 - better]
+            assumption.advantages[value] = _log_ratio(life, other_life)
         for assumption in assumptions:
             assumption.wanted = assumption.values_between
     return [*(assumption.outcome for assumption in assumptions), *_groove_change(best, better)]
 
 
-def _assumptions(scene: Scene, now: float) -> list[_Assumption]:
-    """Returns the friction and the warmth that are tried, with the advantage now."""
-    key, mu = friction_of(scene)
+def _assumptions(scene: Scene, advantage: float) -> list[_Assumption]:
+    """Returns the assumptions on friction and warmth of a scene, with the values to try first.
+
+    advantage: of the better method now.
+    """
+    key, friction = friction_of(scene)
     assumptions = []
-    if mu > 0.0:
-        values = [mu * factor for factor in _FRICTION_FACTORS if mu * factor <= _highest(key)]
-        assumptions.append(_Assumption(key, with_friction, mu, {mu: now}, values))
-    if scene.thermal is None:
+    if friction > 0.0:
+        values = [friction * factor for factor in _FRICTION_FACTORS]
         assumptions.append(
-            _Assumption(WARMTH_KEY, with_warm_inner_ring, 0.0, {0.0: now}, _WARMINGS)
+            _Assumption(
+                name=key,
+                change=with_friction,
+                now=friction,
+                advantages={friction: advantage},
+                wanted=[value for value in values if value <= _highest(key)],
+            )
+        )
+    warmings = _allowed_warmings(scene)
+    if scene.thermal is None and warmings:
+        assumptions.append(
+            _Assumption(
+                name=WARMTH_KEY,
+                change=with_warm_inner_ring,
+                now=0.0,
+                advantages={0.0: advantage},
+                wanted=warmings,
+            )
         )
     return assumptions
+
+
+def _allowed_warmings(scene: Scene) -> list[float]:
+    """Returns the warmings of the inner ring that a scene allows [K].
+
+    There are none if its materials differ and lack a thermal expansion.
+    """
+    allowed = []
+    for kelvin in _WARMINGS:
+        with contextlib.suppress(SceneError):
+            with_warm_inner_ring(kelvin, scene)
+            allowed.append(kelvin)
+    return allowed
 
 
 @dataclass(frozen=True)
@@ -281,15 +341,17 @@ class _Bracket:
 
     @property
     def width(self) -> float:
+        """Returns the distance between the two values."""
         return abs(self.end - self.start)
 
     @property
     def middle(self) -> float:
+        """Returns the mean of the two values."""
         return 0.5 * (self.start + self.end)
 
     @property
     def zero(self) -> float:
-        """Where the advantage is lost; NaN where it is not known at the end."""
+        """Returns the value at which the advantage is lost; NaN if it is not known at the end."""
         if self.is_open:
             return math.nan
         share = _share_to_zero(self.start_advantage, self.end_advantage)
@@ -312,13 +374,19 @@ class _Assumption:
 
     @property
     def values_between(self) -> list[float]:
-        """Values that narrow down where the advantage is lost, below and above the present one."""
+        """Returns the values to try next, where the advantage is lost below and above the present.
+
+        They are the middles of brackets; none where these are narrow enough.
+        """
         width = _END_WIDTH * (max(self.advantages) - min(self.advantages))
-        brackets = [bracket for sign in (-1, 1) if (bracket := self._bracket(sign))]
-        return [bracket.middle for bracket in brackets if bracket.width > width]
+        brackets = (self._bracket(-1), self._bracket(1))
+        return [bracket.middle for bracket in brackets if bracket and bracket.width > width]
 
     def _bracket(self, sign: int) -> _Bracket | None:
-        """Returns where an advantage is lost, below (-1) or above (1) the present value."""
+        """Returns where the advantage is first lost; None if it nowhere is.
+
+        sign: -1 below the present value, 1 above it.
+        """
         values = sorted(value for value in self.advantages if sign * (value - self.now) >= 0.0)
         for start, end in itertools.pairwise(values[::sign]):
             if not self.advantages[end] > 0.0:
@@ -327,8 +395,12 @@ class _Assumption:
 
     @property
     def outcome(self) -> Change:
-        """Values at which the other method is better, and the range that was tried."""
-        low, high = self._bracket(-1), self._bracket(1)
+        """Returns the values at which the other method is better, and the range that was tried.
+
+        The range ends where the advantage is not known.
+        """
+        low = self._bracket(-1)
+        high = self._bracket(1)
         return Change(
             name=self.name,
             now=self.now,
@@ -342,20 +414,25 @@ class _Assumption:
 
 
 def _groove_change(best: Sequence[PreloadPoint], better: int) -> list[Change]:
-    """Returns whether the other method is better with Hertzian grooves, as a value of 1 if it is.
+    """Returns the change from worn grooves (1) to Hertzian ones (0), in a list.
 
-    Empty where the lives are not those with worn grooves.
+    The other method is better below 1 if its Hertzian life is longer. The list is empty where the
+    lives are not those with worn grooves.
     """
-    lives = [point.values["hertzian_life"] for point in best]
-    if not all(point.values.get("groove") for point in best) or not np.isfinite(lives).all():
+    hertzian_lives = [point.values["hertzian_life"] for point in best]
+    has_worn_grooves = all(point.values.get("groove") for point in best)
+    if not has_worn_grooves or not np.isfinite(hertzian_lives).all():
         return []
-    is_other = lives[better] < lives[1 - better]
-    below = 1.0 if is_other else math.nan
+    is_other_better = hertzian_lives[better] < hertzian_lives[1 - better]
+    below = 1.0 if is_other_better else math.nan
     return [Change(name=GROOVE_KEY, now=1.0, other_better_below=below, tried=(0.0, 1.0))]
 
 
 def friction_of(scene: Scene) -> tuple[str, float]:
-    """Returns the key of the friction of balls on races, and its value."""
+    """Returns the key of the friction of balls on races, and its value in the unit of the key.
+
+    With a film, it is the film's shear strength.
+    """
     film = scene.friction.film
     if film is not None:
         return SHEAR_KEY, film.shear_strength_MPa
@@ -370,19 +447,20 @@ def _highest(key: str) -> float:
 
 
 def with_friction(value: float, scene: Scene) -> Scene:
-    """Returns a scene with another friction of balls on races."""
-    return scene.with_({friction_of(scene)[0]: value})
+    """Returns a scene with another friction of balls on races; see `friction_of`."""
+    key, _ = friction_of(scene)
+    return scene.with_({key: value})
 
 
 def with_warm_inner_ring(kelvin: float, scene: Scene) -> Scene:
-    """Returns a scene whose inner ring alone is warmer."""
-    now = temperatures(scene)
-    warm = replace(now, inner_ring_C=(now.inner_ring_C or 0.0) + kelvin)
-    return replace(scene, temperature=warm)
+    """Returns a scene whose inner ring alone is warmer by a difference [K]."""
+    parts = temperatures(scene)
+    warmer = replace(parts, inner_ring_C=(parts.inner_ring_C or 0.0) + kelvin)
+    return replace(scene, temperature=warmer)
 
 
 def quick_life(scene: Scene) -> dict[str, Any]:
-    """Returns the shortest quick life of a scene's cases [s]; NaN where one was not solved."""
+    """Returns the shortest quick `life` of a scene's cases [s]; NaN where one was not solved."""
     return {"life": float(np.min([_quick_life(case) for case in cases_that_wear(scene).values()]))}
 
 

@@ -17,7 +17,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.results.netcdf import CaseFileError, load_kind
 from bearingwear.results.variable import Variable
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.dataset import pareto
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
@@ -47,14 +47,24 @@ ACTIVE_LIMIT = Variable(
 
 
 def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset:
-    """Step: returns all parts of a map as one dataset, with the best preload of every line."""
+    """Step: returns all parts of a map as one dataset, with the best preload of every line.
+
+    A line has one preload method, friction and speed.
+
+    limits: requirements by the keys of `DesignLimits`.
+    CaseFileError: parts of different maps, a missing part, or another slip limit in the parts.
+    """
     maps = {path: load_kind(path, "design map") for path in parts}
-    first, attributes = next((path, part.attrs) for path, part in maps.items())
+    first_path = next(iter(maps))
+    attributes = maps[first_path].attrs
     for path, part in maps.items():
         if part.attrs != attributes:
-            raise CaseFileError(f"{path}: differs from {first} in its scene, limits or sources")
+            problem = f"differs from {first_path} in its scene, limits or sources"
+            raise CaseFileError(f"{path}: {problem}")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
-        raise CaseFileError(f"{first}: has a different requirement for the gyroscopic slip share")
+        raise CaseFileError(
+            f"{first_path}: has a different requirement for the gyroscopic slip share"
+        )
     try:
         design = xr.combine_by_coords(
             list(maps.values()),
@@ -73,11 +83,15 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
 
 
 def with_choices(design: xr.Dataset) -> xr.Dataset:
-    """Returns a map with the best preload of every line of it."""
+    """Returns a map with the best preload, life and active limit of every line of it.
+
+    Preload and life are NaN where no preload is within the limits.
+    """
     index, active = best_within(design, limits_of(design))
     has_best = index >= 0
     best = design.isel(preload=xr.where(has_best, index, 0))
-    preload, life = best["preload"].where(has_best), best["life"].where(has_best)
+    preload = best["preload"].where(has_best)
+    life = best["life"].where(has_best)
     return design.assign(
         recommended_preload=preload.assign_attrs(
             long_name="preload that gives the longest life", units="N"
@@ -88,14 +102,16 @@ def with_choices(design: xr.Dataset) -> xr.Dataset:
 
 
 def limits_of(design: xr.Dataset) -> DesignLimits:
-    """Returns the limits a map was made with."""
+    """Returns the limits in the attributes of a map or a recommendation."""
     return DesignLimits(**json.loads(design.attrs["limits"]))
 
 
 def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
-    """Returns the relative margin of each limit; negative where it is violated.
+    """Returns the relative margin of each limit, negative where it is violated.
 
-    In the order of `limits.effective`; `values` is a Dataset or a dict of what `life_point` finds.
+    values: a dataset, or a mapping of the values of a design point, by the names of extremes.
+
+    Returns margins of the type of the values, in the order of `limits.effective`.
     """
     return [LIMITED[name].margins(values, limit) for name, limit in limits.effective.items()]
 
@@ -103,13 +119,13 @@ def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
 class _LineOfMap(NamedTuple):
     """Points of a map along the preload."""
 
-    is_solved: np.ndarray
-    lives: np.ndarray
+    is_solved: np.ndarray  # (preloads,)
+    lives: np.ndarray  # (preloads,)
     margins: np.ndarray  # (limits and practice, preloads)
 
     @property
     def best_index(self) -> int | None:
-        """Index along the preload of the longest life within the limits.
+        """Returns the index along the preload of the longest life within the limits.
 
         None if no preload is within them.
         """
@@ -118,8 +134,9 @@ class _LineOfMap(NamedTuple):
         return int(np.argmax(lives)) if is_allowed.any() else None
 
     def active_limit(self, best: int, names: Sequence[str]) -> int:
-        """Returns what keeps the best preload from its neighbour with the longer life.
+        """Returns the index into `ACTIVE` of what keeps the best preload from a longer life.
 
+        best: index of the best preload.
         names: of the margins.
         """
         neighbours = [k for k in (best - 1, best + 1) if 0 <= k < len(self.lives)]
@@ -133,14 +150,14 @@ class _LineOfMap(NamedTuple):
 
 
 def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray, xr.DataArray]:
-    """Finds the preload with the longest life within the limits, and the limit that holds it.
+    """Returns where the life within the limits is longest along the preload, and its active limit.
 
     Lives that were not solved are never chosen. The active limit is what keeps the choice from the
     neighbouring preload whose life is longer: the limit passed there by most, the end of the range,
     a neighbour that was not solved, or nothing (the life itself is longest there).
 
-    Returns `index, active`: over the dimensions of the map but `preload`; index -1 where no preload
-        is within the limits.
+    Returns indices of preloads, and indices into `ACTIVE`, both over the dimensions of the map but
+        `preload`. An index is -1 where no preload is within the limits.
     """
     dims = [str(dim) for dim in design["status"].dims if dim != "preload"]
     order = (*dims, "preload")
@@ -171,14 +188,20 @@ def preload_text(recommended: xr.Dataset) -> str:
 
 
 def stiffness_of(design: xr.Dataset) -> Measure:
-    """Returns the stiffness that counts: that of the arrangement, or of one bearing if limited."""
+    """Returns the measure of stiffness that counts: of the arrangement, or of a bearing.
+
+    It is that of a bearing if a requirement limits that alone.
+    """
     limits = json.loads(design.attrs.get("limits", "{}"))
-    rotor, bearing = LIMITED["system_axial_stiffness_N_um"], LIMITED["axial_stiffness_N_um"]
-    return bearing if bearing.key in limits and rotor.key not in limits else rotor
+    arrangement = LIMITED["system_axial_stiffness_N_um"]
+    bearing = LIMITED["axial_stiffness_N_um"]
+    if bearing.key in limits and arrangement.key not in limits:
+        return bearing
+    return arrangement
 
 
 def pareto_front(design: xr.Dataset) -> xr.DataArray:
-    """Returns which points no other beats in both life and stiffness (dimensions of the map)."""
+    """Returns a mask over a map, true at points that no other beats in both life and stiffness."""
     solved = design["status"] == OK
     lives = design["life"].where(solved)
     stiffness = stiffness_of(design).worst(design).where(solved).transpose(*lives.dims)
@@ -189,7 +212,10 @@ def pareto_front(design: xr.Dataset) -> xr.DataArray:
 def design_files(
     design: Path, recommendation: Path, uncertainty: Path | None = None
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset | None]:
-    """Reads the files of one scene; CaseFileError for one of another scene, kind or methods."""
+    """Returns the map, the recommendation and, if there is one, the uncertainty of one scene.
+
+    CaseFileError: a file of another scene, kind or preload methods.
+    """
     kinds = {design: "design map", recommendation: "recommendation"}
     if uncertainty is not None:
         kinds[uncertainty] = "uncertainty"
@@ -202,12 +228,13 @@ def design_files(
             raise CaseFileError(
                 f"{path}: got different preload methods, expected those of {design}"
             )
-    return lives, datasets[recommendation], datasets[uncertainty] if uncertainty else None
+    sampled = None if uncertainty is None else datasets[uncertainty]
+    return lives, datasets[recommendation], sampled
 
 
 def line_of_scene(design: xr.Dataset) -> xr.Dataset:
-    """Returns the line of a map at the scene's own friction and speed."""
-    scene = scene_of(design)
+    """Returns a map at the scene's own friction and speed, over preload method and preload."""
+    scene = plain_scene(design)
     mu = scene["friction"].get("ball_race")
     return design.sel(
         friction=NO_FRICTION if mu is None else mu,

@@ -18,7 +18,7 @@ from bearingwear.lives.grooves import Grooves
 from bearingwear.lives.many import with_tandem_preload, worse_state
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
 from bearingwear.solvers.compose import WELL_BALANCED, solver_of
 from bearingwear.solvers.condition import States
@@ -82,7 +82,7 @@ class ConditionExtremes(NamedTuple):
 
 
 def rotor_frequency(scene: Scene, state: State) -> float:
-    """Returns the rotor's lowest frequency; where a state has none, with two bearings like it."""
+    """Returns the rotor's lowest frequency [Hz], on two such bearings if a state has none."""
     if "lowest_frequency" in state.values:
         return float(state["lowest_frequency"])
     return lowest_frequency(scene, (state, state))
@@ -113,7 +113,7 @@ def state_extremes(
                 continue
             value = measure.extreme(worse[variable]) / divisor
             by_side = [measure.extreme(side[variable]) / divisor for side in sides]
-            bearing_number = 0  # not of one alone
+            bearing_number = 0  # both have the value, or there is a single one
             if len(by_side) == 2 and by_side[0] != by_side[1] and value in by_side:
                 bearing_number = 1 + by_side.index(value)
             extremes[name] = {**where, "bearing": bearing_number, "value": value}
@@ -123,12 +123,13 @@ def state_extremes(
 def extremes_of_life(scene: Scene, nodes: Sequence[Node], where: Mapping[str, Any]) -> Extremes:
     """Returns the extremes from the first node of a life to the last one, in one condition.
 
-    A value that is not known at a node between these is left out: neighbours know it.
+    NaN at a node between these is left out: the value lies between those of its neighbours.
+
+    where: the condition, as plain data without the wear.
     """
-    last = len(nodes) - 1
-    by_node = []
-    for k, node in enumerate(nodes):
-        wear = NEW if k == 0 else AT_END_OF_LIFE if k == last else BETWEEN
+    extremes_of_nodes = []
+    wear_of_nodes = [NEW, *[BETWEEN] * (len(nodes) - 2), AT_END_OF_LIFE][: len(nodes)]
+    for node, wear in zip(nodes, wear_of_nodes, strict=True):
         extremes = state_extremes(scene, node.states, {**where, "wear": wear})
         if wear == BETWEEN:
             extremes = {
@@ -136,12 +137,12 @@ def extremes_of_life(scene: Scene, nodes: Sequence[Node], where: Mapping[str, An
                 for name, extreme in extremes.items()
                 if not math.isnan(extreme["value"])
             }
-        by_node.append(extremes)
-    return worst_extremes(by_node)
+        extremes_of_nodes.append(extremes)
+    return worst_extremes(extremes_of_nodes)
 
 
 def worst_extremes(parts: Iterable[Extremes]) -> Extremes:
-    """Returns the worst value of each quantity, with its condition."""
+    """Returns the worst value of each quantity over several conditions, with its condition."""
     worst: Extremes = {}
     for extremes in parts:
         for name, extreme in extremes.items():
@@ -151,7 +152,10 @@ def worst_extremes(parts: Iterable[Extremes]) -> Extremes:
 
 
 def _is_worse(name: str, value: float, other: float) -> bool:
-    """Whether a value is worse than another; one that is not known is worse than any number."""
+    """Whether a value of an extreme is worse than another; NaN is worse than any number.
+
+    name: of the extreme, a key of `MEASURE_OF`.
+    """
     if math.isnan(value) or math.isnan(other):
         return math.isnan(value) and not math.isnan(other)
     return value < other if MEASURE_OF[name].falls else abs(value) > abs(other)
@@ -166,7 +170,7 @@ class _Unsolved(Exception):
 
 
 def new_states(scene: Scene) -> States:
-    """Returns the states of new bearings."""
+    """Returns the state of each new bearing of a scene."""
     solver = solver_of(scene, tolerance=WELL_BALANCED)
     return solver(solver.bearings.start)
 
@@ -176,10 +180,11 @@ def worn_states(life: Life) -> Solve:
 
     Worn grooves are those of the life, wherever the contacts then run in them.
     """
-    wearing, last = life.wearing, life.last
-    if isinstance(wearing, Grooves):
-        return lambda scene: wearing.states_elsewhere(scene.one_of_alike, last.worn)
-    conditions = tuple(state.answer.condition._replace(hold=None) for state in last.states)
+    grooves = life.wearing
+    if isinstance(grooves, Grooves):
+        worn = life.last.worn
+        return lambda scene: grooves.states_elsewhere(scene.symmetric_half, worn)
+    conditions = tuple(state.answer.condition._replace(hold=None) for state in life.last.states)
     return lambda scene: solver_of(scene, tolerance=WELL_BALANCED)(conditions)
 
 
@@ -187,17 +192,20 @@ class OtherConditions(NamedTuple):
     """The conditions beside a scene's own speed in which limits apply."""
 
     scene: Scene
-    limits: Mapping[str, float]
-    exactly: bool  # whether the worst speed is looked for however far a limit is
+    limits: Mapping[str, float]  # by the keys of `LIMITED`
+    quick: bool  # whether the worst speed is looked for near a limit only, see `NEAR_LIMIT`
 
     def extremes(self, at_speed: Extremes, solve: Solve, wear: str) -> ConditionExtremes:
         """Returns the extremes of bearings in one state of wear in all conditions.
 
         at_speed: those at the scene's own speed, which are among them.
+        solve: solves the bearings in that state of wear.
+        wear {NEW, BETWEEN, AT_END_OF_LIFE}
         """
         search = _ConditionSearch(self.scene, solve, wear, {1.0: at_speed})
+        shares = SPEED_SHARES if self.quick or wear == NEW else FINE_SHARES
         try:
-            self._search(search, FINE_SHARES if self.exactly and wear != NEW else SPEED_SHARES)
+            self._search(search, shares)
         except _Unsolved as unsolved:
             return ConditionExtremes({}, search.solves, unsolved.status, unsolved.where)
         parts = [*search.by_share.values(), *search.cold]
@@ -207,6 +215,8 @@ class OtherConditions(NamedTuple):
         """Solves lower speeds, those between where a value may be worse, and the cold conditions.
 
         It ends where some bearing carries nothing, which breaks a limit by itself.
+
+        search: keeps the extremes.
         shares: of the way from the lowest speed to the full one.
         """
         for share in lower_speed_shares(self.scene, shares):
@@ -228,12 +238,17 @@ class OtherConditions(NamedTuple):
                 search.add_cold(condition)
 
     def _worse_shares(self, by_share: Mapping[float, Extremes]) -> list[float]:
-        """Returns shares of the full speed at which a limited quantity may be worse than known."""
-        near = math.inf if self.exactly else NEAR_LIMIT
-        worse = set()
+        """Returns shares of the full speed at which a limited quantity may be worse than known.
+
+        by_share: extremes at the shares that were solved.
+        """
+        near = NEAR_LIMIT if self.quick else math.inf
+        worse_shares = set()
         for key, limit in self.limits.items():
             measure = LIMITED[key]
-            for name in measure.extremes if measure.of_speed else ():
+            if not measure.of_speed:
+                continue
+            for name in measure.extremes:
                 values = {
                     share: extremes[name]["value"]
                     for share, extremes in sorted(by_share.items())
@@ -241,8 +256,8 @@ class OtherConditions(NamedTuple):
                 }
                 share = _worse_share(measure, values, near, limit)
                 if share is not None:
-                    worse.add(max(share, lowest_share(self.scene)))
-        return sorted(worse - set(by_share))
+                    worse_shares.add(max(share, lowest_share(self.scene)))
+        return sorted(worse_shares - set(by_share))
 
 
 @dataclass
@@ -253,15 +268,15 @@ class _ConditionSearch:
     solve: Solve
     wear: str
     by_share: dict[float, Extremes]  # by shares of the full speed
-    cold: list[Extremes] = field(default_factory=list)
+    cold: list[Extremes] = field(default_factory=list)  # at mounting temperature
     solves: int = 0
     unsolved_shares: list[float] = field(default_factory=list)
     is_unloaded: bool = False  # whether some bearing carries nothing in a condition
 
     def add_share(self, share: float) -> None:
-        """Solves at a share of the full speed, or next to it where there is no state at that.
+        """Adds the extremes at a share of the full speed, or next to it if there is no state at it.
 
-        At some speeds the motion goes over to another one; those beside them are as good.
+        At some speeds the motion goes over to another one; speeds beside them stand for these.
         """
         first = self._at_share(share)
         if first.status == code.OK:
@@ -275,13 +290,13 @@ class _ConditionSearch:
 
     def _at_share(self, share: float) -> ConditionExtremes:
         """Returns the extremes at a share of the full speed; keeps them if it was solved."""
-        answer = self._in_condition(OperatingCondition(at_share(self.scene, share)))
+        answer = self._in_condition(OperatingCondition(at_speed_share(self.scene, share)))
         if answer.status == code.OK:
             self.by_share[share] = answer.extremes
         return answer
 
     def add_cold(self, condition: OperatingCondition) -> None:
-        """Solves at mounting temperature."""
+        """Adds the extremes in a condition at mounting temperature."""
         answer = self._in_condition(condition)
         self.cold.append(answer.extremes if answer.status == code.OK else self._unloaded(answer))
 
@@ -340,6 +355,7 @@ def _worse_share(
     """
     if len(values) < 3:
         return None
+    # the worst is the lowest point of y over x
     sign = 1.0 if measure.falls else -1.0
     x = np.array([*values])
     y = sign * np.array([value if measure.falls else abs(value) for value in values.values()])
@@ -347,57 +363,81 @@ def _worse_share(
     margin = abs(measure.margin(sign * least, limit))
     if margin > near:
         return None
-    wide, close = (_WIDE, _CLOSE) if margin > _AT_LIMIT else (_WIDE / 8.0, _CLOSE / 8.0)
     lowest = [_lowest_point(x[k - 1 : k + 2], y[k - 1 : k + 2]) for k in range(1, len(x) - 1)]
-    new = [point for point in lowest if point and np.abs(point.x - x).min() > _NARROW]
-    best = min(new, key=lambda point: point.y, default=_LowestPoint(math.nan, math.inf))
+    new_points = [point for point in lowest if point and np.abs(point.x - x).min() > _NARROW]
+    best = min(new_points, key=lambda point: point.y, default=_LowestPoint(math.nan, math.inf))
     if best.y < least - SPEED_FOUND_TO * abs(least):
         return best.x
+    refinement = 1.0 if margin > _AT_LIMIT else 1.0 / 8.0
+    return _share_in_wide_gap(x, y, lowest, _WIDE * refinement, _CLOSE * refinement)
+
+
+def _share_in_wide_gap(
+    x: np.ndarray, y: np.ndarray, lowest: Sequence[_LowestPoint | None], wide: float, close: float
+) -> float | None:
+    """Returns a place beside one of the lowest values whose neighbours are far from each other.
+
+    Neighbours so far away say little of what is between them.
+
+    x, y: (n,) places, rising, and values; lower ones are worse.
+    lowest: (n - 2) lowest points of the parabolas through three neighbours.
+    wide: distance of the neighbours of the lowest value from which on they are far; for other
+        values, it is `_WIDE`.
+    close: distance from a place within which the lowest point beside it is not returned.
+    """
     worst = int(np.argmin(y))
     if worst == len(x) - 1 and x[worst] - x[worst - 1] > wide:
         return float(0.5 * (x[worst - 1] + x[worst]))  # it may turn just below the full speed
-    for k in _peaks(y):
-        may_hide_worst = k == worst or _rising_on(y, k) < least
+    for k in _low_places(y):
+        may_hide_worst = k == worst or _extrapolated_low(y, k) < y.min()
         if x[k + 1] - x[k - 1] <= (wide if may_hide_worst else _WIDE):
             continue
-        # neighbours so far away say little of what is between them
         point = lowest[k - 1]
         if point and abs(point.x - x[k]) > close:
             return point.x
-        left, right = x[k] - x[k - 1], x[k + 1] - x[k]
+        left = x[k] - x[k - 1]
+        right = x[k + 1] - x[k]
         return float(x[k] - 0.5 * left if left > right else x[k] + 0.5 * right)
     return None
 
 
-def _peaks(y: np.ndarray) -> list[int]:
-    """Returns the inner places that are worse than both neighbours and nearly the worst of all, the
-    worst first.
+def _low_places(y: np.ndarray) -> list[int]:
+    """Returns inner places that are lower than both neighbours and nearly the lowest, lowest first.
 
-    A peak between speeds far from each other may be a fifth higher than the one that is known, or
-    as high as its steeper flank leads to.
+    Between places far from each other, a value may be lower by a fifth than the one that is known,
+    or as low as its steeper flank leads to.
     """
     least = y.min()
-    near_worst = least + _PEAK_HIDDEN * abs(least)
-    peaks = [
+    nearly_least = least + _PEAK_HIDDEN * abs(least)
+    places = [
         k
         for k in range(1, len(y) - 1)
-        if y[k] <= min(y[k - 1], y[k + 1]) and (y[k] <= near_worst or _rising_on(y, k) < least)
+        if y[k] <= min(y[k - 1], y[k + 1])
+        and (y[k] <= nearly_least or _extrapolated_low(y, k) < least)
     ]
-    return sorted(peaks, key=lambda k: y[k])
+    return sorted(places, key=lambda k: y[k])
 
 
-def _rising_on(y: np.ndarray, k: int) -> float:
-    """Returns what a peak reaches if its steeper flank goes on as far as half of the way back."""
+def _extrapolated_low(y: np.ndarray, k: int) -> float:
+    """Returns the value at place k, less half of its distance from the higher neighbour.
+
+    A low point beside the place reaches it if its steeper flank goes on for half a step.
+    """
     return float(y[k] - 0.5 * (max(y[k - 1], y[k + 1]) - y[k]))
 
 
 def _lowest_point(x: np.ndarray, y: np.ndarray) -> _LowestPoint | None:
-    """Returns the lowest point of a parabola through three; None if it is not between them."""
-    (a, b, c), (f, g, h) = x.tolist(), y.tolist()
-    first, second = (g - f) / (b - a), (h - g) / (c - b)
-    bend = (second - first) / (c - a)
+    """Returns the lowest point of a parabola through three points; None if not between the outer.
+
+    x, y: (3,) coordinates of the points, in Newton's form of the parabola.
+    """
+    x0, x1, x2 = x.tolist()
+    y0, y1, y2 = y.tolist()
+    first_slope = (y1 - y0) / (x1 - x0)
+    second_slope = (y2 - y1) / (x2 - x1)
+    bend = (second_slope - first_slope) / (x2 - x0)
     if not bend > 0.0:
         return None
-    place = 0.5 * (a + b - first / bend)
-    value = f + first * (place - a) + bend * (place - a) * (place - b)
-    return _LowestPoint(place, value) if a < place < c else None
+    place = 0.5 * (x0 + x1 - first_slope / bend)
+    value = y0 + first_slope * (place - x0) + bend * (place - x0) * (place - x1)
+    return _LowestPoint(place, value) if x0 < place < x2 else None

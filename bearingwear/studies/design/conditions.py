@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.duty import cases_of_use
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 
 SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Speeds at which limits apply beside the full one, as shares of the way to it from the lowest."""
@@ -48,7 +48,10 @@ class OperatingCondition(NamedTuple):
     temperature: str = AS_RUNNING
 
     def where(self, **more: Any) -> dict[str, Any]:
-        """Returns the condition as plain data, with further keys."""
+        """Returns the condition as plain data, with further keys.
+
+        A `bearing` of 0 stands for all bearings.
+        """
         return {
             "case": NOMINAL,
             "speed_rpm": speed_of(self.scene),
@@ -59,16 +62,16 @@ class OperatingCondition(NamedTuple):
 
 
 def speed_of(scene: Scene) -> float:
-    """Returns the speed that names a condition: of the shaft, or of the outer race that turns."""
+    """Returns the speed that names a condition [r/min]: of the shaft, else of the outer race."""
     operation = scene.operation
     return operation.shaft_speed_rpm or abs(operation.outer_speed_rpm)
 
 
 def lowest_share(scene: Scene) -> float:
-    """Returns the lowest speed of a scene over its full one."""
+    """Returns the lowest shaft speed of a scene over its full one; zero if the shaft stands."""
     operation = scene.operation
-    full = operation.shaft_speed_rpm
-    return operation.lowest_speed_rpm / full if full else 0.0
+    full_speed = operation.shaft_speed_rpm
+    return operation.lowest_speed_rpm / full_speed if full_speed else 0.0
 
 
 def as_mounted(scene: Scene) -> Scene:
@@ -108,11 +111,11 @@ def cold_conditions(scene: Scene) -> list[OperatingCondition]:
     """Returns rest and slow speeds at mounting temperature; none if nothing is warmer than that."""
     if not is_warm(scene):
         return []
-    shares = [1.0]  # at rest
+    shares = [1.0]  # of a speed of zero
     if scene.operation.fastest_rpm:
         shares = [share for share in lower_speed_shares(scene) if share <= SLOW_SHARE]
     return [
-        OperatingCondition(as_mounted(at_share(scene, share)), MOUNTING)
+        OperatingCondition(as_mounted(at_speed_share(scene, share)), MOUNTING)
         for share in shares[:_MOST_COLD_SPEEDS]
     ]
 
@@ -120,20 +123,31 @@ def cold_conditions(scene: Scene) -> list[OperatingCondition]:
 def conditions_of(
     scene: Scene, at_speed_only: bool = False, warms_up: bool = False
 ) -> list[dict[str, Any]]:
-    """Returns all conditions of a scene and its cases, as plain data."""
-    plain = []
+    """Returns all conditions of a scene and its cases, as plain data.
+
+    Their keys are `case`, `speed_rpm` and `temperature`.
+
+    at_speed_only: whether to leave out lower speeds and mounting temperature.
+    warms_up: whether to add a warm-up.
+    """
+    plain_conditions = []
     for name, case in cases_of_use(scene).items():
         conditions = [OperatingCondition(case)]
         if not at_speed_only:
             shares = lower_speed_shares(case)
-            conditions += [OperatingCondition(at_share(case, share)) for share in shares]
+            conditions += [OperatingCondition(at_speed_share(case, share)) for share in shares]
             conditions += cold_conditions(case)
-        conditions += [OperatingCondition(case, WARMING)] if warms_up else []
-        plain += [
-            {"case": name, "speed_rpm": speed_of(c.scene), "temperature": c.temperature}
-            for c in conditions
-        ]
-    return plain
+        if warms_up:
+            conditions.append(OperatingCondition(case, WARMING))
+        for condition in conditions:
+            plain_conditions.append(
+                {
+                    "case": name,
+                    "speed_rpm": speed_of(condition.scene),
+                    "temperature": condition.temperature,
+                }
+            )
+    return plain_conditions
 
 
 def speed_words(speed: float) -> str:
@@ -142,12 +156,19 @@ def speed_words(speed: float) -> str:
 
 
 def warm_up_time_words(where: Mapping[str, Any]) -> str:
-    """Returns the time of an instant of a warm-up as text."""
+    """Returns the time of an instant of a warm-up as text.
+
+    where: condition as plain data, with `time_s`.
+    """
     return f"{where['time_s']:.3g} s"
 
 
 def condition_words(where: Mapping[str, Any], has_cases: bool = False) -> str:
-    """Returns a condition in words, `at 3000 r/min, new`; with its case if there are several."""
+    """Returns a condition in words, such as "at 3000 r/min, new".
+
+    where: plain data with the keys of `OperatingCondition.where` and, if known, `wear`.
+    has_cases: whether to name its case.
+    """
     speed = where["speed_rpm"]
     words = f"at {speed_words(speed)}" if speed else "at rest"
     if where["temperature"] == MOUNTING:

@@ -11,7 +11,7 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.results.netcdf import load
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.recommend import best_method, recommended_for
@@ -26,20 +26,30 @@ def check_scene(scene: Scene, recommendation: xr.Dataset, times: float) -> Scene
     """Returns the scene with the recommended method, and its preload times a factor.
 
     Where no preload is recommended, it keeps its own method, and its preload is multiplied.
+    At least `TURNS` are simulated.
+
+    recommendation: for this scene, else a CaseFileError is raised.
+    times: the factor.
     """
     recommended_for(scene, recommendation)
-    method, preload = scene.operation.preload_method, scene.operation.preload_N
     best = best_method(recommendation)
-    if best is not None:
+    if best is None:
+        method = scene.operation.preload_method
+        preload = scene.operation.preload_N
+    else:
         method = PRELOAD_METHODS[int(recommendation["preload_method"][best])]
         preload = float(recommendation["preload"][best])
     model = replace(scene.model, simulated_turns=max(TURNS, scene.model.simulated_turns))
-    # its spread is that of another preload
-    return replace(held_by(scene, method, times * preload), uncertainty=None, model=model)
+    # the uncertainty of the scene is that of another preload
+    return replace(with_method(scene, method, times * preload), uncertainty=None, model=model)
 
 
 def check_scene_text(scene: Path, recommendation: Path, times: float) -> str:
-    """Step: returns the scene of `check_scene` as the text of a file."""
+    """Step: returns a scene at a factor times its recommended preload, as the text of a file.
+
+    recommendation: file of `bearingwear recommend`.
+    times: the factor.
+    """
     base = life_scene(scene)
     plain = check_scene(base, load(recommendation), times).to_dict()
     comment = f"# {base.name} at {times:g} times its recommended preload.\n"

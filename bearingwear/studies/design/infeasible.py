@@ -22,9 +22,12 @@ _LIFE = LIMITED["life_h"]
 NO_LIFE_SOLVED = "no life could be computed"
 
 
-def why_none(points: Sequence[PreloadPoint], limits: DesignLimits, has_cases: bool) -> str:
-    """Returns which requirements no preload meets, how near one comes, and where.
+def infeasibility_text(
+    points: Sequence[PreloadPoint], limits: DesignLimits, has_cases: bool
+) -> str:
+    """Returns which requirements no preload meets, how near one comes, and in which condition.
 
+    points: solved preloads, none of which is allowed.
     has_cases: whether the scene has several, which are then named.
     """
     solved = [point for point in points if point.values["status"] == OK]
@@ -47,12 +50,11 @@ def why_none(points: Sequence[PreloadPoint], limits: DesignLimits, has_cases: bo
         introduction = (
             "each requirement can be satisfied individually, but not all of them together: "
         )
-    text = introduction + "; ".join(
-        f"{_required_text(name, limits)}, but "
-        f"{_value_text(name, points[k], limits, is_together, has_cases)}"
-        for name, k in violations.items()
-    )
-    return text + _conflict_with_ends(without_life)
+    phrases = []
+    for name, k in violations.items():
+        value_text = _value_text(name, points[k], limits, is_together, has_cases)
+        phrases.append(f"{_required_text(name, limits)}, but {value_text}")
+    return introduction + "; ".join(phrases) + _conflict_with_ends(without_life)
 
 
 def life_too_short(longest: PreloadPoint, active: str, limits: DesignLimits) -> str:
@@ -86,12 +88,16 @@ def _points_without_life(
 
 
 def _conflict_with_ends(points: Sequence[PreloadPoint]) -> str:
-    """Returns at which preloads only a criterion stands against the requirements; "" at none."""
+    """Returns a phrase on the preloads at which only an end of life is in the way; "" without any.
+
+    points: of `_points_without_life`, rising in preload.
+    """
     if not points:
         return ""
     ends = dict.fromkeys(CRITERIA[point.end_criterion or 0] for point in points)
     names = " and ".join(ENDS[name].words for name in ends if name in ENDS)
-    low, high = (digits(points[k].preload) for k in (0, -1))
+    low = digits(points[0].preload)
+    high = digits(points[-1].preload)
     where = f"at {low} N" if low == high else f"from {low} to {high} N"
     keys = ", ".join(f"wear.end_of_life.{name}" for name in ends)
     return (
@@ -103,12 +109,12 @@ def _conflict_with_ends(points: Sequence[PreloadPoint]) -> str:
 def least_violations(
     points: Sequence[PreloadPoint], limits: DesignLimits
 ) -> tuple[dict[str, int], bool]:
-    """Returns requirements that no preload meets, each with the number of the nearest point.
+    """Returns requirements that no preload meets, each with the index of the nearest point.
 
-    Where each is met somewhere, these are those violated by the point that violates all of them
-    together the least: a worn one if any preload is allowed new, because wear then rules it out.
+    If each is met at some preload, they are those that the best point violates: the one whose worst
+    margin is best, among worn bearings if there are any.
 
-    Returns: the requirements with the numbers of points, and whether each is met somewhere.
+    Returns: indices of points by requirement, and whether each is met at some preload.
     """
     usable = [
         k
@@ -118,7 +124,7 @@ def least_violations(
     if not usable:
         return {}, False
     margins = np.array([points[k].margins(limits)[:-1] for k in usable])
-    # new bearings alone say nothing of a life
+    # margins are infinite for measures of a life, which new bearings do not have
     margins = np.where(np.isinf(margins), -np.inf, margins)
     nearest = margins.argmax(axis=0)
     never_met = {
@@ -140,12 +146,12 @@ def least_violations(
 
 
 def _may_live(point: PreloadPoint) -> bool:
-    """Whether a point has a life, or new bearings do not rule one out."""
+    """Whether a point has a life above zero, or is of new bearings alone."""
     return point.solved == NEW_BEARING or point.life > 0.0
 
 
 def _required_text(name: str, limits: DesignLimits) -> str:
-    """Returns a requirement in words, and what for if nobody asked for it."""
+    """Returns a requirement in words; that on lift-off, which applies unasked, with its reason."""
     text = limit_text(name, limits.effective[name])
     return text if name in limits.given else f"no bearing lifts off ({text})"
 
@@ -153,9 +159,11 @@ def _required_text(name: str, limits: DesignLimits) -> str:
 def _value_text(
     name: str, point: PreloadPoint, limits: DesignLimits, is_together: bool, has_cases: bool
 ) -> str:
-    """Returns the worst value of a measure at a preload, and where it is.
+    """Returns the worst value of a measure at a preload, and in which condition it is.
 
+    name: of the measure, a key of `LIMITED`.
     is_together: whether other preloads meet the requirement.
+    has_cases: whether to name the case.
     """
     measure = LIMITED[name]
     worst = float(measure.shown(measure.worst(point.values)))
@@ -168,21 +176,30 @@ def _value_text(
 
 
 def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
-    """Returns where a measure is the worst; empty where that is not known."""
-    measure, deciding = LIMITED[name], values.get(DECIDING, {})
+    """Returns the condition in which a measure is the worst; empty where that is not known.
+
+    has_cases: whether to name the case.
+    values: of a design point.
+    name: of the measure, a key of `LIMITED`.
+    """
+    measure = LIMITED[name]
+    deciding = values.get(DECIDING, {})
     conditions = [deciding[extreme] for extreme in measure.extremes if extreme in deciding]
     if not conditions or not measure.of_speed:
         return ""
-    worst = (min if measure.falls else max)(conditions, key=lambda where: abs(where["value"]))
+    worst, *_ = sorted(conditions, key=lambda where: abs(where["value"]), reverse=not measure.falls)
     return f" ({condition_words(worst, has_cases)})"
 
 
 def _unsolved_words(points: Sequence[PreloadPoint], has_cases: bool) -> str:
-    """Returns where most of some points were not solved, and why; empty where none says so."""
-    conditions = [where for point in points if (where := point.values.get(NOT_SOLVED_AT))]
-    words = [
-        f"{condition_words(where, has_cases)}: "
-        f"{name_in_words(where.get('status', STATUS_NAMES[OK]))}"
-        for where in conditions
-    ]
+    """Returns the condition in which most points were not solved, and why; empty if unknown.
+
+    has_cases: whether to name the case.
+    """
+    words = []
+    for point in points:
+        where = point.values.get(NOT_SOLVED_AT)
+        if where:
+            status_words = name_in_words(where.get("status", STATUS_NAMES[OK]))
+            words.append(f"{condition_words(where, has_cases)}: {status_words}")
     return f" ({max(words, key=words.count)})" if words else ""

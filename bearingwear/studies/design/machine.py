@@ -14,7 +14,7 @@ from bearingwear.document.margin import margin_block, margin_sentences
 from bearingwear.lives.margin import Corner, launched_by_wear, torque_corners
 from bearingwear.measures import plain
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 
@@ -23,7 +23,10 @@ MACHINE = "machine"
 
 
 def machine_answers(scene: Scene) -> dict[str, Any]:
-    """Returns sentences and torque corners of a scene with a drive or a launch; otherwise {}."""
+    """Returns what a drive and a launch require of a scene; {} without either.
+
+    The keys are `said`, sentences, and `corners`, the fields of each `Corner` of the torque.
+    """
     sentences: list[str] = []
     corners: list[Corner] = []
     if scene.drive is not None:
@@ -42,11 +45,12 @@ def machine_answers(scene: Scene) -> dict[str, Any]:
 
 
 def machine_blocks(recommendation: xr.Dataset) -> list[Block]:
-    """Returns blocks with the answers of `machine_answers` at each recommended preload."""
+    """Returns blocks with what the machine requires at each recommended preload; see `MACHINE`."""
     answers = json.loads(recommendation.attrs.get(MACHINE, "[]"))
     has_several = sum(map(bool, answers)) > 1
-    scene_data = scene_of(recommendation)
-    sentences, torque_blocks = [], []
+    scene_data = plain_scene(recommendation)
+    sentences = []
+    torque_blocks = []
     for k, answer in enumerate(answers):
         if not answer:
             continue

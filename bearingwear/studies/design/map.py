@@ -34,7 +34,7 @@ from bearingwear.lives.margin import least_margin
 from bearingwear.measures import LIMITED
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.duty import cases_of_use
@@ -83,21 +83,25 @@ MAP_AXES = table(
 
 
 def _extreme_variables() -> list[Variable]:
-    """Returns the worst value of every limited measure, from new to the end of life."""
+    """Returns variables for the worst value of every limited measure, from new to the end of life.
+
+    Measures of a life as a whole are left out.
+    """
     variables = []
     for measure in LIMITED.values():
         if measure.of_life:
             continue
-        meaning, comment = measure.limit[0], measure.note or None
+        meaning, _ = measure.limit
         for name, kind in zip(measure.extremes, measure.kinds, strict=True):
-            parts = meaning[0].lower() + meaning[1:], kind, "from new to the end of life"
-            words = ", ".join(filter(None, parts))
+            parts = [meaning[0].lower() + meaning[1:], kind, "from new to the end of life"]
+            words = ", ".join(part for part in parts if part)
+            comment = measure.note or None
             variables.append(Variable(name, (), measure.si_unit, words, comment=comment))
     return variables
 
 
 def _start_and_end_variables() -> list[Variable]:
-    """Returns the values when new and at the end of life of measures in short tables."""
+    """Returns variables for the values, when new and at the end, of measures in short tables."""
     return [
         Variable(f"{name}_at_{end}", (), measure.si_unit, f"{measure.words_of(name)} {when}")
         for measure in LIMITED.values()
@@ -170,7 +174,7 @@ class _SolvedLife(NamedTuple):
 def life_point(scene: Scene, slip_limit: float | None) -> PointValues:
     """Returns a life with Hertzian grooves at the scene's own speed, or one over its duty.
 
-    slip_limit: gyroscopic slip share whose passing is timed.
+    slip_limit: gyroscopic slip share, the time to which is computed; None for none.
 
     Returns: values of `POINT` by their names, SI. Where the status is not ok: `status`,
         `end_criterion`, `solves` and `failed_solves` alone. `time_to_slip_limit` is infinite where
@@ -183,7 +187,7 @@ def life_point(scene: Scene, slip_limit: float | None) -> PointValues:
 
 
 def _hertzian_life(scene: Scene, slip_limit: float | None) -> _SolvedLife:
-    """Returns the life with Hertzian grooves at the scene's own speed."""
+    """Returns the life with Hertzian grooves at the scene's own speed; see `life_point`."""
     lives = HertzianLives(scene)
     life = lives(scene)
     values: PointValues = {"status": life.status, "end_criterion": life.criterion}
@@ -193,19 +197,28 @@ def _hertzian_life(scene: Scene, slip_limit: float | None) -> _SolvedLife:
             values["time_to_slip_limit"] = math.inf
             if values[SLIP_SHARE] >= slip_limit:
                 values["time_to_slip_limit"] = lives(_ended_by_slip(scene, slip_limit)).last.time
-    values["solves"], values["failed_solves"] = lives.solver.solves, lives.solver.failed
+    values["solves"] = lives.solver.solves
+    values["failed_solves"] = lives.solver.failed
     return _SolvedLife(life, values)
 
 
 def _ended_by_slip(scene: Scene, slip_limit: float) -> Scene:
-    """Returns a scene whose life ends by its gyroscopic slip share alone."""
+    """Returns a scene whose life ends by its gyroscopic slip share alone.
+
+    slip_limit: gyroscopic slip share [1].
+    """
     return with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
 
 
 def _time_to_slip_limit(
     scene: Scene, life: Life, values: PointValues, slip_limit: float | None
 ) -> PointValues:
-    """Returns when a solved life exceeds a slip share, as a value of its point; {} without one."""
+    """Returns the time [s] at which a solved life exceeds a slip limit, as a value of its point.
+
+    The time is infinite if it does not; without a limit, {} is returned.
+
+    values: of the point.
+    """
     if slip_limit is None:
         return {}
     time = math.inf
@@ -227,9 +240,10 @@ def with_required_measures(scene: Scene, limits: DesignLimits) -> Scene:
 
 
 def new_point(scene: Scene, limits: DesignLimits) -> PointValues:
-    """Returns the limited quantities of the new bearing (SI) in all conditions of the limits.
+    """Returns the limited quantities of new bearings [SI], the worst in all conditions.
 
-    Where the status is not ok: only that, and where it was not solved.
+    Conditions are those in which the limits apply, in all cases of the scene. Where the status is
+    not ok, only that and the condition that was not solved are returned.
     """
     scene = with_required_measures(scene, limits)
     if scene.cases or scene.duty is not None:
@@ -240,16 +254,18 @@ def new_point(scene: Scene, limits: DesignLimits) -> PointValues:
     if life.status != OK:
         return {"status": life.status, NOT_SOLVED_AT: _unsolved_at(scene, life.status, NEW)}
     values = {"status": life.status} | _worst_values(scene, worse_states(life, scene))
-    return _with_all_conditions(scene, values, life, limits, exactly=False)
+    return _with_all_conditions(scene, values, life, limits, quick=True)
 
 
 def design_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> PointValues:
-    """Returns the life with the grooves that `life` follows, and the one with Hertzian grooves.
+    """Returns the life of a scene and its worst limited quantities, by the names of `POINT` [SI].
 
-    Extremes are those in all conditions of the limits, new and worn.
+    The life has the grooves that the full model follows, worn or Hertzian; that with Hertzian ones
+    is beside it. The quantities are the worst in all conditions of the limits, new and worn. A life
+    in which nothing turns is infinite, with the status CRITERION_NOT_REACHED.
 
-    quick: whether worn grooves have the cells and steps of a quick life, not those of `life`; the
-        life with the Hertzian ones is left out.
+    quick: whether worn grooves have coarser cells and steps, and no Hertzian life beside theirs;
+        the worst speed is looked for near a limit only.
     """
     scene = with_required_measures(scene, limits)
     if scene.duty is not None:
@@ -262,7 +278,12 @@ def design_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> Poi
 
 
 def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
-    """Returns `design_point` over a duty: the worst of its cases along one life."""
+    """Returns `design_point` over a duty: the worst of its cases along one life.
+
+    The life is over the cycle of all phases, so a case that was not solved leaves no life.
+
+    quick: see `design_point`.
+    """
     over_duty = duty_life(scene, quick=quick)
     points: dict[str, PointValues] = {}
     for name, life in over_duty.by_case.items():
@@ -278,11 +299,11 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
             return values | {NOT_SOLVED_AT: _unsolved_at(case, life.status, AT_END_OF_LIFE)}
         values |= {"life": life.last.time} | values_of_states(case, worse_states(life, case))
         values |= _time_to_slip_limit(case, life, values, limits.gyroscopic_slip_share)
-        points[name] = _with_all_conditions(case, values, life, limits, exactly=not quick)
+        points[name] = _with_all_conditions(case, values, life, limits, quick)
     worst = worst_point(points)
     if worst["status"] != OK:
         return worst
-    del worst[DECIDING]["life"]  # which is of all phases, and ends in one of them or in all
+    del worst[DECIDING]["life"]  # of all phases; it ends in one of these or in all
     if not over_duty.ends_in_all_cases:
         ending = over_duty.cycle.cases[over_duty.ending_case_index]
         worst[DECIDING]["life"] = {**points[ending][DECIDING]["life"], "case": ending}
@@ -290,17 +311,24 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
 
 
 def _case_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
-    """Returns `design_point` of one case; its life is infinite where nothing turns."""
+    """Returns `design_point` of a scene without further cases.
+
+    quick: see `design_point`.
+    """
     if not scene.operation.turns:
         return _standstill_point(scene, limits)
     life, values = _case_life(scene, limits.gyroscopic_slip_share, quick)
     if life.status != OK:
         return values | {NOT_SOLVED_AT: _unsolved_at(scene, life.status, AT_END_OF_LIFE)}
-    return _with_all_conditions(scene, values, life, limits, exactly=not quick)
+    return _with_all_conditions(scene, values, life, limits, quick)
 
 
 def _case_life(scene: Scene, slip_limit: float | None, quick: bool) -> _SolvedLife:
-    """Returns the life at the scene's own speed, with the grooves that `life` follows."""
+    """Returns the life at the scene's own speed, with worn grooves if the scene requires them.
+
+    slip_limit: see `life_point`.
+    quick: see `design_point`.
+    """
     hertzian = None
     hertzian_values = dict(NO_LIFE)
     if not (quick and groove_choice(scene, "steady").follows):
@@ -309,7 +337,7 @@ def _case_life(scene: Scene, slip_limit: float | None, quick: bool) -> _SolvedLi
     hertzian_life = hertzian_values.get("life", math.nan)
     hertzian_values |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian_life}
     if hertzian is not None and hertzian_life == 0.0:
-        return hertzian  # beyond a limit when new, whatever the groove
+        return hertzian  # a new bearing has no worn groove
     worn = worn_life_with_stiffness(scene, quick)
     if worn is None:
         assert hertzian is not None
@@ -347,24 +375,26 @@ def _standstill_point(scene: Scene, limits: DesignLimits) -> PointValues:
     values |= values_of_states(scene, [worse_state(states, scene)] * 2)
     node = Node(0.0, None, states, life)
     standstill = Life([node], None, status=OK)
-    return _with_all_conditions(scene, values, standstill, limits, exactly=True)
+    return _with_all_conditions(scene, values, standstill, limits, quick=False)
 
 
 def _with_all_conditions(
-    scene: Scene, values: PointValues, life: Life, limits: DesignLimits, exactly: bool
+    scene: Scene, values: PointValues, life: Life, limits: DesignLimits, quick: bool
 ) -> PointValues:
     """Returns a point with the extremes in all conditions of the limits, and which ones decide.
 
     values: those at the scene's own speed.
-    exactly: whether the worst speed is looked for however far a limit is.
+    life: solved, at least a node of new bearings.
+    quick: see `design_point`.
     """
     condition = OperatingCondition(scene)
     parts = [extremes_of_life(scene, life.nodes, condition.where())]
     is_worn = len(life.nodes) > 1
     if not limits.at_speed_only and (is_worn or "life" not in values or values["life"] > 0.0):
-        other_conditions = OtherConditions(scene, limits.effective, exactly)
+        other_conditions = OtherConditions(scene, limits.effective, quick)
         ends: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
-        ends += [(worn_states(life), AT_END_OF_LIFE, life.last)] if is_worn else []
+        if is_worn:
+            ends.append((worn_states(life), AT_END_OF_LIFE, life.last))
         for solve, wear, node in ends:
             at_speed = state_extremes(scene, node.states, condition.where(wear=wear))
             answer = other_conditions.extremes(at_speed, solve, wear)
@@ -374,7 +404,7 @@ def _with_all_conditions(
                 return values | {"status": answer.status, NOT_SOLVED_AT: answer.unsolved}
             parts.append(answer.extremes)
     if limits.warmup_s is not None and not _breaks_limit(worst_extremes(parts), limits):
-        answer = warm_up_extremes(scene, limits.warmup_s, exactly)
+        answer = warm_up_extremes(scene, limits.warmup_s, quick)
         if answer.status != OK:
             return values | {"status": answer.status, NOT_SOLVED_AT: answer.unsolved}
         parts.append(answer.extremes)
@@ -388,7 +418,9 @@ def _with_all_conditions(
 def _resting_extremes(scene: Scene, values: PointValues, life: Life) -> Extremes:
     """Returns the extremes of launch, at rest, new or worn, and of the torque margin.
 
-    The margin is the least of several states of wear, which its own block names.
+    The margin is the least of several states of wear, which another table names.
+
+    values: of the point, among which are these extremes.
     """
     where = OperatingCondition(scene).where()
     resting = [name for measure in LIMITED.values() if measure.resting for name in measure.extremes]
@@ -401,7 +433,7 @@ def _resting_extremes(scene: Scene, values: PointValues, life: Life) -> Extremes
 
 
 def _breaks_limit(extremes: Extremes, limits: DesignLimits) -> bool:
-    """Whether a requirement on states is broken."""
+    """Whether an extreme breaks its requirement."""
     return any(
         LIMITED[key].margin(extremes[name]["value"], limit) < 0.0
         for key, limit in limits.effective.items()
@@ -411,14 +443,16 @@ def _breaks_limit(extremes: Extremes, limits: DesignLimits) -> bool:
 
 
 def _unsolved_at(scene: Scene, status: int, wear: str) -> dict[str, Any]:
-    """Returns the scene's own speed as the condition that was not solved."""
+    """Returns the scene's own speed as the condition that was not solved, as plain data."""
     return OperatingCondition(scene).where(wear=wear, status=STATUS_NAMES[status])
 
 
 def worst_point(points: Mapping[str, PointValues]) -> PointValues:
     """Returns the worst of each limited quantity over several cases, and the shortest life.
 
-    points: by the names of cases. The first one that was not solved is returned if there is one.
+    If a case was not solved, its point is returned with the condition.
+
+    points: of `design_point` or `new_point`, by the names of cases.
     """
     case_points = list(points.values())
     counts: PointValues = {
@@ -445,13 +479,21 @@ def worst_point(points: Mapping[str, PointValues]) -> PointValues:
         {name: {**where, "case": case} for name, where in point[DECIDING].items()}
         for case, point in points.items()
     ]
-    lives = [extremes.pop("life", None) for extremes in deciding]
-    deciding_life = {"life": lives[shortest]} if lives[shortest] else {}
-    return worst | {DECIDING: worst_extremes(deciding) | deciding_life, CASE_POINTS: dict(points)}
+    life_conditions = [extremes.pop("life", None) for extremes in deciding]
+    worst_by_name = worst_extremes(deciding)
+    shortest_life_condition = life_conditions[shortest]
+    if shortest_life_condition:
+        worst_by_name["life"] = shortest_life_condition
+    return worst | {DECIDING: worst_by_name, CASE_POINTS: dict(points)}
 
 
 def worst_cases(point: Mapping[str, Any]) -> dict[str, str]:
-    """Returns the worst case of the life and of each measure that is known."""
+    """Returns the name of the worst case by the names of the life and of extremes.
+
+    Extremes without a finite value are left out.
+
+    point: of several cases.
+    """
     return {
         name: where["case"]
         for name, where in point[DECIDING].items()
@@ -460,7 +502,10 @@ def worst_cases(point: Mapping[str, Any]) -> dict[str, str]:
 
 
 def values_of_states(scene: Scene, states: Sequence[State]) -> PointValues:
-    """Returns the values of `POINT` that follow from the states along a life."""
+    """Returns the values of `POINT` that follow from the states along a life.
+
+    states: from new to the end of life; of a pair, those of the worse bearing.
+    """
     new, worn = states[0], states[-1]
     values: PointValues = {
         "residual_preload_at_start": new["residual_preload"],
@@ -477,10 +522,9 @@ def values_of_states(scene: Scene, states: Sequence[State]) -> PointValues:
 
 def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     """Returns the worst value of every limited measure along the states of a life."""
-    # losses of each bearing when new and at the end
-    losses = [state.values.get("losses", (state.loss,)) for state in states]
-    losses = [losses[0], losses[-1]][: len(losses)]
-    at_rest = launch_values(scene, losses)
+    ends = states[:1] if len(states) == 1 else (states[0], states[-1])
+    losses_of_ends = [state.values.get("losses", (state.loss,)) for state in ends]  # by bearing
+    at_rest = launch_values(scene, losses_of_ends)
     if scene.drive is not None:
         at_rest = {**at_rest, "torque_margin": least_margin(scene, states)}
     states = [
@@ -493,11 +537,12 @@ def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
             continue
         divisor = scene.operation.preload_N if measure.over_preload else 1.0
         for name, variable in zip(measure.extremes, measure.variables, strict=True):
-            between = [state[variable] for state in states[1:-1]]
-            # a value that is not known between others lies between these
-            between = [value for value in between if not np.isnan(value).any()]
-            ends = states[0][variable], states[-1][variable]
-            worst[name] = measure.extreme([*ends, *between]) / divisor
+            values = [states[0][variable], states[-1][variable]]
+            # a value between others that is NaN would lie between these
+            values += [
+                state[variable] for state in states[1:-1] if not np.isnan(state[variable]).any()
+            ]
+            worst[name] = measure.extreme(values) / divisor
     return worst
 
 
@@ -505,6 +550,8 @@ def _first_impractical(scene: Scene, states: Sequence[State]) -> int:
     """Returns the flag of the variable `impractical`: the first such warning, or 0 for none.
 
     States of a pair stand for its worse bearing.
+
+    states: when new and at the end of life.
     """
     bearing = scene.sides[0]
     values = {"end_criterion": NO_CRITERION, **history_values(list(states))}
@@ -515,16 +562,20 @@ def _first_impractical(scene: Scene, states: Sequence[State]) -> int:
 
 def _life_warnings(scene: Scene, life: Life) -> list[dict[str, Any]]:
     """Returns the warnings of a life with worn grooves, as `life` has them."""
-    values = life_values(scene.one_of_alike, life) | {"groove_depth": ((), ())}  # of both
-    if scene.one_of_alike is not scene:
+    # the empty depths of both races tell the warnings that grooves are worn
+    values = life_values(scene.symmetric_half, life) | {"groove_depth": ((), ())}
+    if scene.symmetric_half is not scene:
         values = joined([values, values])
     return warnings_of(scene, choice_for_life(scene), values)
 
 
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
-    """Returns the scene at a point of the map; with a film, its friction stays as it is."""
+    """Returns the scene at a point of the map; with a film, its friction stays as it is.
+
+    mu: friction coefficient of balls on races.
+    """
     lowest = min(scene.operation.lowest_speed_rpm, speed_rpm)
-    held = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
+    held = with_method(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
     if scene.friction.film is not None:
         return held
     return replace(held, friction=replace(scene.friction, ball_race=mu))
@@ -543,8 +594,8 @@ def map_part(
 
     Limits apply at the speed of each life alone.
 
-    slip_limit: gyroscopic slip share whose passing is timed [1].
-    thermal_margin: required [1], whose value takes further solves; no other limit matters here.
+    slip_limit: gyroscopic slip share [1], the time to which is computed.
+    thermal_margin: required [1]; the margin of lives is computed only if it is required.
     """
     axes = [method], [friction], shaft_speed_rpm, preload_N
     base = life_scene(scene, films=True)
@@ -556,7 +607,10 @@ def map_part(
 
 
 def scenes_of_map(base: Scene, axes: Sequence[Sequence[Any]]) -> list[Scene]:
-    """Returns the scenes of a map, by values along each of `MAP_AXES`, the preload fastest."""
+    """Returns the scene of each point of a map in C order, that is with the preload fastest.
+
+    axes: values along each of `MAP_AXES`.
+    """
     return [
         scene_at(base, method, mu, speed, preload)
         for method, mu, speed, preload in itertools.product(*axes)
@@ -569,7 +623,13 @@ def map_dataset(
     limits: DesignLimits,
     points: Sequence[Mapping[str, Any]],
 ) -> xr.Dataset:
-    """Returns a map of the design points of its scenes; of the limits, it keeps the slip share."""
+    """Returns the dataset of a map from its design points.
+
+    Of the limits, only the slip share and what is no measure become an attribute.
+
+    axes: values along each of `MAP_AXES`.
+    points: in the order of `scenes_of_map`.
+    """
     methods, *numbers = axes
     other_limits: dict[str, Any] = dict.fromkeys(set(limits.given) - {SLIP_SHARE})
     values = [PRELOAD_METHODS.index(method) for method in methods], *numbers
@@ -589,7 +649,13 @@ def dataset_of_points(
     more: Mapping[str, Variable] = MappingProxyType({}),
     **attributes: Any,
 ) -> xr.Dataset:
-    """Returns `dataset_of_rows` of design points, with further variables."""
+    """Returns a dataset of design points, with the variables of `POINT` and further ones.
+
+    The time to the slip limit is left out where no point has it.
+
+    axes, attributes: as of `dataset_of_rows`.
+    more: further variables by name.
+    """
     rows = [
         NO_LIFE | {name: point[name] for name in point if name not in NO_VARIABLES}
         for point in points

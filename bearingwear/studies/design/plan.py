@@ -31,7 +31,7 @@ CHECKED_FIDELITIES = ("steady", "dynamic")
 
 
 def _limit_key(measure: Measure) -> Key:
-    """Returns the key of the limit of a measure."""
+    """Returns the key of a scene file or an option that sets the limit of a measure."""
     meaning, bounds = measure.limit
     text = f"{meaning} ({measure.note})" if measure.note else meaning
     return Key(text, measure.key_unit, bounds)
@@ -63,7 +63,10 @@ class DesignLimits(_LIMITS):
     # fmt: on
 
     def check(self, scene: Scene, source: str) -> None:
-        """Refuses a limit of what a scene does not have. Raises SceneError."""
+        """Raises a SceneError for a limit that requires a block or a key that a scene lacks.
+
+        source: file of the scene.
+        """
         for key in self.given:
             measure = LIMITED[key]
             for name in measure.needs:
@@ -79,23 +82,24 @@ class DesignLimits(_LIMITS):
 
     @property
     def given(self) -> dict[str, float]:
-        """Returns the limits that are given, by their keys."""
-        return {name: limit for name in LIMITED if (limit := getattr(self, name)) is not None}
+        """Returns the limits that are not None, by their keys."""
+        limits = {name: getattr(self, name) for name in LIMITED}
+        return {name: limit for name, limit in limits.items() if limit is not None}
 
     @property
     def effective(self) -> dict[str, float]:
         """Returns the limits that apply, by their keys: those given, and that no bearing lifts off.
 
-        Lift-off is looked for on the way to speed, not at the speed of each case alone.
+        The latter does not apply by itself where limits hold at the speed of each case alone.
         """
-        is_at_speed = self.at_speed_only and self.warmup_s is None
-        default = {} if is_at_speed else {"preload_kept": LEAST_KEPT}
-        limits = default | self.given
+        limits = self.given
+        if not self.at_speed_only or self.warmup_s is not None:
+            limits = {"preload_kept": LEAST_KEPT} | limits
         return {name: limits[name] for name in LIMITED if name in limits}
 
     @property
     def stored(self) -> dict[str, Any]:
-        """Returns what is given, as plain data."""
+        """Returns the settings that differ from their defaults, as plain data."""
         stored: dict[str, Any] = dict(self.given)
         if self.at_speed_only:
             stored["at_speed_only"] = True
@@ -134,15 +138,22 @@ def largest_permitted_preload() -> float:
 DIGITS = 3
 """Significant digits of a recommended preload, at least."""
 
-_ROUNDING = 1e-9  # relative
+_MOST_DECIMALS = 11
+"""Most decimals of a recommended preload."""
+
+_ROUNDING = 1e-9
+"""Relative distance within which two preloads are the same."""
 
 
 def round_number(target: float, low: float, high: float) -> float:
-    """Returns the number nearest to a target with the fewest digits, between two others."""
-    for decimals in range(DIGITS - 1 - math.floor(math.log10(target)), 12):
+    """Returns a number with the fewest digits between two others, the nearest to a target.
+
+    It has at least `DIGITS` digits. The target is returned if `_MOST_DECIMALS` are not enough.
+    """
+    for decimals in range(DIGITS - 1 - math.floor(math.log10(target)), _MOST_DECIMALS + 1):
         unit = 10.0**-decimals
-        near = [round(target + k * unit, decimals) for k in (0, -1, 1)]
-        inside = [p for p in near if low * (1.0 + _ROUNDING) < p < high * (1.0 - _ROUNDING)]
+        candidates = [round(target + k * unit, decimals) for k in (0, -1, 1)]
+        inside = [p for p in candidates if low * (1.0 + _ROUNDING) < p < high * (1.0 - _ROUNDING)]
         if inside:
             return min(inside, key=lambda p: abs(p - target))
     return target
@@ -161,7 +172,10 @@ def axes_around(
 ) -> MapAxes:
     """Returns the axes of a map by both methods around a scene's own preload, at its own speed.
 
-    Raises SceneError for a preload of zero.
+    frictions: coefficients of the map.
+    source: of the scene, for errors.
+    factors: preloads over the scene's own.
+    SceneError: a preload of zero.
     """
     centre = scene.operation.preload_N
     if centre <= 0.0:

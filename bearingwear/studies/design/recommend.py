@@ -22,8 +22,8 @@ from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import merged_warnings, warnings_in
-from bearingwear.results.words import scene_of
-from bearingwear.scene.arrangement import held_by
+from bearingwear.results.words import plain_scene
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.cases import cases_that_wear
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.decisive import decisive_data
@@ -52,7 +52,11 @@ from bearingwear.studies.design.conditions import (
     conditions_of,
 )
 from bearingwear.studies.design.document.words import NO_LIMIT, NONE_BECAUSE
-from bearingwear.studies.design.infeasible import least_violations, life_too_short, why_none
+from bearingwear.studies.design.infeasible import (
+    infeasibility_text,
+    least_violations,
+    life_too_short,
+)
 from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
     CASE_POINTS,
@@ -97,55 +101,66 @@ ATTRIBUTES = ("warnings", WORST_CASES, MACHINE)
 
 
 def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
-    """Step: returns the preload to take by the requirements of a design map."""
-    base, lives = life_scene(scene, films=True), load(design)
-    if not is_of_scene(lives, base):
+    """Step: returns the recommendation for a scene by the requirements of its design map.
+
+    design: file of the map. A CaseFileError is raised if it belongs to another scene.
+    """
+    base = life_scene(scene, films=True)
+    map_dataset = load(design)
+    if not is_of_scene(map_dataset, base):
         raise CaseFileError(f"{design}: belongs to another scene")
-    return recommendation(base, limits_of(lives))
+    return recommendation(base, limits_of(map_dataset))
 
 
 def small_map(
     scene: Path, axes: Mapping[str, Any], limits: Mapping[str, Any], workers: int = 1
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Step: returns a map and the preload to take.
+    """Step: returns a design map of a scene, and its recommendation.
 
-    axes, limits: `MapAxes` and `DesignLimits` by their names.
+    axes, limits: fields of `MapAxes` and `DesignLimits`.
+    workers: processes that solve lives.
     """
 
     def tell(text: str) -> None:
         print(f"{scene.stem}: {text}", file=sys.stderr)
 
-    base, required = life_scene(scene, films=True), DesignLimits(**limits)
+    base = life_scene(scene, films=True)
+    requirements = DesignLimits(**limits)
     with Workers(workers, "recommend", tell) as pool:
         return (
-            preload_map(base, MapAxes(**axes), required, pool.answers_at),
-            recommendation(base, required, pool.answers_at, tell),
+            preload_map(base, MapAxes(**axes), requirements, pool.answers_at),
+            recommendation(base, requirements, pool.answers_at, tell),
         )
 
 
 def preload_map(
     scene: Scene, axes: MapAxes, limits: DesignLimits, answers_at: AnswersAt = map
 ) -> xr.Dataset:
-    """Returns the map of a scene over some axes, with the best preload of each line of it."""
+    """Returns the map of a scene over some axes, with the best preload of each line of it.
+
+    answers_at: asks a function at points, `map` or that of `Workers`.
+    """
     scenes = scenes_of_map(scene, axes.values)
     lives = answers_at(partial(design_point, limits=limits), scenes)
     design = map_dataset(scene, axes.values, limits, list(lives))
     return with_choices(design.assign_attrs(limits=json.dumps(limits.stored)))
 
 
-def recommended(
+def recommendation_and_map(
     scene: Scene,
     limits: DesignLimits,
     source: str = "scene",
     workers: int = 1,
     tell: Tell | None = None,
 ) -> tuple[xr.Dataset, xr.Dataset | None]:
-    """Returns the preload to take at the scene's own friction and speed, and a map or None.
+    """Returns the recommendation at the scene's own friction and speed, and a map or None.
 
     The map contains lives over preload, for a choice where no requirement is given.
 
-    source: what error messages name.
-    tell: given a line of text now and then.
+    source: of the scene, for errors.
+    workers: processes that solve lives.
+    tell: takes lines of progress.
+    SceneError: a preload of zero, or a requirement that needs more of the scene.
     """
     limits.check(scene, source)
     if scene.operation.preload_N <= 0.0:
@@ -163,12 +178,15 @@ def recommended(
 def recommendation(
     scene: Scene, limits: DesignLimits, answers_at: AnswersAt = map, tell: Tell | None = None
 ) -> xr.Dataset:
-    """Returns the preload to take by each method, and what would change the choice between them.
+    """Returns the recommended preload of each method, and what would change the choice.
 
-    Lives, at the preloads that are named, are those that `life` prints. Without a requirement no
-    preload is recommended.
+    Lives at the preloads that are named are exact. Without a requirement no preload is recommended.
 
-    tell: given a line of text now and then.
+    answers_at: asks a function at points, `map` or that of `Workers`.
+    tell: takes lines of progress.
+
+    Returns a dataset over `preload_method` with the values of `POINT` at the recommended preload
+        and the variables of `_recommendation_dataset`, and `CHANGES` over `change`.
     """
     tell = tell or (lambda text: None)
     search = PreloadSearch(scene, limits, answers_at)
@@ -178,6 +196,7 @@ def recommendation(
         search.run()
         best = [line.best(limits) for line in search.lines]
     rows: list[dict[str, Any]] = []
+    rows_with_preload: list[dict[str, Any]] = []
     chosen: list[_ChosenPreload] = []
     reasons: dict[str, str] = {}
     for line, point in zip(search.lines, best, strict=True):
@@ -187,54 +206,67 @@ def recommendation(
             if limits.given and (longest := line.best(search.but_life)):
                 rows[-1] |= {"longest_preload": longest.preload, "longest_life": longest.life}
         else:
-            rows.append(_row(search, line, point))
-            held = held_by(scene, line.method, point.preload)
+            rows.append(_recommended_values(search, line, point))
+            rows_with_preload.append(rows[-1])
+            held = with_method(scene, line.method, point.preload)
             chosen.append(_ChosenPreload(held, point.values))
     if chosen:
         tell("what would change the choice")
-    answers = iter([*answers_at(_chosen_answers, chosen)])
+    answers = list(answers_at(_chosen_answers, chosen))
     changes = changes_dataset(choice_changes(search, best))
-    for row, point in zip(rows, best, strict=True):
-        row |= {} if point is None else next(answers)
-    return _dataset(scene, limits, rows, reasons).merge(changes, combine_attrs="override")
+    for row, answer in zip(rows_with_preload, answers, strict=True):
+        row.update(answer)
+    dataset = _recommendation_dataset(scene, limits, rows, reasons)
+    return dataset.merge(changes, combine_attrs="override")
 
 
 def no_preload_reason(search: PreloadSearch, line: PreloadLine) -> str:
     """Returns why no preload of a line is allowed, and how near one comes.
 
-    The preloads that it names have exact lives; those at which new bearings break a requirement
-    stand with the values of these.
+    Quick lives at the preloads that it names are replaced by exact ones before.
+
+    line: of the search, without an allowed preload.
     """
     limits = search.but_life
     if longest := line.best(limits):
         active = ACTIVE[search.active_limit(line, longest)]
         return life_too_short(longest, active, search.limits)
 
-    def rough_preloads(other: PreloadLine) -> list[float]:
-        """Returns preloads that the reason would name by quick lives."""
+    def nearest_quick_preloads(other: PreloadLine) -> list[float]:
+        """Returns the preloads [N] of the line that are nearly allowed by quick lives."""
         points = line.points(limits) if other is line else []
         violations, _ = least_violations(points, limits)
         nearest = [points[k] for k in set(violations.values())]
         return [point.preload for point in nearest if point.solved == QUICK_LIFE]
 
-    for _ in line.grid:
-        if not search.solve(rough_preloads, EXACT_LIFE):
+    for _ in line.grid:  # at most as often as there are preloads
+        if not search.solve(nearest_quick_preloads, EXACT_LIFE):
             break
-    return why_none(line.points(limits), limits, bool(search.scene.cases))
+    return infeasibility_text(line.points(limits), limits, bool(search.scene.cases))
 
 
-def _row(search: PreloadSearch, line: PreloadLine, best: PreloadPoint) -> dict[str, Any]:
-    """Returns the values of a recommended preload, what holds it, and where it may be set."""
-    row = dict(best.values) | {
+def _recommended_values(
+    search: PreloadSearch, line: PreloadLine, best: PreloadPoint
+) -> dict[str, Any]:
+    """Returns the values of a recommended preload by the names of variables.
+
+    Beside those of its design point they are the preload, its active limit, the preloads that may
+    be set in its place, and a better one far outside of the range.
+
+    best: the recommended point of the line.
+    """
+    values = dict(best.values) | {
         "preload": best.preload,
         "active_limit": search.active_limit(line, best),
     }
     settable = search.settable_points(line)
-    if settable[0].solved == settable[-1].solved == EXACT_LIFE:
-        row |= {"least_preload": settable[0].preload, "most_preload": settable[-1].preload}
-    if beyond := line.best_beyond_end:
-        row |= {"beyond_preload": beyond.preload, "beyond_life": beyond.life}
-    return row
+    lowest, highest = settable[0], settable[-1]
+    if lowest.solved == highest.solved == EXACT_LIFE:
+        values |= {"least_preload": lowest.preload, "most_preload": highest.preload}
+    beyond = line.best_beyond_end
+    if beyond is not None:
+        values |= {"beyond_preload": beyond.preload, "beyond_life": beyond.life}
+    return values
 
 
 class _ChosenPreload(NamedTuple):
@@ -245,14 +277,16 @@ class _ChosenPreload(NamedTuple):
 
 
 def _chosen_answers(chosen: _ChosenPreload) -> dict[str, Any]:
-    """Returns what stands beside a recommended preload: errors, warnings, and the machine's."""
+    """Returns what stands beside a recommended preload; see `_life_answers`, `machine_answers`."""
     return _life_answers(chosen.scene, chosen.point) | {MACHINE: machine_answers(chosen.scene)}
 
 
 def _life_answers(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns what `life` says beside the life of a point: its numerical error, and the warnings.
+    """Returns the numerical error of a life, its warnings as JSON and, of several cases, the worst.
 
-    Of several cases: the largest error, the warnings of all, and which is the worst.
+    Over several cases, the error is the largest one, and each warning names its cases.
+
+    point: design point of the scene.
     """
     worst = {WORST_CASES: worst_cases(point)} if scene.cases else {}
     if scene.cases and scene.duty is None:
@@ -266,14 +300,18 @@ def _life_answers(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
         values = groove_errors(grooves, float(point["life"]), int(point["end_criterion"]))
         warnings = point[POINT_WARNINGS]
     else:
-        answer = life(scene)
-        values, warnings = answer.values, answer.attrs["warnings"]
+        result = life(scene)
+        values = result.values
+        warnings = result.attrs["warnings"]
     error = values.get("life_error_estimate", math.nan)
     return {"life_error_estimate": error, "warnings": warnings, **worst}
 
 
 def _warnings_with_cases(answers: Mapping[str, Mapping[str, Any]]) -> str:
-    """Returns the warnings of all cases as JSON, each with the names of its cases."""
+    """Returns the warnings of all cases as JSON, each with the names of its cases as `in_cases`.
+
+    answers: by the names of cases, with `warnings` as JSON.
+    """
     warnings = json.loads(merged_warnings(answers.values()))
     for warning in warnings:
         warning["in_cases"] = [
@@ -284,14 +322,15 @@ def _warnings_with_cases(answers: Mapping[str, Mapping[str, Any]]) -> str:
     return json.dumps(warnings)
 
 
-def _dataset(
+def _recommendation_dataset(
     scene: Scene,
     limits: DesignLimits,
     rows: Sequence[dict[str, Any]],
     reasons: Mapping[str, str],
 ) -> xr.Dataset:
-    """Returns a recommendation from its rows, one for each method.
+    """Returns a recommendation over `preload_method`.
 
+    rows: values of variables and of `ATTRIBUTES` for each method.
     reasons: why no preload is recommended, by the methods without one.
     """
     variables = table(
@@ -328,15 +367,12 @@ def _dataset(
 
 
 def is_of_scene(dataset: xr.Dataset, scene: Scene) -> bool:
-    """Whether a file was computed for a scene: all agrees that decides a life."""
-    return decisive_data(scene_of(dataset)) == decisive_data(scene.to_dict())
+    """Whether the scene in a dataset agrees with another one in all values that decide a life."""
+    return decisive_data(plain_scene(dataset)) == decisive_data(scene.to_dict())
 
 
 def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:
-    """Returns a dataset that is the recommendation of this scene.
-
-    Raises CaseFileError where it is not.
-    """
+    """Returns a recommendation unchanged. Raises CaseFileError if it is none for the scene."""
     if recommendation is None or recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError("the recommended preload requires a recommendation file")
     if not is_of_scene(recommendation, scene):
@@ -345,6 +381,6 @@ def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Datas
 
 
 def best_method(recommendation: xr.Dataset) -> int | None:
-    """Returns the number of the method with the longest life; None if no preload is allowed."""
+    """Returns the index of the method with the longest life; None if no preload is allowed."""
     lives = recommendation["life"].values
     return int(np.nanargmax(lives)) if np.isfinite(lives).any() else None

@@ -18,11 +18,14 @@ def preload_report(
 ) -> tuple[Figure, str, str, str, str]:
     """Step: returns the figure, map as CSV, table as Markdown, and answer and charts as JSON.
 
+    design, recommendation: files of a map and of its recommendation.
     uncertainty, spread: as of `design_answer`.
     """
+    csv, markdown = tables(design, recommendation, uncertainty)
     return (
         draw_design(design, recommendation, uncertainty),
-        *tables(design, recommendation, uncertainty),
+        csv,
+        markdown,
         design_answer(design, recommendation, uncertainty, spread),
         design_charts(design, recommendation, uncertainty, spread),
     )

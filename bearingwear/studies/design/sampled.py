@@ -23,7 +23,7 @@ from bearingwear.results.quantiles import (
     spread_at,
 )
 from bearingwear.results.units import key_in_words, text_to_error
-from bearingwear.results.words import methods, name_in_words, scene_of
+from bearingwear.results.words import methods, name_in_words, plain_scene
 from bearingwear.scene.scene import PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 
@@ -44,22 +44,52 @@ class _SampledPreload(NamedTuple):
 
 
 def sampled_blocks(uncertainty: xr.Dataset) -> list[Block]:
-    """Returns the spread of the lives, and its main cause if computed."""
-    if not uncertainty.sizes["preload_method"]:  # no preload is recommended
+    """Returns a table of the quantiles of lives and, if computed, one of their Sobol indices.
+
+    The list is empty where no preload is recommended.
+
+    uncertainty: dataset of the study of uncertainty.
+    """
+    if not uncertainty.sizes["preload_method"]:
         return []
-    indices = [_index_block(uncertainty)] if "total_index" in uncertainty else []
-    return [_quantile_block(uncertainty), *indices]
+    blocks = [_quantile_block(uncertainty)]
+    if "total_index" in uncertainty:
+        blocks.append(_index_block(uncertainty))
+    return blocks
 
 
 def _quantile_block(uncertainty: xr.Dataset) -> Block:
-    """Returns a table with a column for each method and preload."""
-    scene = scene_of(uncertainty)
+    """Returns a table of quantiles of lives, with a column for each method and preload."""
+    points = _sampled_preloads(uncertainty)
+    sentences = (
+        f"{int(uncertainty.attrs['samples'])} sampled bearings, random seed "
+        f"{int(uncertainty.attrs['seed'])}. {causes_sentence(plain_scene(uncertainty))}",
+        *(
+            f"{point.method_words}, {point.preload_words} preload: {point.spread.failures_sentence}"
+            for point in points
+            if point.spread and point.spread.failures
+        ),
+    )
+    return Block("Uncertainty in life", rows=_quantile_rows(points), axes=2, lines=sentences)
+
+
+def _sampled_preloads(uncertainty: xr.Dataset) -> list[_SampledPreload]:
+    """Returns the lives at each preload, by methods and then by choices of preload."""
+    scene = plain_scene(uncertainty)
     points = []
     for method, method_lives in methods(uncertainty):
         for k, preload_words in enumerate(flag_names(uncertainty["preload_choice"])):
             lives = method_lives.isel(preload_choice=k)
             words = method_words(scene, method)
             points.append(_SampledPreload(words, preload_words, lives, spread_at(lives)))
+    return points
+
+
+def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
+    """Returns the rows of a table of quantiles of lives, with a value for each preload.
+
+    points: lives at each preload.
+    """
     wear_as_stated = tuple(
         rough_value(interval_of(point.lives, ALL_BUT_WEAR) if point.spread else None)
         for point in points
@@ -68,7 +98,7 @@ def _quantile_block(uncertainty: xr.Dataset) -> Block:
     error_labels = dict.fromkeys(
         label for point in points if point.spread for label in point.spread.errors
     )
-    rows = [
+    return (
         Row("method", "", tuple(point.method_words for point in points), "preload_method"),
         Row("preload", "", tuple(point.preload_words for point in points), "preload_choice"),
         Row("preload", "N", _floats(points, "preload"), "preload"),
@@ -86,27 +116,21 @@ def _quantile_block(uncertainty: xr.Dataset) -> Block:
         *([Row("this method gives the longest life", "%", longest)] if any(longest) else []),
         Row("lives computed", "%", tuple(100.0 * x for x in _floats(points, "solved_share"))),
         Row("lives solved", "", tuple(map(int, _floats(points, "evaluations"))), "evaluations"),
-    ]  # fmt: skip
-    sentences = (
-        f"{int(uncertainty.attrs['samples'])} sampled bearings, random seed "
-        f"{int(uncertainty.attrs['seed'])}. {causes_sentence(scene)}",
-        *(
-            f"{point.method_words}, {point.preload_words} preload: {point.spread.failures_sentence}"
-            for point in points
-            if point.spread and point.spread.failures
-        ),
-    )
-    return Block("Uncertainty in life", rows=tuple(rows), axes=2, lines=sentences)
+    )  # fmt: skip
 
 
 def _floats(points: Sequence[_SampledPreload], name: str) -> tuple[float, ...]:
-    """Returns a variable of the lives at each preload."""
+    """Returns the number in a variable of the lives at each preload.
+
+    points: lives at each preload.
+    """
     return tuple(float(point.lives[name]) for point in points)
 
 
 def _index_block(uncertainty: xr.Dataset) -> Block:
-    """Returns a table with a line for each uncertain value, and columns for each method."""
-    scene, names = scene_of(uncertainty), quantities_of(uncertainty)
+    """Returns a table of Sobol indices, with a line for each uncertain value."""
+    scene = plain_scene(uncertainty)
+    names = quantities_of(uncertainty)
     distributions = [scene["uncertainty"][name] for name in names]
     units = [
         "batch" if is_same_for_batch(name, Distribution(**distribution)) else "bearing"
@@ -123,7 +147,8 @@ def _index_block(uncertainty: xr.Dataset) -> Block:
         words = method_words(scene, method)
         for inputs, suffix in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):
             indices = lives.sel(uncertain_inputs=inputs)
-            values, errors = indices["total_index"].values, indices["total_index_error"].values
+            values = indices["total_index"].values
+            errors = indices["total_index_error"].values
             texts = tuple(
                 f"{text_to_error(value, error)} ± {text_to_error(error, error)}"
                 for value, error in zip(values, errors, strict=True)
@@ -139,7 +164,10 @@ def _index_block(uncertainty: xr.Dataset) -> Block:
 
 
 def distribution_text(distribution: dict[str, float | str]) -> str:
-    """Returns a distribution in words: `normal, standard deviation 0.35`."""
+    """Returns a distribution in words, such as "normal, standard deviation 0.35".
+
+    distribution: plain data of a scene: its kind and parameters.
+    """
     kind = str(distribution["distribution"])
     required, optional = PARAMETERS[kind]
     parts = [

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.slip import at_share
+from bearingwear.scene.slip import at_speed_share
 from bearingwear.solvers.warmup.transient import STEP_TOLERANCE, ramp, warm_up
 from bearingwear.studies.design.condition_extremes import (
     KEPT,
@@ -22,18 +23,19 @@ ROUGHER = 100.0
 preload and pressure are within 2e-4 of those of fine steps."""
 
 
-@functools.lru_cache(maxsize=256)  # new bearings are looked at by several kinds of lives
-def warm_up_extremes(scene: Scene, seconds: float, exactly: bool) -> ConditionExtremes:
+@functools.lru_cache(maxsize=256)  # quick and exact lives ask for the same new bearings
+def warm_up_extremes(scene: Scene, seconds: float, quick: bool) -> ConditionExtremes:
     """Returns extremes of new bearings from rest to steady temperatures, or where that failed.
 
-    seconds: time of the ramp from rest to speed.
-    exactly: whether the steps are those of `bearingwear warmup`.
+    seconds: time of the ramp from rest to speed [s].
+    quick: whether the steps are coarser than those of `bearingwear warmup`.
     """
-    tolerance = STEP_TOLERANCE * (1.0 if exactly else ROUGHER)
+    tolerance = STEP_TOLERANCE * (ROUGHER if quick else 1.0)
     warming = warm_up(scene, ramp(seconds), tolerance=tolerance)
-    parts, where = [], {}
+    parts = []
+    where: dict[str, Any] = {}
     for instant in warming.instants:
-        condition = OperatingCondition(at_share(scene, instant.share), WARMING)
+        condition = OperatingCondition(at_speed_share(scene, instant.share), WARMING)
         where = condition.where(wear=NEW, time_s=instant.time)
         parts.append(state_extremes(condition.scene, instant.states, where, with_quasistatic=False))
     if warming.status in UNLOADED:

@@ -32,7 +32,7 @@ from bearingwear.results.words import (
     methods,
     name_in_words,
     percent_in_text,
-    scene_of,
+    plain_scene,
 )
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.studies.dataset import load_with_axes
@@ -45,12 +45,13 @@ RANK = 2
 def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str:
     """Step: returns the answer of the study about its first scene, as JSON for the page.
 
-    lives: wear-life files, one a scene. uncertainty: files of the study of uncertainty.
+    lives: wear-life files, one a scene.
+    uncertainty: files of the study of uncertainty.
     """
     uncertainties = [dataset for path in uncertainty for dataset in load_quantiles(path)]
     datasets = [load_with_axes(path, interpolated_step=()) for path in lives]
-    method_lives = [life for dataset in datasets for life in lives_of(dataset, uncertainties)]
-    return answer(method_lives, scene_of(datasets[0])).stored
+    all_lives = [life for dataset in datasets for life in lives_of(dataset, uncertainties)]
+    return answer(all_lives, plain_scene(datasets[0])).stored
 
 
 class MethodLife(NamedTuple):
@@ -69,15 +70,16 @@ class MethodLife(NamedTuple):
 
 
 def lives_of(dataset: xr.Dataset, uncertainties: Sequence[xr.Dataset] = ()) -> list[MethodLife]:
-    """Returns every life in a file of `grid.life.wear_life`.
+    """Returns the life at each preload method and friction coefficient in a file of wear lives.
 
-    uncertainties: files of the study of uncertainty.
+    dataset: of `grid.life.wear_life`.
+    uncertainties: datasets of the study of uncertainty.
     """
-    scene = scene_of(dataset)
+    scene = plain_scene(dataset)
     lives = []
-    for method, of_method in methods(dataset):
+    for method, lives_with_method in methods(dataset):
         for mu in dataset["friction"].values.tolist():
-            life = of_method.sel(friction=mu)
+            life = lives_with_method.sel(friction=mu)
             is_worn = "groove_depth" in life and bool(np.isfinite(life["groove_depth"]).any())
             lives.append(
                 MethodLife(
@@ -97,7 +99,7 @@ def lives_of(dataset: xr.Dataset, uncertainties: Sequence[xr.Dataset] = ()) -> l
 
 
 def _end_phrase(life: xr.Dataset, scene: Mapping[str, Any]) -> str:
-    """States the criterion that ended a life, or why it has no end."""
+    """Returns a phrase on the criterion that ended a life, or on why it has no end."""
     status = int(life["status"])
     if status not in (OK, CRITERION_NOT_REACHED):
         return f"not solved: {name_in_words(STATUS_NAMES[status])}"
@@ -113,30 +115,38 @@ def _end_phrase(life: xr.Dataset, scene: Mapping[str, Any]) -> str:
 
 
 def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
-    """Returns the answer of a study with at least one life, about the scene of the first life.
+    """Returns the answer of a study about the scene of the first life: which method lasts longer.
 
     The lives of two methods count as equal if they differ by less than the sum of their estimated
     numerical errors.
+
+    lives: of all scenes of the study, at least one.
+    scene: plain data of the scene of the first life.
     """
     name = lives[0].scene
     lives_here = [life for life in lives if life.scene == name]
     preload = f"{scene['operation']['preload_N']:g} N"
     given_preload = f"the given preload of {preload}"
-    nominal = " in the nominal case" if scene.get("cases") else ""
-    nominal = " over the duty" if scene.get("duty") else nominal
+    condition = ""
+    if scene.get("duty"):
+        condition = " over the duty"
+    elif scene.get("cases"):
+        condition = " in the nominal case"
     headline = _headline(lives_here, _comparisons(lives_here))
+    # of the scene without its cases, none of which was solved
+    bearing = bearing_line({**scene, "cases": None})
     return Document(
-        heading=(f"{name}: with {given_preload} for both methods{nominal}, {headline}",),
+        heading=(f"{name}: with {given_preload} for both methods{condition}, {headline}",),
         facts={
             "scene": name,
-            # of the scene without its cases, none of which was solved
-            "bearing": f"{bearing_line({**scene, 'cases': None})}{nominal and f';{nominal}'}",
+            "bearing": f"{bearing};{condition}" if condition else bearing,
             # the heading after a recommendation, which may prefer the other method
-            "beside": f"For comparison: both methods with the input preload of {preload}{nominal}",
+            "beside": "For comparison: both methods with the input preload of "
+            f"{preload}{condition}",
         },
         blocks=(
             *_sentence_blocks(lives_here, [life for life in lives if life.scene != name]),
-            lives_block(f"{name}: lives at {given_preload}{nominal}", lives_here, scene),
+            lives_block(f"{name}: lives at {given_preload}{condition}", lives_here, scene),
         ),
         figures=("wear_life",),
         subject=f"Input preload: {preload}",
@@ -147,82 +157,91 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
 def _sentence_blocks(
     lives: Sequence[MethodLife], lives_elsewhere: Sequence[MethodLife]
 ) -> list[Block]:
-    """Returns the sentences of an answer, below their titles.
+    """Returns the sentences of an answer, in blocks below their titles.
 
-    lives: of the scene of the answer. lives_elsewhere: of other scenes.
+    lives: of the scene of the answer.
+    lives_elsewhere: of other scenes.
     """
-    sections = []
-    if comparisons := _comparisons(lives):
+    sections: dict[str, list[str]] = {}
+    comparisons = _comparisons(lives)
+    if comparisons:
         sentences = [_grooves_sentence(lives), *_comparison_sentences(comparisons)]
-        sections.append(("Comparison of preload methods", sentences))
-    sections.append(("What ends the life", _end_sentences(lives)))
-    if zero_lives := _zero_lives_sentence(lives):
-        sections.append(("Uncertainty", [zero_lives]))
+        sections["Comparison of preload methods"] = sentences
+    sections["What ends the life"] = _end_sentences(lives)
+    zero_lives_sentence = _zero_lives_sentence(lives)
+    if zero_lives_sentence:
+        sections["Uncertainty"] = [zero_lives_sentence]
     if lives_elsewhere:
-        sections.append(("Other bearings", _other_scenes_sentences(lives_elsewhere)))
-    return [Block(title, lines=tuple(lines), place="lead") for title, lines in sections]
+        sections["Other bearings"] = _other_scenes_sentences(lives_elsewhere)
+    return [Block(title, lines=tuple(lines), place="lead") for title, lines in sections.items()]
 
 
-_NOT_LONGER = {None: "the methods are equal", "": "neither can be used"}
+_EQUAL = "the methods are equal"
+_NEITHER = "neither can be used"
+"""Results of a comparison that no method wins: equal lives, and two lives of zero."""
 
 
 class _Comparison(NamedTuple):
     """Both preload methods at one friction coefficient of a scene."""
 
     friction: float
-    better_method: str | None  # None: equal; empty: both lives are zero
+    winner: str  # preload method with the longer life, or `_EQUAL` or `_NEITHER`
     other_method: str
     ratio: float  # longer life over the shorter
 
 
 def _comparisons(lives: Iterable[MethodLife]) -> list[_Comparison]:
     """Returns a comparison for each scene and friction coefficient with two lives."""
-    by_point: dict[tuple[str, float], list[MethodLife]] = {}
+    lives_by_point: dict[tuple[str, float], list[MethodLife]] = {}
     for life in lives:
         if math.isfinite(life.hours):
-            by_point.setdefault((life.scene, life.friction), []).append(life)
-    return [_comparison(pair) for pair in by_point.values() if len(pair) > 1]
+            lives_by_point.setdefault((life.scene, life.friction), []).append(life)
+    return [_comparison(pair) for pair in lives_by_point.values() if len(pair) > 1]
 
 
 def _comparison(pair: Sequence[MethodLife]) -> _Comparison:
     """Returns the comparison of two lives of a scene at the same friction coefficient."""
     shorter, longer = sorted(pair, key=lambda life: life.hours)
-    ratio = math.inf if longer.hours > 0.0 else 1.0
-    if shorter.hours > 0.0:
-        ratio = longer.hours / shorter.hours
+    ratio = longer.hours / shorter.hours if shorter.hours > 0.0 else math.inf
     errors = sum(life.error for life in pair if math.isfinite(life.error))
-    better_method = longer.method if ratio - 1.0 > errors else None
+    if longer.hours == 0.0:
+        winner = _NEITHER
+    else:
+        winner = longer.method if ratio - 1.0 > errors else _EQUAL
     return _Comparison(
         friction=longer.friction,
-        better_method=better_method if longer.hours else "",
+        winner=winner,
         other_method=shorter.method,
         ratio=ratio,
     )
 
 
 def _headline(lives: Sequence[MethodLife], comparisons: Sequence[_Comparison]) -> str:
-    """States which method gives the longer life, for a title."""
+    """Returns the part of a title that says which method gives the longer life.
+
+    comparisons: of the lives of the answer.
+    """
     if not any(math.isfinite(life.hours) for life in lives):
         return "no end of life was found"
-    winners = {comparison.better_method for comparison in comparisons}
+    winners = {comparison.winner for comparison in comparisons}
     if not winners:
         names = dict.fromkeys(name_in_words(life.method) for life in lives)
         return f"life with {' and '.join(names)}"
-    if winners == {""}:
+    if winners == {_NEITHER}:
         return "neither preload method can be used"
-    winners.discard("")
-    if winners == {None}:
+    winners.discard(_NEITHER)
+    if winners == {_EQUAL}:
         return "both preload methods give the same life"
     if len(winners) == 1:
-        return f"{_method_words(str(*winners))} gives the longer life"
+        return f"{_method_words(winners.pop())} gives the longer life"
     return "the better preload method depends on friction"
 
 
 def _grooves_sentence(lives: Sequence[MethodLife]) -> str:
-    """States with which grooves the methods were compared."""
-    worn = {life.worn for life in lives}
-    grooves = "worn grooves" if True in worn else "Hertzian grooves"
-    if len(worn) > 1:
+    """Returns a sentence on the grooves with which the methods were compared."""
+    worn_lives = [life for life in lives if life.worn]
+    grooves = "worn grooves" if worn_lives else "Hertzian grooves"
+    if 0 < len(worn_lives) < len(lives):
         grooves += " where wear is deep"
     return (
         f"This comparison uses {grooves} and ignores the requirements. At the recommended "
@@ -231,110 +250,129 @@ def _grooves_sentence(lives: Sequence[MethodLife]) -> str:
 
 
 def _frictions_by_text(pairs: Iterable[tuple[str, float]]) -> dict[str, str]:
-    """Returns the friction coefficients of each text, neighbours as a range.
+    """Returns words for the friction coefficients at which each text applies.
 
-    pairs: a text and its friction coefficient.
+    Neighbours among all coefficients become a range, such as "friction 0.05 to 0.1".
+
+    pairs: of a text and a friction coefficient at which it applies.
     """
-    by_friction = sorted(pairs, key=lambda pair: pair[1])
-    ranges: dict[str, list[str]] = {}
-    for text, run in groupby(by_friction, lambda pair: pair[0]):
-        frictions = [friction for _, friction in run]
+    rising_pairs = sorted(pairs, key=lambda pair: pair[1])
+    ranges_by_text: dict[str, list[str]] = {}
+    for text, neighbours in groupby(rising_pairs, lambda pair: pair[0]):
+        frictions = [friction for _, friction in neighbours]
         end = f" to {frictions[-1]:g}" if len(frictions) > 1 else ""
-        ranges.setdefault(text, []).append(f"{friction_text(frictions[0])}{end}")
-    return {text: ", ".join(parts) for text, parts in ranges.items()}
+        ranges_by_text.setdefault(text, []).append(f"{friction_text(frictions[0])}{end}")
+    return {text: ", ".join(ranges) for text, ranges in ranges_by_text.items()}
 
 
 def _comparison_sentences(comparisons: Sequence[_Comparison]) -> list[str]:
-    """States for each better method where and by how much it is better, or that none is."""
+    """Returns a sentence for each method that wins: where, and by how much.
+
+    Where no method wins, a sentence says so.
+
+    comparisons: of the lives of the answer.
+    """
     sentences = []
-    frictions_of = _frictions_by_text((str(c.better_method), c.friction) for c in comparisons)
-    for winner in dict.fromkeys(comparison.better_method for comparison in comparisons):
-        frictions = frictions_of[str(winner)]
-        if winner is None:
+    frictions_by_winner = _frictions_by_text((c.winner, c.friction) for c in comparisons)
+    for winner in dict.fromkeys(comparison.winner for comparison in comparisons):
+        frictions = frictions_by_winner[winner]
+        if winner == _EQUAL:
             sentences.append(
                 f"At {frictions}, the lives differ by no more than their numerical errors."
             )
-        elif not winner:
+        elif winner == _NEITHER:
             sentences.append(
                 f"Neither method can be used at {frictions}: with both methods, an end-of-life "
                 "criterion is met when the bearing is new."
             )
         else:
-            won = [comparison for comparison in comparisons if comparison.better_method == winner]
-            ratios = _frictions_by_text((_ratio_phrase(c.ratio), c.friction) for c in won)
-            margins = ", ".join(f"{ratio} at {where}" for ratio, where in ratios.items())
-            better, other = _method_words(winner), _method_words(won[0].other_method)
+            wins = [comparison for comparison in comparisons if comparison.winner == winner]
+            frictions_by_ratio = _frictions_by_text(
+                (_ratio_phrase(win.ratio), win.friction) for win in wins
+            )
+            margins = ", ".join(f"{ratio} at {mu}" for ratio, mu in frictions_by_ratio.items())
+            better = _method_words(winner)
+            other = _method_words(wins[0].other_method)
             sentences.append(_sentence(f"{better} gives a longer life than {other}: {margins}"))
     return sentences
 
 
 def _method_words(method: str) -> str:
-    """Returns the words for a preload method, or for a pair with its article."""
-    return f"{'a ' * (method in PAIRS.values())}{name_in_words(method)}"
+    """Returns the words for a preload method, or for a kind of pair with its article."""
+    words = name_in_words(method)
+    return f"a {words}" if method in PAIRS.values() else words
 
 
 def _ratio_phrase(ratio: float) -> str:
-    """States how much longer the longer life is."""
+    """Returns a phrase on how much longer the longer of two lives is.
+
+    ratio: of the longer to the shorter life; inf if the shorter is zero.
+    """
     if ratio == math.inf:
         return "the other method gives a life of zero"
-    if ratio < 1.1:
+    if ratio < 1.1:  # two digits of the ratio would say little
         return f"{percent_in_text(ratio - 1.0)} longer"
     return f"{ratio:.2g} times as long"
 
 
 def _zero_lives_sentence(lives: Sequence[MethodLife]) -> str:
-    """States for which lives at least one bearing in twenty has none; empty if there are none."""
-    frictions_of = _frictions_by_text(
+    """Returns a sentence on where at least one bearing in twenty has no life; empty if nowhere."""
+    frictions_by_method = _frictions_by_text(
         (name_in_words(life.method), life.friction)
         for life in lives
         if life.spread and life.spread.bearings.low == 0.0
     )
-    if not frictions_of:
+    if not frictions_by_method:
         return ""
-    points = ", ".join(f"{method} at {frictions}" for method, frictions in frictions_of.items())
+    points = ", ".join(f"{method} at {mu}" for method, mu in frictions_by_method.items())
     return _sentence(
         f"at least one bearing in twenty meets an end-of-life criterion when new: {points}"
     )
 
 
 def _table_note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
-    """States what the columns of the table of lives contain."""
-    counts = f"The lives are based on the wear of {counted_words(scene)}."
+    """Returns sentences on what the columns of the table of lives contain."""
+    text = f"The lives are based on the wear of {counted_words(scene)}."
     if scene.get("duty"):
-        counts += (
+        text += (
             " They are lives over the duty; the cases of the study are those of the nominal phase."
         )
     if not any(life.spread for life in lives):
-        return f"{counts} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
-    return (
-        f"{counts} {QUOTED_SHARE} of bearings have a life within the interval, which allows for "
+        return f"{text} {_sentence(f'{NO_QUANTILES}; {SEE}')}"
+    text += (
+        f" {QUOTED_SHARE} of bearings have a life within the interval, which allows for "
         f"all uncertain values in the scene. {causes_sentence(scene)}"
-        + ("" if all(life.spread for life in lives) else f" If an interval is missing, {SEE}.")
     )
+    if not all(life.spread for life in lives):
+        text += f" If an interval is missing, {SEE}."
+    return text
 
 
 def _end_sentences(lives: Sequence[MethodLife]) -> list[str]:
-    """States what ends the lives of each method, in one sentence for methods with the same ends."""
-    methods_of: dict[str, list[str]] = {}
+    """Returns sentences on what ends the lives, one for all methods with the same ends."""
+    methods_by_text: dict[str, list[str]] = {}
     for method in dict.fromkeys(life.method for life in lives):
         ends = _frictions_by_text(
             (life.end, life.friction) for life in lives if life.method == method
         )
-        phrases = [f"{end} at {frictions}" for end, frictions in ends.items()]
-        text = "; ".join(phrases if len(ends) > 1 else ends)
-        methods_of.setdefault(text, []).append(name_in_words(method))
-    return [_sentence(f"{' and '.join(names)}: {text}") for text, names in methods_of.items()]
+        if len(ends) == 1:
+            text = next(iter(ends))
+        else:
+            text = "; ".join(f"{end} at {frictions}" for end, frictions in ends.items())
+        methods_by_text.setdefault(text, []).append(name_in_words(method))
+    return [_sentence(f"{' and '.join(names)}: {text}") for text, names in methods_by_text.items()]
 
 
 def _other_scenes_sentences(lives: Sequence[MethodLife]) -> list[str]:
-    """States the range of lives in other scenes, and how often each method is better there."""
+    """Returns sentences on the range of lives in other scenes, and how often each method wins."""
     comparisons = _comparisons(lives)
     hours = _hours_text([life.hours for life in lives])
     phrases = [f"lives: {hours}, based on the wear that each scene specifies"]
-    for winner in dict.fromkeys(comparison.better_method for comparison in comparisons):
-        count = sum(comparison.better_method == winner for comparison in comparisons)
-        name = f"{name_in_words(winner)} gives the longer life" if winner else _NOT_LONGER[winner]
-        phrases.append(f"{name} in {count} of {len(comparisons)} comparisons")
+    for winner in dict.fromkeys(comparison.winner for comparison in comparisons):
+        count = sum(comparison.winner == winner for comparison in comparisons)
+        is_method = winner not in (_EQUAL, _NEITHER)
+        result = f"{name_in_words(winner)} gives the longer life" if is_method else winner
+        phrases.append(f"{result} in {count} of {len(comparisons)} comparisons")
     return [_sentence(phrase) for phrase in phrases]
 
 
@@ -372,6 +410,6 @@ def detailed_lives_block(
 
 
 def _hours_text(values: Iterable[float]) -> str:
-    """Returns the range of some lives [h]; a dash if there is none."""
+    """Returns the range of lives [h] as text with its unit; a dash if there are none."""
     text = span(map(Rough, values))
     return text if text == "–" else f"{text}\N{NO-BREAK SPACE}h"

@@ -3,10 +3,16 @@
 from pathlib import Path
 
 from bearingwear.plotting.drawing import Figure
-from bearingwear.studies.grid.dynamic_tables import comparison
+from bearingwear.studies.grid.dynamic_tables import dynamic_comparison
 from bearingwear.studies.grid.figures.draw import draw_dynamic
 
 
 def dynamic_report(study: Path, dynamic: Path) -> tuple[Figure, str, str]:
-    """Step: returns the figure, all numbers as CSV, and the main ones as Markdown."""
-    return (draw_dynamic(study, dynamic), *comparison(study, dynamic))
+    """Step: returns a figure of dynamic and steady cases, their numbers as CSV, and a summary.
+
+    The summary is Markdown.
+
+    study: file of steady cases, which contains every case of `dynamic`.
+    """
+    csv, markdown = dynamic_comparison(study, dynamic)
+    return draw_dynamic(study, dynamic), csv, markdown

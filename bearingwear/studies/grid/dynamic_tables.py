@@ -10,7 +10,7 @@ from bearingwear.document.markdown import as_markdown
 from bearingwear.document.table import dataset_table
 from bearingwear.measures import plain
 from bearingwear.results.variables import RACES
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.dataset import load_with_dynamic
 from bearingwear.studies.grid.tables import (
     AXES,
@@ -52,14 +52,21 @@ def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(variables, attrs=dynamic.attrs)
 
 
-def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
-    """Step: returns all numbers of both models as CSV, and the main ones as Markdown."""
-    solved = steady_and_dynamic(*load_with_dynamic(study, dynamic))
+def dynamic_comparison(study: Path, dynamic: Path) -> tuple[str, str]:
+    """Step: returns all numbers of both models as CSV, and the main ones as Markdown.
+
+    study: file of steady cases, which contains every case of `dynamic`.
+    """
+    steady_cases, dynamic_cases = load_with_dynamic(study, dynamic)
+    solved = steady_and_dynamic(steady_cases, dynamic_cases)
     return cases_csv(solved), _comparison_markdown(solved)
 
 
 def _comparison_markdown(solved: xr.Dataset) -> str:
-    """Returns the main numbers of cases solved with both models, as Markdown."""
+    """Returns the main numbers of cases solved with both models, as Markdown.
+
+    solved: of `steady_and_dynamic`.
+    """
     unsolved = tuple(
         line
         for model in _MODELS
@@ -71,12 +78,15 @@ def _comparison_markdown(solved: xr.Dataset) -> str:
         _drift_table(solved),
         Block("Not solved", lines=unsolved or (ALL_SOLVED,)),
     )
-    title = f"{scene_of(solved)['name']}: dynamic solution compared with the steady state"
+    title = f"{plain_scene(solved)['name']}: dynamic solution compared with the steady state"
     return as_markdown(Document((title,), blocks=blocks))
 
 
 def _preload_table(solved: xr.Dataset) -> Block:
-    """Returns a table of QV, its difference between the models, and residual preload."""
+    """Returns a table of QV, its difference between the models, and residual preload.
+
+    solved: cases by both models; see `steady_and_dynamic`.
+    """
     change = (solved["total_qv.dynamic"] / solved["total_qv.steady"] - 1.0).rename("total_qv")
     change.attrs = {"units": "1", "shown": "%"}
     columns: list[tuple[xr.DataArray | str, str]] = [
@@ -89,7 +99,10 @@ def _preload_table(solved: xr.Dataset) -> Block:
 
 
 def _wear_table(solved: xr.Dataset) -> Block:
-    """Returns a table of the wear rates of balls, races and, if there is one, cage."""
+    """Returns a table of the wear rates of balls, races and, if there is one, cage.
+
+    solved: cases by both models; see `steady_and_dynamic`.
+    """
     columns: list[tuple[xr.DataArray | str, str]]
     columns = [(f"ball_wear_rate.{model}", model) for model in _MODELS]
     columns += [
@@ -103,7 +116,10 @@ def _wear_table(solved: xr.Dataset) -> Block:
 
 
 def _drift_table(solved: xr.Dataset) -> Block:
-    """Returns a table of the turns and of the drift of the means, with a line on large drifts."""
+    """Returns a table of the turns and of the drift of the means, with a line on large drifts.
+
+    solved: cases by both models; see `steady_and_dynamic`.
+    """
     names = ("simulated_turns", "evaluated_turns", "qv_drift_per_turn", "wear_rate_drift_per_turn")
     columns = [(name, "") for name in names if name in solved]
     settled = f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the averaged turns."
@@ -112,13 +128,17 @@ def _drift_table(solved: xr.Dataset) -> Block:
 
 
 def _drift_lines(solved: xr.Dataset) -> Iterator[str]:
-    """Yields a line for each case and mean that drifts by more than `LARGEST_DRIFT`."""
-    drifts = {"QV": "qv_drift_per_turn", "the total wear rate": "wear_rate_drift_per_turn"}
-    for quantity, name in drifts.items():
-        if name in solved:
-            drift = solved[name] * solved["evaluated_turns"]
-            for case, index in cases_in_words(solved):
-                change = float(drift[index])
-                if abs(change) > LARGEST_DRIFT:
-                    percent = f"{plain(100.0 * change, 2, '+')} %"
-                    yield f"{case}: {quantity} still drifts by {percent} over the averaged turns"
+    """Yields a line for each case and mean that drifts by more than `LARGEST_DRIFT`.
+
+    solved: cases by both models; see `steady_and_dynamic`.
+    """
+    drift_names = {"QV": "qv_drift_per_turn", "the total wear rate": "wear_rate_drift_per_turn"}
+    for quantity, name in drift_names.items():
+        if name not in solved:
+            continue
+        drift = solved[name] * solved["evaluated_turns"]
+        for case, index in cases_in_words(solved):
+            case_drift = float(drift[index])
+            if abs(case_drift) > LARGEST_DRIFT:
+                percent = f"{plain(100.0 * case_drift, 2, '+')} %"
+                yield f"{case}: {quantity} still drifts by {percent} over the averaged turns"

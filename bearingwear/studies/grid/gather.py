@@ -17,7 +17,7 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.results.warnings import merged_warnings
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.axis import GRID_KEYS
@@ -28,8 +28,8 @@ _SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", 
 """Attributes that must be the same in all cases of a study."""
 
 
-def study(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Gathers the cases of one scene.
+def gathered_study(paths: Iterable[str | Path]) -> xr.Dataset:
+    """Returns the cases of one scene over the axes of their grid.
 
     paths: case files, or sweeps over axes of the grid, which together contain every point of a
         grid once. The files determine the grid.
@@ -60,7 +60,7 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
 
 @dataclass
 class _CaseReader:
-    """Reads case files and sweeps, and stores what it has read of them so far."""
+    """Reads files of cases, and checks that each belongs to those that it has read before."""
 
     files: dict[Case, Path] = field(default_factory=dict)  # the file of each case, as read
     # attributes of the first file; its `scene` has the values that all cases share
@@ -68,7 +68,10 @@ class _CaseReader:
     warnings: str = "[]"  # of all files, each id once
 
     def datasets(self, paths: Iterable[str | Path]) -> Iterator[xr.Dataset]:
-        """Reads file by file; refuses files that do not belong to the others."""
+        """Yields the dataset of each file: a case, or a sweep with its cases along `case`.
+
+        CaseFileError: a file that does not belong to the others, or is no case or sweep.
+        """
         for path in map(Path, paths):
             dataset = load(path)
             is_sweep = kind_of(dataset) == SWEEP_KIND
@@ -86,7 +89,7 @@ class _CaseReader:
             yield _sweep_along_cases(dataset, len(content.cases)) if is_sweep else dataset
 
     def _check_shared(self, shared: Mapping[str, Any], path: Path) -> None:
-        """Refuses a file that differs from the first one in an attribute of all cases."""
+        """Raises CaseFileError for a file whose shared attributes differ from the first file's."""
         for key, value in shared.items():
             if _comparable_attribute(value) != _comparable_attribute(self.first[key]):
                 first_file = next(iter(self.files.values()))
@@ -110,31 +113,38 @@ _BATCH = 500
 
 
 def _stacked_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
-    """Stacks cases and sweeps along the dimension `case`."""
-    parts: list[xr.Dataset] = []
-    iterator = iter(datasets)
-    while batch := list(itertools.islice(iterator, _BATCH)):
-        parts.append(
-            _stacked_batch(
-                [
-                    dataset if "case" in dataset.dims else _without_unsolved_numbers(dataset)
-                    for dataset in batch
-                ]
-            )
-        )
-    if not parts:
+    """Returns single cases and datasets along `case` as one dataset along `case`.
+
+    Numbers of unsolved cases are NaN. Raises a CaseFileError for no dataset.
+    """
+    prepared = (
+        dataset if "case" in dataset.dims else _without_unsolved_numbers(dataset)
+        for dataset in datasets
+    )
+    stacked_batches: list[xr.Dataset] = []
+    while batch := list(itertools.islice(prepared, _BATCH)):
+        stacked_batches.append(_stacked_batch(batch))
+    if not stacked_batches:
         raise CaseFileError("got no case files, expected at least one")
-    return _stacked_batch(parts) if len(parts) > 1 else parts[0]
+    if len(stacked_batches) == 1:
+        return stacked_batches[0]
+    return _stacked_batch(stacked_batches)
 
 
 def _stacked_batch(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Stacks cases, or datasets along `case`, without the variables that only case files have."""
+    """Returns cases, or datasets along `case`, as one dataset along `case`.
+
+    Variables that only case files have are left out.
+    """
     count = sum(dataset.sizes.get("case", 1) for dataset in datasets)
     return stacked_dataset(datasets, {"case": count}, leave_out=ONLY_IN_CASES, along="case")
 
 
 def _complete_grid(files: Mapping[Case, Path]) -> Grid:
-    """Returns the grid of some cases; refuses cases that do not fill one."""
+    """Returns the grid that cases fill. Raises a CaseFileError if one is missing.
+
+    files: the file of each case.
+    """
     first_file = next(iter(files.values()))
     try:
         grid = Grid.from_lists(
@@ -158,9 +168,9 @@ class _FileContent(NamedTuple):
 
 
 def _case_content(dataset: xr.Dataset, path: Path) -> _FileContent:
-    """Returns the content of a case file."""
+    """Returns the case in a case file, and its shared attributes. Raises CaseFileError."""
     try:
-        scene = scene_of(dataset)
+        scene = plain_scene(dataset)
         case = _take_case(scene)
         int(dataset["status"])
         shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
@@ -171,19 +181,23 @@ def _case_content(dataset: xr.Dataset, path: Path) -> _FileContent:
 
 
 def _sweep_content(dataset: xr.Dataset, path: Path) -> _FileContent:
-    """Returns the content of a sweep over axes of a grid."""
-    key_of = json.loads(dataset.attrs.get("changed_keys", "{}"))  # by dimension
-    has_grid_keys = set(key_of.values()) <= set(GRID_KEYS.values())
-    if not has_grid_keys or {*key_of} != {*dataset["status"].dims} or "end_criterion" in dataset:
+    """Returns the cases in a sweep, in C order over its axes, and their shared attributes.
+
+    CaseFileError: a sweep of lives, or over other axes than those of a grid.
+    """
+    key_by_dim = json.loads(dataset.attrs.get("changed_keys", "{}"))
+    has_grid_keys = set(key_by_dim.values()) <= set(GRID_KEYS.values())
+    is_over_keys = set(key_by_dim) == set(dataset["status"].dims)
+    if not has_grid_keys or not is_over_keys or "end_criterion" in dataset:
         problem = f"got another sweep, expected one of solves over {', '.join(GRID_KEYS.values())}"
         raise CaseFileError(f"{path}: {problem}")
-    scene = scene_of(dataset)
-    base = vars(_take_case(scene))
-    field_of = dict(zip(GRID_KEYS.values(), base, strict=True))
-    fields = [field_of[key] for key in key_of.values()]
+    scene = plain_scene(dataset)
+    base_values = vars(_take_case(scene))
+    field_by_key = dict(zip(GRID_KEYS.values(), base_values, strict=True))
+    fields = [field_by_key[key] for key in key_by_dim.values()]
     cases = []
-    for point in itertools.product(*(dataset[dim].values.tolist() for dim in key_of)):
-        values = base | dict(zip(fields, point, strict=True))
+    for point in itertools.product(*(dataset[dim].values.tolist() for dim in key_by_dim)):
+        values = base_values | dict(zip(fields, point, strict=True))
         if not isinstance(values["preload_method"], str):
             values["preload_method"] = PRELOAD_METHODS[int(values["preload_method"])]
         cases.append(Case(**values))
@@ -192,7 +206,7 @@ def _sweep_content(dataset: xr.Dataset, path: Path) -> _FileContent:
 
 
 def _take_case(scene: dict[str, Any]) -> Case:
-    """Removes the values of a case from its scene, and returns the case."""
+    """Removes the values of a case from its scene (plain data), and returns the case."""
     return Case(
         preload_method=scene["operation"].pop("preload_method"),
         friction=float(scene["friction"].pop("ball_race")),
@@ -205,15 +219,15 @@ def _sweep_along_cases(sweep: xr.Dataset, count: int) -> xr.Dataset:
 
     count: number of cases.
     """
-    axes = len(json.loads(sweep.attrs["changed_keys"]))
+    axis_count = len(json.loads(sweep.attrs["changed_keys"]))
     is_solved = sweep["status"].values.ravel() == OK
     variables = {}
     for name, variable in sweep.data_vars.items():
-        values = variable.values.reshape((count, *variable.shape[axes:]))
+        values = variable.values.reshape((count, *variable.shape[axis_count:]))
         if not is_solved.all() and "flag_values" not in variable.attrs:
             mask = is_solved.reshape((count,) + (1,) * (values.ndim - 1))
             values = np.where(mask, values, np.nan)
-        variables[name] = (("case", *variable.dims[axes:]), values, variable.attrs)
+        variables[name] = (("case", *variable.dims[axis_count:]), values, variable.attrs)
     axis_dims = {*sweep["status"].dims}
     coords = {
         name: coordinate
@@ -226,10 +240,11 @@ def _sweep_along_cases(sweep: xr.Dataset, count: int) -> xr.Dataset:
 def _comparable_attribute(value: Any) -> Any:
     """Returns an attribute in the form in which all cases must have it.
 
-    A scene is reduced to its decisive keys, and that of a pair is without its kind, which the
-    preload method determines.
+    A scene, which is JSON, is reduced to its decisive keys. That of a pair is without its kind and
+    spring, which the preload method determines. Other attributes are returned unchanged.
     """
-    if not isinstance(value, str) or not value.startswith("{"):
+    is_json = isinstance(value, str) and value.startswith("{")
+    if not is_json:
         return value
     scene = decisive_data(json.loads(value))
     if is_pair(scene):
@@ -242,18 +257,18 @@ def _without_unsolved_numbers(dataset: xr.Dataset) -> xr.Dataset:
     if int(dataset["status"]) == OK:
         return dataset
 
-    def missing(variable: xr.DataArray) -> xr.DataArray:
+    def without_numbers(variable: xr.DataArray) -> xr.DataArray:
         if "flag_values" in variable.attrs:
             return variable
         return xr.full_like(variable, np.nan, dtype=float)
 
-    return dataset.map(missing, keep_attrs=True)
+    return dataset.map(without_numbers, keep_attrs=True)
 
 
 def axis_coordinates(grid: Grid) -> dict[str, tuple[str, np.ndarray, dict[str, Any]]]:
-    """Returns dimension, values and attributes of the coordinate of each axis of a grid.
+    """Returns dimension, values and attributes of the coordinate of each axis of a grid, by name.
 
-    CF requires numbers along a dimension, so the preload methods are flags.
+    The preload methods are flags, because the CF conventions require numbers along a dimension.
     """
     methods = [PRELOAD_METHODS.index(method) for method in grid.preload_method]
     values_of_axes = (methods, grid.friction, grid.ball_diameter_loss_um)

@@ -26,38 +26,38 @@ class Case:
 
     @property
     def id(self) -> str:
-        """The name of the case and of its file."""
+        """Returns the name of the case and of its file, such as rigid-mu0.050-loss1.00."""
         return f"{self.line_id}-{self.loss_id}"
 
     @property
     def loss_id(self) -> str:
-        """The name of the state of wear."""
+        """Returns the part of the name that states the wear, such as loss1.00."""
         return f"loss{self._loss}"
 
     @property
     def line_id(self) -> str:
-        """The name of the line of the grid that contains the case."""
+        """Returns the part of the name that cases of the same line of the grid share."""
         return f"{self.preload_method}-mu{self._friction}"
 
     @property
     def changes(self) -> dict[str, Any]:
-        """The values of this case by the keys of the scene."""
+        """Returns the values of this case by the dotted keys of a scene."""
         return dict(zip(GRID_KEYS.values(), vars(self).values(), strict=True))
 
     @property
     def label(self) -> str:
-        """The case in words."""
+        """Returns the case in words, with the loss in um."""
         method = self.preload_method.replace("_", " ")
         return f"{method}, mu {self._friction}, loss {self._loss} um"
 
     @property
     def _friction(self) -> str:
-        """The friction coefficient as in names of files."""
+        """Returns the friction coefficient as in names of files."""
         return in_name(self.friction, 3)
 
     @property
     def _loss(self) -> str:
-        """The loss as in names of files."""
+        """Returns the loss as in names of files."""
         return in_name(self.ball_diameter_loss_um, 2)
 
 
@@ -93,7 +93,10 @@ class Grid:
         friction: Iterable[float],
         ball_diameter_loss_um: Iterable[float],
     ) -> "Grid":
-        """Returns the grid of values in any order, whole numbers allowed."""
+        """Returns the grid of values in any order, which may be whole numbers.
+
+        ValueError: no value on an axis, a repeated one, or one that is not allowed.
+        """
         return cls(
             preload_method=tuple(sorted(preload_method)),
             friction=tuple(sorted(float(mu) for mu in friction)),
@@ -106,24 +109,27 @@ class Grid:
 
     @property
     def friction_names(self) -> list[str]:
-        """The friction coefficients as in the names of files."""
+        """Returns the friction coefficients as in the names of files."""
         return [in_name(mu, 3) for mu in self.friction]
 
     @property
     def loss_names(self) -> list[str]:
-        """The losses of ball diameter as in the names of files."""
+        """Returns the losses of ball diameter as in the names of files."""
         return [in_name(loss, 2) for loss in self.ball_diameter_loss_um]
 
     def chunks(self, points: int | None) -> list[str]:
-        """Returns the names of files with about so many points each, in whole lines.
+        """Returns the names of files that contain several whole lines of the grid each.
 
         The list is empty if a file would contain one line or less: each point then has a file.
+
+        points: wanted in a file; None for one.
         """
-        lines = (points or 0) // len(self.ball_diameter_loss_um)
-        if lines < 2:
+        lines_per_file = (points or 0) // len(self.ball_diameter_loss_um)
+        if lines_per_file < 2:
             return []
         names = self.friction_names
-        parts = [names[k : k + lines] for k in range(0, len(names), lines)]
+        starts = range(0, len(names), lines_per_file)
+        parts = [names[start : start + lines_per_file] for start in starts]
         return [
             f"{method}-mu{part[0]}-to-mu{part[-1]}"
             for method in self.preload_method
@@ -131,7 +137,7 @@ class Grid:
         ]
 
     def friction_names_between(self, first: str, last: str) -> list[str]:
-        """Returns the friction coefficients of a chunk, from the first to the last in its name."""
+        """Returns the friction coefficients from one to another, as in the names of files."""
         return [mu for mu in self.friction_names if float(first) <= float(mu) <= float(last)]
 
     def cases_of_each_value(self) -> list[Case]:
@@ -145,9 +151,9 @@ class Grid:
         return list(dict.fromkeys(cases))
 
 
-@functools.cache  # the rules look up each of their jobs
+@functools.cache  # the rules of the workflow look up the case of each job
 def _cases(grid: Grid) -> Mapping[str, Case]:
-    """Returns the cases of a grid by id; kept, so read-only."""
+    """Returns the cases of a grid by id; read-only, because the mapping is cached."""
     cases = (
         Case(preload_method=method, friction=mu, ball_diameter_loss_um=loss)
         for method in grid.preload_method

@@ -39,16 +39,17 @@ INTERPOLATED = table(
 class Line(NamedTuple):
     """Cases of one condition over the loss, at one preload method and friction coefficient."""
 
-    cases: xr.Dataset  # over `ball_diameter_loss`; from the first unsolved one on, not used
+    # over `ball_diameter_loss`; those from the first unsolved one on are not used
+    cases: xr.Dataset
     preload_N: float | None  # of new bearings; None where no criterion ends a life
     share: float = 1.0  # of the time of a cycle
 
 
 def interpolated_life(lines: Sequence[Line], criteria: Mapping[str, float]) -> xr.Dataset:
-    """Returns the wear life from the cases along one line of the grid.
+    """Returns the wear life at one preload method and friction, interpolated between its cases.
 
-    lines: of the only condition, or of each condition of a duty: the life is by the mean of their
-        loss rates, and the first criterion met in any of them ends it.
+    lines: of the only condition, or of each condition of a duty. The mean of their loss rates
+        decides the life, and the first criterion met in any of them ends it.
     criteria: limits by the names of `CRITERIA`; those that the cases do not contain
         (`interpolable_criteria`) are ignored.
 
@@ -61,33 +62,29 @@ def interpolated_life(lines: Sequence[Line], criteria: Mapping[str, float]) -> x
     steps = POINTS_PER_INTERVAL * (len(losses) - 1) + 1
     loss = np.linspace(losses[0], losses[max(usable, 1) - 1], steps)
     time = np.full(steps, np.nan)
-    preload = np.full(steps, np.nan)
-    end, criterion = np.nan, "none"
+    end = _LineEnd(loss=np.nan, criterion="none", preload=np.full(steps, np.nan))
     if usable > 1 and losses[0] == 0.0:
-        rate, ends = np.zeros(steps), []
+        rate = np.zeros(steps)
+        ends = []
         for line in lines:
             fine, usable_criteria = _between_cases(line, criteria, loss, usable)
             rate += line.share * fine["ball_diameter_loss_rate"].values
             if line.preload_N is not None:
-                in_metres = fine.assign_coords(ball_diameter_loss=loss * MICROMETRE)
-                margins = _margins(in_metres, usable_criteria, line.preload_N)
-                ends.append((*_first_met(loss, margins), fine["residual_preload"].values))
-        end, criterion, preload = min(ends, key=lambda item: (np.isnan(item[0]), item[0]))
-        slowness = 1.0 / rate
-        mean = 0.5 * (slowness[1:] + slowness[:-1])
-        time[0] = 0.0
-        time[1:] = np.cumsum(mean * np.diff(loss)) * MICROMETRE / SECONDS_PER_HOUR
-    life = np.interp(end, loss, time)
+                ends.append(_line_end(fine, usable_criteria, line.preload_N, loss))
+        end = min(ends, key=lambda line_end: (np.isnan(line_end.loss), line_end.loss))
+        time = _running_time(loss, rate)
+    life = np.interp(end.loss, loss, time)
+    preload = end.preload
     # The history ends where the life does.
-    if np.isfinite(end):
-        loss_to_end = np.linspace(0.0, end, steps)
+    if np.isfinite(end.loss):
+        loss_to_end = np.linspace(0.0, end.loss, steps)
         preload = np.interp(loss_to_end, loss, preload)
         time = np.interp(loss_to_end, loss, time)
         loss = loss_to_end
     values = {
         "interpolated_life": life,
-        "interpolated_loss_at_end": end * MICROMETRE,
-        "interpolated_end_criterion": CRITERIA.index(criterion),
+        "interpolated_loss_at_end": end.loss * MICROMETRE,
+        "interpolated_end_criterion": CRITERIA.index(end.criterion),
         "interpolated_history_ball_diameter_loss": loss * MICROMETRE,
         "interpolated_history_time": time,
         "interpolated_history_residual_preload": preload,
@@ -95,10 +92,48 @@ def interpolated_life(lines: Sequence[Line], criteria: Mapping[str, float]) -> x
     return dataset_of_rows(INTERPOLATED, {}, [values])
 
 
+class _LineEnd(NamedTuple):
+    """The end of life by the criteria of one condition, and its residual preload."""
+
+    loss: float  # at the end [um]; NaN if no criterion is met
+    criterion: str  # "none" if no criterion is met
+    preload: np.ndarray  # (n,) [N] at each loss
+
+
+def _line_end(
+    fine: xr.Dataset, criteria: Mapping[str, float], preload_N: float, loss: np.ndarray
+) -> _LineEnd:
+    """Returns where the first criterion of a condition is met.
+
+    fine: cases interpolated at each loss (n,) [um].
+    criteria: limits by name.
+    preload_N: of new bearings.
+    """
+    in_metres = fine.assign_coords(ball_diameter_loss=loss * MICROMETRE)
+    end_loss, criterion = _first_met(loss, _margins(in_metres, criteria, preload_N))
+    return _LineEnd(end_loss, criterion, fine["residual_preload"].values)
+
+
+def _running_time(loss: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """Returns the time [h] at each loss (n,) [um], by the trapezoidal rule over the loss.
+
+    rate: of the loss (n,) [m/s].
+    """
+    slowness = 1.0 / rate
+    mean_slowness = 0.5 * (slowness[1:] + slowness[:-1])
+    time = np.zeros(len(loss))
+    time[1:] = np.cumsum(mean_slowness * np.diff(loss)) * MICROMETRE / SECONDS_PER_HOUR
+    return time
+
+
 def _between_cases(
     line: Line, criteria: Mapping[str, float], loss: np.ndarray, usable: int
 ) -> tuple[xr.Dataset, dict[str, float]]:
-    """Returns the cases interpolated at each loss [um], and the criteria of which they know."""
+    """Returns the cases interpolated at each loss [um], and the criteria that they can meet.
+
+    criteria: limits by name; those are returned whose variables the cases contain.
+    usable: number of cases, from the first on, between which to interpolate.
+    """
     cases = line.cases
     usable_criteria = {} if line.preload_N is None else interpolable_criteria(criteria, cases)
     names = {"residual_preload", "ball_diameter_loss_rate"}
@@ -114,7 +149,10 @@ def _between_cases(
 
 
 def interpolable_criteria(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, float]:
-    """Returns the criteria of whose measure the cases of a study contain a variable."""
+    """Returns the limits of the criteria that cases of a study can meet, by name.
+
+    The cases must contain a variable of the criterion's measure.
+    """
     return {
         name: limit
         for name, limit in criteria.items()
@@ -125,7 +163,11 @@ def interpolable_criteria(criteria: Mapping[str, float], cases: xr.Dataset) -> d
 def _margins(
     fine: xr.Dataset, criteria: Mapping[str, float], preload_N: float
 ) -> dict[str, np.ndarray]:
-    """Returns the margin of each criterion at each loss; it is met where this is not positive."""
+    """Returns the margin (n,) of each criterion at each loss; it is met where this is <= 0.
+
+    fine: cases interpolated along `ball_diameter_loss` [m].
+    preload_N: of new bearings.
+    """
     margins = {}
     for name, limit in criteria.items():
         values = _critical_values(fine, ENDS[name], preload_N)
@@ -134,30 +176,41 @@ def _margins(
 
 
 def _critical_values(fine: xr.Dataset, measure: Measure, preload_N: float) -> np.ndarray:
-    """Returns the worst value of a measure at each loss [SI]; missing variables count as NaN."""
-    columns = {name: fine[name].values for name in measure.variables if name in fine}
-    steps = range(fine.sizes["ball_diameter_loss"])
+    """Returns the worst value (n,) of a measure at each loss [SI]; missing variables are NaN.
 
-    def critical(k: int) -> float:
+    fine: cases interpolated along `ball_diameter_loss` [m].
+    """
+    columns = {name: fine[name].values for name in measure.variables if name in fine}
+
+    def critical_value(k: int) -> float:
+        """Returns the worst value at a step."""
+
         def value_of(name: str) -> Any:
             return columns[name][k] if name in columns else np.nan
 
-        return measure.critical(value_of, preload_N)[0]
+        value, _ = measure.critical(value_of, preload_N)
+        return value
 
-    return np.array([critical(k) for k in steps])
+    return np.array([critical_value(k) for k in range(fine.sizes["ball_diameter_loss"])])
 
 
 def _first_met(loss: np.ndarray, margins: dict[str, np.ndarray]) -> tuple[float, str]:
-    """Returns the loss at which the first criterion is met, and its name; (nan, "none") if none."""
-    end, criterion = np.nan, "none"
+    """Returns the loss at which the first criterion is met, and its name; (nan, "none") if none.
+
+    margins: (n,) at each loss (n,), by the name of the criterion.
+    """
+    end_losses: dict[str, float] = {}
     for name, margin in margins.items():
-        met_at = np.flatnonzero(margin <= 1e-12)  # the last grid point may be the limit itself
+        # beyond rounding: the last loss of the grid may be the limit itself
+        met_at = np.flatnonzero(margin <= 1e-12)
         if met_at.size:
             k = int(met_at[0])
             end_loss = loss[0]
             if k > 0:
                 share = margin[k - 1] / (margin[k - 1] - margin[k])
                 end_loss = loss[k - 1] + min(share, 1.0) * (loss[k] - loss[k - 1])
-            if not end_loss >= end:
-                end, criterion = float(end_loss), name
-    return end, criterion
+            end_losses[name] = float(end_loss)
+    if not end_losses:
+        return np.nan, "none"
+    first = min(end_losses, key=end_losses.__getitem__)
+    return end_losses[first], first

@@ -18,7 +18,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
-from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, scene_of
+from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, plain_scene
 from bearingwear.studies.dataset import load_with_axes
 from bearingwear.studies.grid.answer import detailed_lives_block, lives_of
 from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
@@ -39,7 +39,11 @@ _WEAR = {
 
 
 def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> tuple[str, str]:
-    """Step: returns the numbers of a scene as CSV, and the main ones as Markdown."""
+    """Step: returns the numbers of a study of one scene as CSV, and the main ones as Markdown.
+
+    study, lives: files of `gathered_study` and `study_life`.
+    uncertainty: files of the study of uncertainty.
+    """
     cases = load_with_axes(study, ball_diameter_loss=())
     uncertainties = [dataset for path in uncertainty for dataset in load_quantiles(path)]
     life_dataset = load_with_axes(lives, interpolated_step=())
@@ -56,7 +60,7 @@ def cases_csv(study: xr.Dataset) -> str:
 
 
 def over_all_balls(dataset: xr.Dataset) -> xr.Dataset:
-    """Returns a dataset without the dimension `ball`: means or extremes, flags of one ball."""
+    """Returns a dataset without the dimension `ball`: means or extremes, and flags of ball 1."""
 
     def without_balls(variable: xr.DataArray) -> xr.DataArray:
         if "ball" not in variable.dims:
@@ -73,14 +77,15 @@ def study_summary(
 ) -> str:
     """Returns the effect of wear, the wear lives, and the unsolved cases, as Markdown.
 
-    uncertainties: files of the study of uncertainty. The description of the scene is left to the
-    page, since a change of it does not require a new summary.
+    The page, not the summary, has the description of the scene: a change of it requires no new one.
+
+    uncertainties: datasets of the study of uncertainty.
     """
-    scene = scene_of(study)
+    scene = plain_scene(study)
     unsolved = tuple(unsolved_cases(study)) or ("None: every case was solved and verified.",)
-    table = detailed_lives_block("Wear life", lives_of(lives, uncertainties), scene)
-    table = replace(table, lines=(*table.lines, *_interpolation_lines(lives)))
-    blocks = (_wear_block(study), table, Block("Not solved", lines=unsolved))
+    lives_table = detailed_lives_block("Wear life", lives_of(lives, uncertainties), scene)
+    lives_table = replace(lives_table, lines=(*lives_table.lines, *_interpolation_lines(lives)))
+    blocks = (_wear_block(study), lives_table, Block("Not solved", lines=unsolved))
     return as_markdown(Document((scene["name"],), blocks=blocks))
 
 
@@ -106,8 +111,10 @@ def _wear_block(study: xr.Dataset) -> Block:
 
 
 def _interpolation_lines(lives: xr.Dataset) -> list[str]:
-    """Returns a line on why some lives cannot be interpolated; none if all can."""
-    unknown = [ENDS[name].words for name in json.loads(lives.attrs.get(NOT_INTERPOLATED, "[]"))]
+    """Returns a line on why some lives cannot be interpolated; no line if all can."""
+    missing_criteria = [
+        ENDS[name].words for name in json.loads(lives.attrs.get(NOT_INTERPOLATED, "[]"))
+    ]
     sentences = []
     if bool(lives["life_route_difference"].isnull().any()):
         sentences.append(
@@ -115,14 +122,14 @@ def _interpolation_lines(lives: xr.Dataset) -> list[str]:
             "computed with worn grooves or for two different bearings, or the cases do not contain "
             "its end-of-life criterion."
         )
-    if unknown:
-        sentences.append(f"Criteria that the cases do not contain: {', '.join(unknown)}.")
+    if missing_criteria:
+        sentences.append(f"Criteria that the cases do not contain: {', '.join(missing_criteria)}.")
     return [" ".join(sentences)] if sentences else []
 
 
 def cases_in_words(study: xr.Dataset) -> Iterator[tuple[str, dict[str, int]]]:
     """Yields each case in words, and its index along each dimension of the grid."""
-    scene = scene_of(study)
+    scene = plain_scene(study)
     for i, (name, _) in enumerate(methods(study)):
         words = method_words(scene, name)
         for j, mu in enumerate(study["friction"].values):
@@ -132,9 +139,10 @@ def cases_in_words(study: xr.Dataset) -> Iterator[tuple[str, dict[str, int]]]:
 
 
 def unsolved_cases(study: xr.Dataset, status: str = "status", model: str = "") -> Iterator[str]:
-    """Yields each case that was not solved, with its status.
+    """Yields a line for each case that was not solved, with its status.
 
-    status: name of the variable. model: words that follow the case.
+    status: name of its variable.
+    model: words that follow the case.
     """
     for case, index in cases_in_words(study):
         code = int(study[status][index])

@@ -10,11 +10,15 @@ from matplotlib.patches import Patch
 from bearingwear.measures import ENDS, plain
 from bearingwear.plotting.drawing import SERIES, Figure, frame, new_figure, start_at_zero
 from bearingwear.results.units import digits
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 
 
 def duty_figure(life: xr.Dataset) -> Figure:
-    """Returns residual preloads over time, and worn volumes over time, stacked by phase."""
+    """Returns the figure of a life over a duty, of a bearing.
+
+    Its panels are the residual preload in each phase over time, and the worn volumes, stacked by
+    phase.
+    """
     time = life["history_time"].values
     phases = str(life.attrs["phases"]).split()
     figure, panels = new_figure(2, 1, 5.2, 6.0, sharex=True)
@@ -23,7 +27,7 @@ def duty_figure(life: xr.Dataset) -> Figure:
     for k, colour in enumerate(colours):
         preload = life["history_phase_residual_preload"].isel(phase=k).values
         preload_panel.plot(time, preload, color=colour, marker=".", markersize=3)
-    scene = scene_of(life)
+    scene = plain_scene(life)
     end: dict[str, Any] = {"linestyle": "--", "linewidth": 1.0, "color": "0.3"}
     fraction = scene["wear"]["end_of_life"].get("preload_fraction")
     if fraction is not None:
@@ -50,14 +54,13 @@ def duty_figure(life: xr.Dataset) -> Figure:
 
 
 def duty_message(life: xr.Dataset) -> str:
-    """Returns the life over a duty and what ends it, as the message of a figure."""
-    scene, hours = scene_of(life), float(life["life"])
-    criterion = life["end_criterion"].attrs["flag_meanings"].split()[int(life["end_criterion"])]
+    """Returns a sentence on the life over a duty, its cycles, and what ends it in which phase."""
+    scene = plain_scene(life)
+    hours = digits(float(life["life"]))
+    cycles = plain(float(life["life_cycles"]))
+    flag_names = life["end_criterion"].attrs["flag_meanings"].split()
+    criterion = flag_names[int(life["end_criterion"])]
     measure = ENDS.get(criterion)
     end = measure.words if measure else "no criterion"
     where = "" if measure and measure.of_wear else f" in {life.attrs['ended_in']}"
-    cycles = plain(float(life["life_cycles"]))
-    return (
-        f"{scene['name']}: life over the duty {digits(hours)} h, {cycles} cycles, "
-        f"ended by {end}{where}"
-    )
+    return f"{scene['name']}: life over the duty {hours} h, {cycles} cycles, ended by {end}{where}"

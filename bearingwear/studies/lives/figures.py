@@ -25,7 +25,7 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import hours_in_words
 from bearingwear.results.units import Rough, digits
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.lives.tables import dynamic_life, ended_by
 
 _BALLS, _RACES, _POCKETS, _LAND = SERIES[:4]
@@ -35,7 +35,7 @@ _AGES = "viridis_r"
 
 
 def wear_history(life: Path) -> Figure:
-    """Step: returns the figure of the history of a life."""
+    """Step: returns the figure of the history of a life in a file. Raises CaseFileError."""
     dataset = dynamic_life(life)
     if "history_ball_worn_volume" not in dataset:
         raise CaseFileError(f"{life}: no step of this life calculation could be solved")
@@ -65,16 +65,17 @@ def history_figure(life: xr.Dataset) -> Figure:
             panel.set_xlim(left=0.0)
             panel.tick_params(labelbottom=True)
             panel.set_xlabel("running time (h)")
-    frame(figure, _history_title(life), [*_keys(life), *failed_keys(failed)], columns=4)
+    frame(figure, _history_title(life), [*_legend_keys(life), *failed_keys(failed)], columns=4)
     return figure
 
 
 def _with_cage(life: xr.Dataset) -> bool:
+    """Whether a life includes the wear of a cage."""
     return "history_pocket_worn_volume" in life
 
 
 def _volume_lines(life: xr.Dataset) -> dict[str, list[tuple[xr.DataArray, dict[str, Any]]]]:
-    """Returns the worn volumes and the styles of their lines, by the part that wears."""
+    """Returns the worn volumes over time and the styles of their lines, by the part that wears."""
     races = life["history_race_worn_volume"]
     lines = {
         "one ball": [(life["history_ball_worn_volume"], {"color": _BALLS})],
@@ -91,8 +92,8 @@ def _volume_lines(life: xr.Dataset) -> dict[str, list[tuple[xr.DataArray, dict[s
     return lines
 
 
-def _keys(life: xr.Dataset) -> list[Any]:
-    """Returns the entries of the legend."""
+def _legend_keys(life: xr.Dataset) -> list[Any]:
+    """Returns the entries of the legend of a history, without that of failures."""
     keys = [
         key("each ball", color=_BALLS),
         key("inner race", color=_RACES),
@@ -115,18 +116,20 @@ def _volume_unit(exponent: int) -> str:
 
 
 def _history_title(life: xr.Dataset) -> str:
-    """Returns the length of a life in words, what ended it, and how the steady life compares."""
-    hours, name = float(life["life"]), scene_of(life)["name"]
+    """Returns a title on the length of a life, what ended it, and how the steady life compares."""
+    scene = plain_scene(life)
+    name = scene["name"]
+    hours = float(life["life"])
     if int(life["status"]) != OK:
         return f"{name}: no end of life within {Rough(hours).text} h ({ended_by(life)})"
-    text = f"{name}: life ended by {ended_by(life)} after {hours_in_words(scene_of(life), hours)}"
+    text = f"{name}: life ended by {ended_by(life)} after {hours_in_words(scene, hours)}"
     if "steady_life" in life:
         text += f", {hours / float(life['steady_life']):.3g} times the steady life"
     return text
 
 
 def groove_figure(life: xr.Dataset) -> Figure:
-    """Returns the pressures and profiles of both grooves at five states of a life."""
+    """Returns a figure of the pressures and profiles of both grooves at some states of a life."""
     figure, panels = new_figure(2, 2, 7.6, 5.4)
     steps = life["groove_step"].values
     colours = [*matplotlib.colormaps[_AGES](np.linspace(0.1, 1.0, len(steps)))]
@@ -135,7 +138,9 @@ def groove_figure(life: xr.Dataset) -> Figure:
         arc = 1e3 * life["groove_arc"].isel(race=race).values
         pressure = 1e-9 * life["groove_pressure"].isel(race=race).values
         depth = 1e6 * life["groove_depth"].isel(race=race).values
-        shown = arc[(depth > 1e-3 * depth.max()).any(axis=0) | (pressure > 0.0).any(axis=0)]
+        # where the groove is worn by a thousandth of its depth, or pressed
+        is_shown = (depth > 1e-3 * depth.max()).any(axis=0) | (pressure > 0.0).any(axis=0)
+        shown = arc[is_shown]
         for k, colour in enumerate(colours):
             panels[0, race].plot(arc, pressure[k], color=colour)
             panels[1, race].plot(arc, -depth[k], color=colour)
@@ -152,7 +157,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         for step, colour in zip(steps, colours, strict=True)
     ]
     loss_um = 1e6 * float(life["history_ball_diameter_loss"][steps[-1]])
-    name = scene_of(life)["name"]
+    name = plain_scene(life)["name"]
     title = f"{name}: groove profiles up to a total wear depth of {loss_um:.2g} µm"
     frame(figure, title, keys, columns=5)
     return figure

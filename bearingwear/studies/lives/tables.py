@@ -24,7 +24,10 @@ COLUMN_WORDS = (
 
 
 def lives_table(lives: Sequence[Path]) -> str:
-    """Step: returns a table of lives by the names of their files, beside the steady ones."""
+    """Step: returns a table of dynamic lives beside the steady ones, as Markdown.
+
+    lives: files, whose names head the lines.
+    """
     datasets = [dynamic_life(path) for path in lives]
     rows = (
         Row("name", "", tuple(path.stem for path in lives)),
@@ -55,7 +58,10 @@ def _number_row(label: str, unit: str, lives: Sequence[xr.Dataset], name: str) -
 
 
 def _relative_ball_wear(life: xr.Dataset, extreme: Callable[[np.ndarray], float]) -> float:
-    """Returns the worn volume of the ball that wears least or most, over the mean."""
+    """Returns an extreme worn volume of the balls over their mean; NaN without wear.
+
+    extreme: `np.min` or `np.max`.
+    """
     if "history_ball_worn_volume" not in life:
         return math.nan
     balls = life["history_ball_worn_volume"].values[-1]
@@ -63,7 +69,10 @@ def _relative_ball_wear(life: xr.Dataset, extreme: Callable[[np.ndarray], float]
 
 
 def _worn_volume(life: xr.Dataset, part: str) -> float:
-    """Returns the volume that all pockets, or the land, have lost [m3]."""
+    """Returns the worn volume of all pockets, or of the land, at the end [m3]; NaN without cage.
+
+    part {"pocket", "land"}
+    """
     name = f"history_{part}_worn_volume"
     return float(np.sum(life[name].values[-1])) if name in life else math.nan
 
@@ -77,18 +86,20 @@ def dynamic_life(path: Path) -> xr.Dataset:
 
 
 def ended_by(life: xr.Dataset) -> str:
-    """Returns the criterion that ended a life, in words; otherwise the status."""
+    """Returns in words the criterion that ended a life, or its status if it did not end."""
     status = int(life["status"])
     if status != OK:
         return name_in_words(STATUS_NAMES[status])
-    return criterion(life, "end_criterion")
+    return _criterion_words(life, "end_criterion")
 
 
 def _steady_life_ended_by(life: xr.Dataset) -> str:
-    return criterion(life, "steady_end_criterion") if "steady_life" in life else "–"
+    """Returns the criterion that ended the steady life in words; a dash without such a life."""
+    return _criterion_words(life, "steady_end_criterion") if "steady_life" in life else "–"
 
 
-def criterion(life: xr.Dataset, name: str) -> str:
-    """Returns a criterion of a life in words, without its unit."""
-    key = life[name].attrs["flag_meanings"].split()[int(life[name])]
-    return key_in_words(key)[0]
+def _criterion_words(life: xr.Dataset, variable: str) -> str:
+    """Returns the words for the flag of a variable that names a criterion, without its unit."""
+    flag_names = life[variable].attrs["flag_meanings"].split()
+    words, _ = key_in_words(flag_names[int(life[variable])])
+    return words

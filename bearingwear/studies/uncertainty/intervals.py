@@ -34,9 +34,13 @@ def life_quantile(lives: np.ndarray, factors: np.ndarray, p: float) -> Quantile:
 
     lives (n,): NaN where one was not solved; these are left out.
     factors (n, draws): by which wear scales each life, equally probable.
+    p: probability.
+
+    Returns NaN for the quantile of no life, and for an interval that the sample cannot give.
     """
     solved = np.isfinite(lives)
-    lives, scaled = lives[solved], lives[solved, None] * factors[solved]
+    scaled = lives[solved, None] * factors[solved]
+    lives = lives[solved]
     n = len(lives)
     if not n:
         return Quantile(np.nan, np.nan, np.nan)
@@ -47,32 +51,35 @@ def life_quantile(lives: np.ndarray, factors: np.ndarray, p: float) -> Quantile:
         return Quantile(value, value, value)
     effective = float(n)
     if factors.shape[1] > 1:
-        below = np.append((scaled <= value).mean(axis=1), [0.0, 1.0])
-        effective *= p * (1.0 - p) / below.var(ddof=1)
+        # of each life; of one bearing more that lasts, and of one that fails at once
+        shares_below = np.append((scaled <= value).mean(axis=1), [0.0, 1.0])
+        effective *= p * (1.0 - p) / shares_below.var(ddof=1)
     probabilities = (
         stats.beta.ppf(TAILS[0], effective * p, effective * (1.0 - p) + 1.0),
         stats.beta.ppf(TAILS[1], effective * p + 1.0, effective * (1.0 - p)),
     )
     low, high = np.quantile(scaled, probabilities, method="hazen")
-    smallest = 1.0 / scaled.size
-    has_low, has_high = (smallest <= end <= 1.0 - smallest for end in probabilities)
+    share_of_member = 1.0 / scaled.size  # an end beyond the outermost members is not known
+    has_low, has_high = (share_of_member <= end <= 1.0 - share_of_member for end in probabilities)
     return Quantile(value, low if has_low else np.nan, high if has_high else np.nan)
 
 
 def longest_shares(lives: np.ndarray) -> np.ndarray:
-    """Returns the shares of bearings that live longest by each method, and intervals (methods, 3).
+    """Returns the share of bearings that live longest with each preload method (methods, 3).
 
-    The intervals are those of Clopper and Pearson (1934).
+    A row is the share and the ends of its confidence interval (Clopper and Pearson 1934); NaN if no
+    bearing has a life with all methods.
 
-    lives (methods, n): at the same sampled values; NaN where one was not solved.
+    lives (methods, n): of the same bearings with each method; NaN where one was not solved.
     """
     lives = lives[:, np.isfinite(lives).all(axis=0)]
     count = lives.shape[1]
     if not count:
         return np.full((len(lives), 3), np.nan)
     shares = []
-    for m, of_method in enumerate(lives):
-        longest = int((of_method > np.delete(lives, m, axis=0)).all(axis=0).sum())
+    for m, method_lives in enumerate(lives):
+        other_lives = np.delete(lives, m, axis=0)
+        longest = int((method_lives > other_lives).all(axis=0).sum())
         interval = stats.binomtest(longest, count).proportion_ci(CONFIDENCE)
         shares.append((longest / count, interval.low, interval.high))
     return np.array(shares)
@@ -83,27 +90,34 @@ RESAMPLES = 200
 
 
 def sobol_indices(lives: np.ndarray, seed: int) -> dict[str, np.ndarray]:
-    """Returns Sobol indices (answers, values) of log lives, and half-widths of their intervals.
+    """Returns Sobol indices (outputs, values) of log lives, and half-widths of their intervals.
 
     They are those of `scipy.stats.sobol_indices` (Saltelli et al. 2010), which takes a power of
-    two of base samples: the first of those of which every life is above zero.
+    two of base samples: the first of those of which every life is above zero. With fewer than two
+    of these, all indices are NaN.
 
-    lives (values + 2, answers, n): at A, at B, and at A with each value of B.
+    lives (values + 2, outputs, n): at A, at B, and at A with each value of B.
+    seed: of the bootstrap.
+
+    Returns arrays by the names `first_index`, `total_index`, and these with `_error`.
     """
-    values, answers = lives.shape[0] - 2, lives.shape[1]
+    count_of_values = lives.shape[0] - 2
+    outputs = lives.shape[1]
     usable = (lives > 0.0).all(axis=(0, 1))
     if usable.sum() < 2:
-        unknown = np.full((answers, values), np.nan)
+        unknown = np.full((outputs, count_of_values), np.nan)
         names = "first_index", "total_index", "first_index_error", "total_index_error"
         return dict.fromkeys(names, unknown)
     n = 2 ** int(np.log2(usable.sum()))
     logs = np.log(lives[..., usable][..., :n])
 
     def indices(samples: np.ndarray) -> np.ndarray:
+        """Returns first and total indices (2, outputs, values) of some base samples (n,)."""
         chosen = logs[..., samples]
-        answers_at = {"f_A": chosen[0], "f_B": chosen[1], "f_AB": chosen[2:]}
-        result = stats.sobol_indices(func=answers_at, n=n)
-        return np.stack([result.first_order, result.total_order]).reshape(2, answers, values)
+        outputs_at = {"f_A": chosen[0], "f_B": chosen[1], "f_AB": chosen[2:]}
+        result = stats.sobol_indices(func=outputs_at, n=n)
+        both_orders = np.stack([result.first_order, result.total_order])
+        return both_orders.reshape(2, outputs, count_of_values)
 
     random = np.random.default_rng(seed)
     resampled = np.stack([indices(random.integers(n, size=n)) for _ in range(RESAMPLES)])

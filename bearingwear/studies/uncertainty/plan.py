@@ -18,9 +18,11 @@ OWN, AS_RECOMMENDED = PRELOAD_CHOICES = ("own", "recommended")
 
 
 def uncertain_scene(scene: Source, settings: Sequence[str] = (), tell: Tell | None = None) -> Scene:
-    """Returns a scene whose lives can be sampled: `life_scene`, with distributions.
+    """Returns a scene whose lives can be sampled: one for the steady model, with distributions.
 
+    settings: changes `KEY=VALUE`.
     tell: takes a line on the distributions that are assumed where the scene has none.
+    SceneError: a life that requires another model, or a lognormal distribution around 0.
     """
     source = source_name(scene)
     scene, assumption = with_usual_spread(life_scene(scene, settings, films=True))

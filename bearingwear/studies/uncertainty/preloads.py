@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.recommend import recommended_for
 
@@ -17,12 +17,13 @@ def recommended_preloads(
 ) -> dict[str, float]:
     """Returns the recommended preload [N] of each method in a file; NaN where there is none.
 
+    recommendation: file of `bearingwear recommend`.
     methods: those that the file must have.
     CaseFileError: a file that is no recommendation for this scene, or lacks a method.
     """
     dataset = recommended_for(scene, load(recommendation))
-    flags, values = dataset["preload_method"].values.tolist(), dataset["preload"].values.tolist()
-    preloads = {PRELOAD_METHODS[flag]: value for flag, value in zip(flags, values, strict=True)}
+    names = [PRELOAD_METHODS[flag] for flag in dataset["preload_method"].values.tolist()]
+    preloads = dict(zip(names, dataset["preload"].values.tolist(), strict=True))
     for method in methods:
         if method not in preloads:
             raise CaseFileError(f"the recommendation does not contain {method}")
@@ -30,14 +31,16 @@ def recommended_preloads(
 
 
 def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
-    """Returns the scene with a method and a preload, whose distribution is scaled with it."""
+    """Returns the scene with a preload method and a preload [N].
+
+    A distribution of the preload keeps its shape: its mean, spread and ends change in proportion.
+    """
     distributions = dict(scene.uncertainty or {})
     if "preload_N" in distributions:
-        scale, spread = preload_N / scene.operation.preload_N, distributions["preload_N"]
-        scaled = {
-            key: value * scale
-            for key in ("mean", "standard_deviation", "median", "low", "high")
-            if (value := getattr(spread, key)) is not None
-        }
+        scale = preload_N / scene.operation.preload_N
+        spread = distributions["preload_N"]
+        keys = ("mean", "standard_deviation", "median", "low", "high")
+        values = {key: getattr(spread, key) for key in keys}
+        scaled = {key: value * scale for key, value in values.items() if value is not None}
         distributions["preload_N"] = replace(spread, **scaled)
-    return replace(held_by(scene, method, preload_N), uncertainty=distributions)
+    return replace(with_method(scene, method, preload_N), uncertainty=distributions)

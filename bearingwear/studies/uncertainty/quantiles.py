@@ -5,7 +5,7 @@ Theory: docs/theory.md, section 15.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ from bearingwear.results.quantiles import (
     SCATTER_ONLY,
 )
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
-from bearingwear.scene.distributions import value_at, values_at
+from bearingwear.scene.distributions import sampled_values, value_quantiles
 from bearingwear.scene.read import Source
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.answers import Tell, Workers
@@ -63,7 +63,7 @@ MEMBERS = 512
 
 
 class MethodLives(NamedTuple):
-    """Lives of a method at one preload; without any where no preload is recommended."""
+    """Sampled lives with a preload method at one preload; none where no preload is recommended."""
 
     row: dict[str, Any]  # values of `ANALYSED`
     life: np.ndarray  # (n,) [h] of bearings in which everything uncertain varies
@@ -85,12 +85,15 @@ def uncertain_lives(
     methods: preload methods, if not the scene's own alone.
     samples: number of bearings in each sample, a power of two.
     workers: processes that solve lives.
-    tell: what takes lines of progress.
+    tell: takes lines of progress, and a line on distributions that are assumed.
+
+    Returns the variables of `ANALYSED` over friction, preload method, choice of preload, inputs
+        that vary, and probability.
     """
     plan = sampling_of(samples, seed)
     assumptions: list[str] = []
-    settings = [[f"friction.ball_race={mu!r}"] for mu in frictions] or [[]]
-    scenes = [uncertain_scene(scene, setting, assumptions.append) for setting in settings]
+    settings = [[f"friction.ball_race={mu!r}"] for mu in frictions] if len(frictions) else [[]]
+    scenes = [uncertain_scene(scene, changes, assumptions.append) for changes in settings]
     if tell and assumptions:
         tell(assumptions[0])
     operation = scenes[0].operation
@@ -106,6 +109,7 @@ def recommended_life_quantiles(
 ) -> xr.Dataset:
     """Step: returns quantiles of the life at the recommended preload of each method with one.
 
+    recommendation: file of `bearingwear recommend`.
     samples, seed, workers: as of `uncertain_lives`.
     """
     base = uncertain_scene(scene)
@@ -127,6 +131,7 @@ def quantiles_and_indices(
 ) -> xr.Dataset:
     """Step: returns quantiles and Sobol indices of the life, at the own and recommended preload.
 
+    recommendation: file of `bearingwear recommend`.
     methods: preload methods.
     samples: number of bearings in each sample and of base samples of the indices, a power of two.
     seed, workers: as of `uncertain_lives`.
@@ -153,30 +158,21 @@ def life_quantiles(
     """Returns quantiles of the lives of a scene, and Sobol indices if asked for.
 
     scenes: one at each of `frictions`, or a single one.
-    preloads: by method and choice of preload [N]; NaN where none is recommended.
+    preloads: [N] by preload method and choice, of `PRELOAD_CHOICES`; NaN where none is recommended.
+    plan: size and seed of the samples.
+    workers, tell: as of `uncertain_lives`.
+
+    Returns the variables of `ANALYSED` over the axes of `_quantile_axes`.
     """
     rows = []
     with Workers(workers, "uncertainty", tell or False) as pool:
         for scene in scenes:
             rows += _rows_at_preloads(scene, preloads, plan, pool, tell, with_indices)
-    methods = dict.fromkeys(method for method, _ in preloads)
-    choices = dict.fromkeys(choice for _, choice in preloads)
-    axes: dict[Variable, Any] = {
-        METHOD: [PRELOAD_METHODS.index(method) for method in methods],
-        CHOICE: [PRELOAD_CHOICES.index(choice) for choice in choices or [AS_RECOMMENDED]],
-        INPUTS: None,
-        PROBABILITY: PROBABILITIES,
-        STATUSES: None,
-    }
-    if len(frictions):
-        axes = {FRICTION_AXIS: list(frictions)} | axes
-    if with_indices:
-        names = tuple(scenes[0].uncertainty or {})
-        axes[Variable("quantity", ("quantity",), "", "uncertain value", "i1", flags=names)] = None
     present = {name: ANALYSED[name] for name in ANALYSED if any(name in row for row in rows)}
+    quantities = tuple(scenes[0].uncertainty or {}) if with_indices else ()
     return dataset_of_rows(
         present,
-        axes,
+        _quantile_axes(preloads, frictions, quantities),
         rows,
         title=f"Uncertainty in life: {scenes[0].name}",
         kind=KIND,
@@ -187,6 +183,33 @@ def life_quantiles(
     )
 
 
+def _quantile_axes(
+    preloads: Iterable[tuple[str, str]], frictions: Sequence[float], quantities: tuple[str, ...]
+) -> dict[Variable, Any]:
+    """Returns the values of each axis of a file of quantiles; None stands for all flags of an axis.
+
+    preloads: pairs of a preload method and a choice of preload.
+    frictions: without any, there is no axis of friction.
+    quantities: names of uncertain values; without any, there is no axis of these.
+    """
+    methods = dict.fromkeys(method for method, _ in preloads)
+    choices = dict.fromkeys(choice for _, choice in preloads)
+    axes: dict[Variable, Any] = {FRICTION_AXIS: list(frictions)} if len(frictions) else {}
+    axes |= {
+        METHOD: [PRELOAD_METHODS.index(method) for method in methods],
+        CHOICE: [PRELOAD_CHOICES.index(choice) for choice in choices or [AS_RECOMMENDED]],
+        INPUTS: None,
+        PROBABILITY: PROBABILITIES,
+        STATUSES: None,
+    }
+    if quantities:
+        quantity = Variable(
+            "quantity", ("quantity",), "", "uncertain value", "i1", flags=quantities
+        )
+        axes[quantity] = None
+    return axes
+
+
 def _rows_at_preloads(
     scene: Scene,
     preloads: Mapping[tuple[str, str], float],
@@ -195,60 +218,70 @@ def _rows_at_preloads(
     tell: Tell | None,
     with_indices: bool,
 ) -> list[dict[str, Any]]:
-    """Returns the values of `ANALYSED` at each preload, in their order."""
+    """Returns the values of `ANALYSED` at each preload, in their order.
+
+    The arguments are those of `life_quantiles`; the processes of `pool` solve the lives.
+    """
     lives_by_choice: dict[str, list[MethodLives]] = {}
     rows = []
     for (method, choice), preload in preloads.items():
         lives = MethodLives({"preload": preload}, np.empty(0))
         if np.isfinite(preload):
             at_preload = with_preload(scene, method, preload)
-            lives = _lives_at(at_preload, plan, pool, tell)
+            lives = _method_lives(at_preload, plan, pool, tell)
             if with_indices:
-                lives.row.update(_causes(at_preload, plan, pool))
+                lives.row.update(_effects_of_values(at_preload, plan, pool))
         lives_by_choice.setdefault(choice, []).append(lives)
         rows.append(lives.row)
-    for of_methods in lives_by_choice.values():
-        _add_longest(of_methods)
+    for lives_by_method in lives_by_choice.values():
+        _add_longest_shares(lives_by_method)
     return rows
 
 
-def _lives_at(scene: Scene, plan: Sampling, pool: Workers, tell: Tell | None) -> MethodLives:
-    """Returns lives and their quantiles: of all bearings, within a batch, and over batches."""
+def _method_lives(scene: Scene, plan: Sampling, pool: Workers, tell: Tell | None) -> MethodLives:
+    """Returns lives at the scene's preload, with their quantiles and statuses.
+
+    The quantiles are those of all bearings, of all bearings with the wear coefficient and hardness
+    of the scene, within a batch, and over batches.
+    """
     if tell:
         tell(
             f"{scene.operation.preload_method}: sampling {plan.samples} bearings, "
             f"{plan.samples} within a batch, and {plan.samples} batches"
         )
-    classes = ALL_INPUTS, SCATTER_ONLY, BATCH_ONLY
-    samples = [sample_of(scene, inputs, plan) for inputs in classes]
+    solved_inputs = ALL_INPUTS, SCATTER_ONLY, BATCH_ONLY
+    samples = {inputs: sample_of(scene, inputs, plan) for inputs in solved_inputs}
     medians = np.array([_medians(scene)])
-    solved = sampled_lives(scene, np.vstack([medians, *(sample.rows for sample in samples)]), pool)
+    rows = np.vstack([medians, *(sample.rows for sample in samples.values())])
+    solved = sampled_lives(scene, rows, pool)
     all_hours = solved.life * HOURS_PER_SECOND
-    hours = dict(zip(classes, np.split(all_hours[1:], len(classes)), strict=True))
+    hours = dict(zip(samples, np.split(all_hours[1:], len(samples)), strict=True))
     hours[ALL_BUT_WEAR] = hours[ALL_INPUTS]
-    factors = {inputs: sample.factors for inputs, sample in zip(classes, samples, strict=True)}
+    factors = {inputs: sample.factors for inputs, sample in samples.items()}
     factors[ALL_BUT_WEAR] = np.ones((plan.samples, 1))
     statuses = LIFE_STATUSES.values()
+    flags = sorted(hours)  # the order of the axis of inputs
     row = {
         "preload": scene.operation.preload_N,
         "evaluations": solved.solves,
         "solved_share": solved.solved_share,
         "status_count": [np.count_nonzero(solved.status == status) for status in statuses],
         "nominal_life": all_hours[0],
-        "life_sample": [_evenly_spaced(hours[key], factors[key]) for key in sorted(hours)],
+        "life_sample": [_evenly_spaced_lives(hours[flag], factors[flag]) for flag in flags],
     }
     quantiles = np.array(
-        [
-            [life_quantile(hours[key], factors[key], p) for p in PROBABILITIES]
-            for key in sorted(hours)
-        ]
+        [[life_quantile(hours[flag], factors[flag], p) for p in PROBABILITIES] for flag in flags]
     )
     row |= dict(zip(QUANTILE, np.moveaxis(quantiles, -1, 0), strict=True))
     return MethodLives(row, hours[ALL_INPUTS] * factors[ALL_INPUTS][:, 0])
 
 
-def _evenly_spaced(hours: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Returns quantiles of lives (n,) times factors (n, draws), at evenly spaced probabilities."""
+def _evenly_spaced_lives(hours: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Returns `MEMBERS` quantiles of scaled lives, at evenly spaced probabilities; NaN for no life.
+
+    hours: lives (n,); NaN where one was not solved.
+    factors: (n, draws) by which each life is scaled.
+    """
     solved = np.isfinite(hours)
     if not solved.any():
         return np.full(MEMBERS, np.nan)
@@ -256,8 +289,13 @@ def _evenly_spaced(hours: np.ndarray, factors: np.ndarray) -> np.ndarray:
     return np.quantile(scaled, (np.arange(MEMBERS) + 0.5) / MEMBERS, method="hazen")
 
 
-def _add_longest(methods: Sequence[MethodLives]) -> None:
-    """Adds to each method how often it gives the longest life, where there are several."""
+def _add_longest_shares(methods: Sequence[MethodLives]) -> None:
+    """Adds to the row of each method the share of bearings that it gives the longest life.
+
+    Methods without lives are left out; a single one gets no share.
+
+    methods: lives with each method at the same choice of preload.
+    """
     sampled = [method for method in methods if len(method.life)]
     if len(sampled) > 1:
         shares = longest_shares(np.array([method.life for method in sampled]))
@@ -266,42 +304,49 @@ def _add_longest(methods: Sequence[MethodLives]) -> None:
 
 
 def _medians(scene: Scene) -> list[float]:
-    """Returns every uncertain value at its median."""
-    return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
+    """Returns the median of each uncertain value, in the order and units of `uncertainty`."""
+    return [float(value_quantiles(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
 
 
-def _causes(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
-    """Returns Sobol indices of the lives, and lives with one value at its 10 and 90 % quantile."""
+def _effects_of_values(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
+    """Returns how much each uncertain value changes the life, by the names of `ANALYSED`.
+
+    These are Sobol indices of the lives with their errors, the share of base samples that they
+    use, and the lives [h] with one value at its 10 or 90 % quantile and the others at their
+    medians.
+    """
     names = list(scene.uncertainty or {})
     base_rows = sobol_rows(scene, plan)
     changed_rows = np.tile(_medians(scene), (2 * len(names), 1))
     for k, name in enumerate(names):
-        changed_rows[2 * k : 2 * k + 2, k] = value_at(scene, name, np.array([0.1, 0.9]))
+        changed_rows[2 * k : 2 * k + 2, k] = value_quantiles(scene, name, np.array([0.1, 0.9]))
     rows = np.vstack([base_rows.reshape(-1, len(names)), changed_rows])
     lives = sampled_lives(scene, rows, pool).life
     base_lives = lives[: -len(changed_rows)].reshape(base_rows.shape[:2])
     changed_lives = lives[-len(changed_rows) :] * HOURS_PER_SECOND
-    columns = [k for k, name in enumerate(names) if name in WORN]
-    wear_values = base_rows[..., columns].reshape(-1, len(columns))
-    factor = wear_factor(scene, [names[k] for k in columns], wear_values).reshape(base_lives.shape)
-    answers = np.stack([base_lives, base_lives / factor], axis=1)  # all inputs, all but wear
-    unknown = np.full((2, len(names)), np.nan)  # for the samples that vary one class
-    causes: dict[str, Any] = {
+    wear_columns = [k for k, name in enumerate(names) if name in WORN]
+    wear_names = [names[k] for k in wear_columns]
+    wear_values = base_rows[..., wear_columns].reshape(-1, len(wear_columns))
+    factors = wear_factor(scene, wear_names, wear_values).reshape(base_lives.shape)
+    outputs = np.stack([base_lives, base_lives / factors], axis=1)  # all inputs, all but wear
+    unknown = np.full((2, len(names)), np.nan)  # of scatter only and of batch only
+    effects: dict[str, Any] = {
         name: np.vstack([indices, unknown])
-        for name, indices in sobol_indices(answers, plan.seed).items()
+        for name, indices in sobol_indices(outputs, plan.seed).items()
     }
-    causes["index_share"] = (answers > 0.0).all(axis=(0, 1)).mean()
-    return causes | {"life_one_at_a_time": changed_lives.reshape(-1, 2)}
+    effects["index_share"] = (outputs > 0.0).all(axis=(0, 1)).mean()
+    effects["life_one_at_a_time"] = changed_lives.reshape(-1, 2)
+    return effects
 
 
 def sobol_rows(scene: Scene, plan: Sampling) -> np.ndarray:
-    """Returns the rows A, B, and A with each value of B (values + 2, samples, values).
+    """Returns the base samples of Sobol indices (values + 2, samples, values).
 
-    They are those of Saltelli et al. (2010).
+    These are A, B, and A with each value of B in turn (Saltelli et al. 2010).
     """
     names = list(scene.uncertainty or {})
     columns = np.arange(len(names))
     points = qmc.Sobol(2 * len(names), seed=plan.seed).random(plan.samples)
     a, b = np.hsplit(points, 2)
     matrices = [a, b, *(np.where(columns == k, b, a) for k in columns)]
-    return np.stack([values_at(scene, names, matrix) for matrix in matrices])
+    return np.stack([sampled_values(scene, names, matrix) for matrix in matrices])

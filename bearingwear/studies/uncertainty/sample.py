@@ -14,9 +14,9 @@ from scipy.stats import qmc
 
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.lives.many import HertzianLives, worn_life
-from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, BATCH_ONLY, SCATTER_ONLY
+from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, BATCH_ONLY
 from bearingwear.scene.checking.errors import NotAvailable
-from bearingwear.scene.distributions import values_at
+from bearingwear.scene.distributions import sampled_values
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
 from bearingwear.studies.answers import PROBLEM, Workers
@@ -35,7 +35,7 @@ class SampledLives(NamedTuple):
 
     @property
     def solved_share(self) -> float:
-        """Share of the lives that could be computed."""
+        """Returns the share of the lives that could be computed."""
         return float((self.status == OK).mean())
 
 
@@ -47,47 +47,59 @@ class Sample(NamedTuple):
 
 
 def varied_names(scene: Scene, inputs: int) -> list[str]:
-    """Returns the uncertain values that vary in a sample, by the flag of `UNCERTAIN_INPUTS`."""
+    """Returns the names of the uncertain values that vary in a sample.
+
+    inputs: flag of `UNCERTAIN_INPUTS`, for all values or for a class of them.
+    """
     spreads = scene.uncertainty or {}
-    varies = {
-        ALL_INPUTS: lambda name: True,
-        ALL_BUT_WEAR: lambda name: name not in WORN,
-        SCATTER_ONLY: lambda name: not is_same_for_batch(name, spreads[name]),
-        BATCH_ONLY: lambda name: is_same_for_batch(name, spreads[name]),
-    }[inputs]
-    return [name for name in spreads if varies(name)]
+    if inputs == ALL_INPUTS:
+        return list(spreads)
+    if inputs == ALL_BUT_WEAR:
+        return [name for name in spreads if name not in WORN]
+    common_to_batch = [name for name, spread in spreads.items() if is_same_for_batch(name, spread)]
+    if inputs == BATCH_ONLY:
+        return common_to_batch
+    return [name for name in spreads if name not in common_to_batch]
 
 
-def _columns(names: Sequence[str]) -> tuple[list[int], list[int]]:
-    """Returns the columns of wear coefficient and hardness, and those of other uncertain values."""
-    wear_columns = [k for k, name in enumerate(names) if name in WORN]
-    return wear_columns, [k for k in range(len(names)) if k not in wear_columns]
+def _wear_columns(names: Sequence[str]) -> list[int]:
+    """Returns the positions of wear coefficients and hardness among uncertain values."""
+    return [k for k, name in enumerate(names) if name in WORN]
+
+
+def _other_columns(names: Sequence[str]) -> list[int]:
+    """Returns the positions of uncertain values other than of wear."""
+    return [k for k, name in enumerate(names) if name not in WORN]
 
 
 def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:
-    """Returns a sample in which the values of `varied_names` vary.
+    """Returns a sample of bearings in which some uncertain values vary.
 
     Samples of a scene share their points, so that a life which two of them need is solved once.
+
+    inputs: flag of `UNCERTAIN_INPUTS`, see `varied_names`.
+    plan: size and seed.
     """
-    names, varied = list(scene.uncertainty or {}), varied_names(scene, inputs)
-    wear, others = _columns(names)
-    is_varied = np.isin(names, varied)
+    names = list(scene.uncertainty or {})
+    is_varied = np.isin(names, varied_names(scene, inputs))
+    wear = _wear_columns(names)
+    others = _other_columns(names)
     points = np.full((plan.samples, len(names)), 0.5)
     points[:, others] = _sobol_points(len(others), plan.samples, plan.seed)
     points[:, ~is_varied] = 0.5
-    rows = values_at(scene, names, points)
+    rows = sampled_values(scene, names, points)
     rows[:, wear] = [scene.nominal(names[k]) for k in wear]
     if inputs == ALL_BUT_WEAR or not wear:
         return Sample(rows, np.ones((plan.samples, 1)))
     draws = max(POOLED // plan.samples, 1) if is_varied[wear].any() else 1
-    # consecutive Sobol points are evenly spread: each life meets the whole distribution of factors;
-    # in random order, as the places in a block go with its number, and so do the other values
+    # Each life gets a block of consecutive Sobol points, which spread evenly over the factors. The
+    # order of the blocks is random, because their points and the other values follow one sequence.
     blocks = _sobol_points(len(wear), plan.samples * draws, plan.seed + 1)
     blocks = np.random.default_rng(plan.seed).permutation(blocks.reshape(plan.samples, draws, -1))
     drawn_points = np.repeat(points, draws, axis=0)
     drawn_points[:, wear] = blocks.reshape(len(drawn_points), -1)
     drawn_points[:, ~is_varied] = 0.5
-    wear_values = values_at(scene, names, drawn_points)[:, wear]
+    wear_values = sampled_values(scene, names, drawn_points)[:, wear]
     factors = wear_factor(scene, [names[k] for k in wear], wear_values)
     return Sample(rows, factors.reshape(plan.samples, draws))
 
@@ -100,12 +112,17 @@ def _sobol_points(dimensions: int, count: int, seed: int) -> np.ndarray:
 
 
 def sampled_lives(scene: Scene, rows: np.ndarray, pool: Workers | None = None) -> SampledLives:
-    """Returns quick lives at values (n, names) of the uncertain keys, with the grooves of `life`.
+    """Returns quick lives at sampled values, with the grooves that the full model would follow.
 
     Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
+
+    rows: values (n, names) of the uncertain keys.
+    pool: processes that solve the lives; without one, this process does.
+    NotAvailable: no row could be solved by any model.
     """
     names = list(scene.uncertainty or {})
-    wear, others = _columns(names)
+    wear = _wear_columns(names)
+    others = _other_columns(names)
     unique_rows, row_of_member = np.unique(rows[:, others], axis=0, return_inverse=True)
     row_of_member = row_of_member.ravel()
     solve = partial(quick_life_answer, scene, [names[k] for k in others])
@@ -122,9 +139,9 @@ def sampled_lives(scene: Scene, rows: np.ndarray, pool: Workers | None = None) -
 def quick_life_answer(
     scene: Scene, names: Sequence[str], values: Sequence[float]
 ) -> dict[str, float]:
-    """Returns the status of a quick life at uncertain values, and the life [s] if it was solved.
+    """Returns the `status` of a quick life at uncertain values, and the `life` [s] if it is OK.
 
-    The life has the grooves that `life` follows.
+    The life has the grooves that the full model would follow.
     """
     changed = scene_with_values(scene, dict(zip(names, values, strict=True)))
     if changed is None:

@@ -15,7 +15,10 @@ from bearingwear.studies.warmup.sheet import warm_up_figure, warm_up_sheet
 
 
 def warm_up_report(scene: Path, seconds: float | None) -> tuple[xr.Dataset, str, Figure]:
-    """Step: returns the warm-up of a scene after a ramp to speed, its sheet and its figure."""
+    """Step: returns the warm-up of a scene after a ramp to speed, its sheet and its figure.
+
+    seconds: duration of the ramp [s]; None for that of the scene.
+    """
     loaded = load_scene(scene)
     warmup = warm_up_dataset(loaded, ramp(loaded.start_s if seconds is None else seconds))
     return warmup, as_markdown(warm_up_sheet(warmup)), warm_up_figure(warmup)

@@ -79,12 +79,17 @@ _SUMMARY = table(
 
 
 def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = None) -> xr.Dataset:
-    """Returns the warm-up of a scene along time, with its peaks and how it ended."""
+    """Returns the warm-up of a scene along time, with its peaks and how it ended.
+
+    course: of the speed.
+    duration: [s]; None up to the steady temperatures.
+    """
     warmup = warm_up(scene, course, duration)
     times = [instant.time for instant in warmup.instants]
-    rows = [_row(scene, instant) for instant in warmup.instants]
+    rows = [_instant_values(scene, instant) for instant in warmup.instants]
     peaks = _peaks(times, rows)
-    coarse = peaks_of(scene, warm_up(scene, course, times[-1] or None, COARSER * STEP_TOLERANCE))
+    coarse_warmup = warm_up(scene, course, times[-1] or None, COARSER * STEP_TOLERANCE)
+    coarse_peaks = peaks_of(scene, coarse_warmup)
     T = np.array([instant.temperatures.ravel() for instant in warmup.instants])
     summary = peaks | {
         "status": warmup.status,
@@ -93,7 +98,7 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
         "time_to_95_percent": _time_to_share(np.array(times), T, 0.95),
         "thermal_margin": warmup.margin,
         "distance_left": warmup.left,
-        "error_estimate": _error_of_peaks(peaks, coarse),
+        "error_estimate": _error_of_peaks(peaks, coarse_peaks),
     }
     over_time = dataset_of_rows(
         {name: variable for name, variable in _OVER_TIME.items() if name in rows[0]},
@@ -109,13 +114,16 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
 
 
 def peaks_of(scene: Scene, warmup: WarmUp) -> dict[str, float]:
-    """Returns the peaks of a warm-up with their times, by the names of result variables [SI]."""
+    """Returns the peaks of a warm-up, their times and the last values [SI].
+
+    The names are `peak_NAME`, `peak_NAME_time` and `end_NAME` for the names of `PEAKS`.
+    """
     times = [instant.time for instant in warmup.instants]
-    return _peaks(times, [_row(scene, instant) for instant in warmup.instants])
+    return _peaks(times, [_instant_values(scene, instant) for instant in warmup.instants])
 
 
-def _row(scene: Scene, instant: Instant) -> dict[str, Any]:
-    """Returns the values of an instant [SI]."""
+def _instant_values(scene: Scene, instant: Instant) -> dict[str, Any]:
+    """Returns the values of an instant [SI] by the names of variables over time."""
     states = instant.states
     values = {
         "shaft_speed": instant.share * scene.operation.shaft_speed_rpm,
@@ -131,7 +139,10 @@ def _row(scene: Scene, instant: Instant) -> dict[str, Any]:
 
 
 def _peaks(times: Sequence[float], rows: Sequence[Mapping[str, Any]]) -> dict[str, float]:
-    """Returns the peaks of a warm-up with their times, and its last values, by `_row`."""
+    """Returns the peaks of a warm-up with their times, and its last values; see `peaks_of`.
+
+    rows: values at each time, of `_instant_values`.
+    """
     T = np.array([row["part_temperature"] for row in rows])
     courses = {
         "residual_preload": np.max([row["residual_preload"] for row in rows], axis=1),
@@ -150,26 +161,26 @@ def _peaks(times: Sequence[float], rows: Sequence[Mapping[str, Any]]) -> dict[st
     return peaks
 
 
-def _error_of_peaks(peaks: Mapping[str, float], coarse: Mapping[str, float]) -> float:
+def _error_of_peaks(peaks: Mapping[str, float], coarse_peaks: Mapping[str, float]) -> float:
     """Returns the largest relative difference of peaks from those of coarser steps.
 
-    That of the spring is relative to the longer of its two ways.
+    The differences of the spring are relative to its longer way. Peaks of 0 are left out.
     """
-    peak_names = [name for name in PEAKS if f"peak_{name}" in peaks]
-    sizes = {name: abs(peaks[f"peak_{name}"]) for name in peak_names}
-    longest = (
-        max(sizes[name] for name in peak_names if name in SPRING) if SPRING[0] in sizes else 0.0
-    )
-    sizes |= {name: longest for name in SPRING if name in sizes}
+    sizes = {name: abs(peaks[f"peak_{name}"]) for name in PEAKS if f"peak_{name}" in peaks}
+    longer_way = max((sizes[name] for name in SPRING if name in sizes), default=0.0)
+    sizes |= {name: longer_way for name in SPRING if name in sizes}
     return max(
-        abs(coarse[f"peak_{name}"] - peaks[f"peak_{name}"]) / sizes[name]
-        for name in peak_names
-        if sizes[name]
+        abs(coarse_peaks[f"peak_{name}"] - peaks[f"peak_{name}"]) / size
+        for name, size in sizes.items()
+        if size
     )
 
 
 def _ending(warmup: WarmUp, duration: float | None) -> str:
-    """Returns how a warm-up ended, one of `ENDINGS`."""
+    """Returns how a warm-up ended, one of `ENDINGS`.
+
+    duration: that it was to last [s]; None up to the steady temperatures.
+    """
     if warmup.status != code.OK:
         return "runaway" if warmup.runs_away else "no_state"
     return "steady" if duration is None else "duration"
@@ -178,9 +189,11 @@ def _ending(warmup: WarmUp, duration: float | None) -> str:
 def _time_to_share(times: np.ndarray, T: np.ndarray, share: float) -> float:
     """Returns the time [s] from which on every temperature has made a share of its rise.
 
-    T: temperatures (time, part).
+    times: (n,) [s].
+    T: temperatures (n, parts) at these times; the last ones end the rise.
     """
-    distance, allowed = np.abs(T[-1] - T), (1.0 - share) * np.abs(T[-1] - T[0])
+    distance = np.abs(T[-1] - T)
+    allowed = (1.0 - share) * np.abs(T[-1] - T[0])
     outside = np.flatnonzero((distance > allowed).any(axis=1))
     if not outside.size:
         return 0.0

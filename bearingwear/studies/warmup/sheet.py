@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import values
+from bearingwear.document.rows import variable_values
 from bearingwear.kernels.status import OK, STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import display
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.solvers.thermal import LOW_MARGIN
 from bearingwear.studies.warmup.result import ENDINGS, PEAKS
@@ -26,10 +26,13 @@ _LINEAR = 1.0  # s: the axis of time is linear at least up to here
 
 
 def warm_up_sheet(file: Any) -> Document:
-    """Returns how a warm-up ends, its peaks with their times, and the thermal margin."""
+    """Returns the sheet of a warm-up: how it ends, its peaks with their times, thermal margin.
+
+    file: open netCDF file of `warm_up_dataset`.
+    """
     scene = json.loads(file.scene)
-    ending = ENDINGS[int(values(file, "ending"))]
-    times, _ = np.reshape(np.atleast_1d(file.course), (2, -1))
+    ending = ENDINGS[int(variable_values(file, "ending"))]
+    times = _course_times(file.course)
     speed_text = f"{plain(scene['operation']['shaft_speed_rpm'], 6)} r/min"
     if len(times) == 1:
         course = f"at {speed_text} from the start"
@@ -38,8 +41,16 @@ def warm_up_sheet(file: Any) -> Document:
     summary = f"{scene['name']}: {_ending_sentence(file, ending)}"
     heading = (summary, course, *minimum_preload_lines(scene))
     facts = {"kind": "warm-up", "scene": scene["name"], "ending": ending}
-    lines = Block("", lines=tuple(_lines(file, ending)))
+    lines = Block("", lines=tuple(_closing_lines(file, ending)))
     return Document(heading, facts, (_peaks_block(file), _temperatures_block(file), lines))
+
+
+def _course_times(course: np.ndarray) -> np.ndarray:
+    """Returns the times (n,) [s] of the course of the speed in a file of a warm-up.
+
+    course: attribute (2 n,): the times, then the shares of the full speed at these times.
+    """
+    return np.reshape(np.atleast_1d(course), (2, -1))[0]
 
 
 def _peaks_block(file: Any) -> Block:
@@ -48,9 +59,9 @@ def _peaks_block(file: Any) -> Block:
     for name, (units, words) in PEAKS.items():
         if f"peak_{name}" not in file.variables:
             continue
-        peak = float(values(file, f"peak_{name}"))
-        time = float(values(file, f"peak_{name}_time"))
-        last = float(values(file, f"end_{name}"))
+        peak = float(variable_values(file, f"peak_{name}"))
+        time = float(variable_values(file, f"peak_{name}_time"))
+        last = float(variable_values(file, f"end_{name}"))
         unit = display(units, peak)
         cells = (float(unit.of(peak)), time, float(unit.of(last)))
         rows.append(Row(words, unit.unit, cells, f"peak_{name}"))
@@ -59,20 +70,20 @@ def _peaks_block(file: Any) -> Block:
 
 def _temperatures_block(file: Any) -> Block:
     """Returns a table of the last temperatures, of each part and bearing."""
-    T = values(file, "part_temperature")[-1]
+    T = variable_values(file, "part_temperature")[-1]
     columns = tuple(f"bearing {k + 1}" for k in range(len(T))) if len(T) > 1 else ("",)
     rows = [Row(part, "degC", tuple(T[:, k].tolist())) for k, part in enumerate(PART_WORDS)]
     return Block("temperatures at the end", columns, tuple(rows))
 
 
-def _lines(file: Any, ending: str) -> list[str]:
+def _closing_lines(file: Any, ending: str) -> list[str]:
     """Returns lines on the rise of the temperatures, their stability and the numerical error."""
     lines = []
     if ending in ("steady", "duration"):
-        seconds = float(values(file, "time_to_95_percent"))
+        seconds = float(variable_values(file, "time_to_95_percent"))
         lines.append(f"95 % of the temperature rise after {plain(seconds)} s")
     lines += _stop_lines(file)
-    margin = float(values(file, "thermal_margin"))
+    margin = float(variable_values(file, "thermal_margin"))
     if np.isfinite(margin):
         stable = "stable" if margin > 1.0 else "UNSTABLE"
         lines.append(f"thermal margin {plain(margin)} at the end: {stable}")
@@ -81,19 +92,19 @@ def _lines(file: Any, ending: str) -> list[str]:
                 f"warning: thermal margin below {LOW_MARGIN:g}: a little more heat or less cooling "
                 "makes the temperatures run away"
             )
-    error = 100.0 * float(values(file, "error_estimate"))
+    error = 100.0 * float(variable_values(file, "error_estimate"))
     return [*lines, f"numerical error of the peaks: {plain(error, 2)} %"]
 
 
 def _stop_lines(file: Any) -> list[str]:
-    """Returns whether and when the spring is compressed to its stop."""
+    """Returns a line on when the spring is compressed to its stop; no line if it never is."""
     stop_um = (json.loads(file.scene).get("arrangement") or {}).get("stop_um")
     if stop_um is None or "spring_travel" not in file.variables:
         return []
-    on_stop = np.flatnonzero(-values(file, "spring_travel") >= 1e-6 * stop_um)
+    on_stop = np.flatnonzero(-variable_values(file, "spring_travel") >= 1e-6 * stop_um)
     if not on_stop.size:
         return []
-    time = plain(float(values(file, "time")[on_stop[0]]))
+    time = plain(float(variable_values(file, "time")[on_stop[0]]))
     return [
         f"warning: arrangement.stop_um {stop_um:g} is reached after {time} s: the pair is rigid "
         "from then on"
@@ -101,8 +112,12 @@ def _stop_lines(file: Any) -> list[str]:
 
 
 def _ending_sentence(file: Any, ending: str) -> str:
-    """Returns how a warm-up ended, and when."""
-    status, end = int(values(file, "status")), plain(float(values(file, "end_time")))
+    """Returns the words for how a warm-up ended, and when.
+
+    ending: one of `ENDINGS`.
+    """
+    status = int(variable_values(file, "status"))
+    end = plain(float(variable_values(file, "end_time")))
     if ending == "runaway":
         return f"RUNAWAY: the heat outgrows the cooling, and the bearing has no state after {end} s"
     if status != OK:
@@ -115,14 +130,16 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
     """Returns a figure of temperatures, preload and contact pressure over time.
 
     The axis of time is logarithmic once the machine is at speed.
+
+    warmup: dataset of `warm_up_dataset`.
     """
     figure, panels = new_figure(1, 3, 10.0, 3.2)
     temperature, preload, pressure = panels[0]
-    time, bearings = warmup["time"].values, warmup.sizes["side"]
-    times, _ = np.reshape(np.atleast_1d(warmup.attrs["course"]), (2, -1))
-    at_speed = max(times[-1], _LINEAR)
-    for k in range(bearings):
-        bearing, style = warmup.isel(side=k), _LINE_STYLES[k]
+    time = warmup["time"].values
+    bearings = warmup.sizes["side"]
+    at_speed = max(_course_times(warmup.attrs["course"])[-1], _LINEAR)
+    for k, style in enumerate(_LINE_STYLES[:bearings]):
+        bearing = warmup.isel(side=k)
         for part, colour in enumerate(_COLOURS):
             temperature.plot(time, bearing["part_temperature"][:, part], style, color=colour)
         preload.plot(time, bearing["residual_preload"], style, color="black")
@@ -145,8 +162,12 @@ def warm_up_figure(warmup: xr.Dataset) -> Figure:
 
 
 def _figure_title(warmup: xr.Dataset) -> str:
-    """Returns how a warm-up ended, and its largest preload."""
-    name, ending = scene_of(warmup)["name"], ENDINGS[int(warmup["ending"])]
+    """Returns a title that says how a warm-up ended, and its largest preload.
+
+    warmup: dataset of `warm_up_dataset`.
+    """
+    name = plain_scene(warmup)["name"]
+    ending = ENDINGS[int(warmup["ending"])]
     end = plain(float(warmup["end_time"]))
     peak = plain(float(warmup["peak_residual_preload"]))
     peak_time = plain(float(warmup["peak_residual_preload_time"]))

@@ -45,7 +45,12 @@ def limits_hold(
     limits: Mapping[str, float],
     tolerance: float = COARSER * STEP_TOLERANCE,
 ) -> bool:
-    """Returns whether all limits hold from rest to the steady temperatures at speed."""
+    """Whether all limits hold from rest to the steady temperatures at speed.
+
+    seconds: duration of the ramp to speed [s].
+    limits: values in the units of `LIMITS`, by its names.
+    tolerance: of a time step, relative.
+    """
     warmup = warm_up(scene, ramp(seconds), tolerance=tolerance)
     if warmup.status != code.OK:
         return False
@@ -63,27 +68,42 @@ def shortest_ramp(scene: Scene, limits: Mapping[str, float]) -> ShortestRamp | N
     have lower peaks: it may meet a shaft that is warm in a housing that is not. Between the first
     of them that keeps the limits and the one before, a longer ramp is taken to have lower peaks.
     The answer keeps them with the steps of `bearingwear warmup`.
+
+    limits: values in the units of `LIMITS`, by its names.
     """
-    keeps = [limits_hold(scene, seconds, limits) for seconds in RAMPS]
-    for first in (k for k, holds in enumerate(keeps) if holds):
-        seconds = _between(scene, limits, first) if first > 1 else RAMPS[first]
-        while not limits_hold(scene, seconds, limits, STEP_TOLERANCE):
-            seconds = float(f"{(1.0 + RAMP_TOLERANCE) * seconds:.3g}")
-            if not 0.0 < seconds <= RAMPS[first]:
-                break
-        else:
-            later = zip(RAMPS[first:], keeps[first:], strict=True)
-            return ShortestRamp(seconds, tuple(longer for longer, holds in later if not holds))
+    holds = [limits_hold(scene, seconds, limits) for seconds in RAMPS]
+    for k, ramp_holds in enumerate(holds):
+        seconds = _fine_ramp(scene, limits, k) if ramp_holds else None
+        if seconds is not None:
+            broken_by = (RAMPS[m] for m in range(k, len(RAMPS)) if not holds[m])
+            return ShortestRamp(seconds, tuple(broken_by))
     return None
 
 
-def _between(scene: Scene, limits: Mapping[str, float], first: int) -> float:
-    """Returns the shortest ramp [s] that keeps all limits up to one that does, rounded up.
+def _fine_ramp(scene: Scene, limits: Mapping[str, float], k: int) -> float | None:
+    """Returns the shortest ramp [s] up to `RAMPS[k]` that keeps all limits with fine time steps.
 
-    first: number of that one, of `RAMPS`.
+    None if `RAMPS[k]`, which keeps them with coarse time steps, does not.
     """
-    low, high = RAMPS[first - 1], RAMPS[first]
+    seconds = _bisected_ramp(scene, limits, k) if k > 1 else RAMPS[k]
+    while not limits_hold(scene, seconds, limits, STEP_TOLERANCE):
+        seconds = float(f"{(1.0 + RAMP_TOLERANCE) * seconds:.3g}")
+        if not 0.0 < seconds <= RAMPS[k]:
+            return None
+    return seconds
+
+
+def _bisected_ramp(scene: Scene, limits: Mapping[str, float], k: int) -> float:
+    """Returns the shortest ramp [s] above `RAMPS[k - 1]` that keeps all limits, rounded up.
+
+    limits: values in the units of `LIMITS`, by its names; `RAMPS[k]` keeps them.
+    """
+    low, high = RAMPS[k - 1], RAMPS[k]
     while high > (1.0 + RAMP_TOLERANCE) * low:
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if limits_hold(scene, middle, limits) else (middle, high)
-    return min(float(f"{1.005 * high:.3g}"), RAMPS[first])
+        if limits_hold(scene, middle, limits):
+            high = middle
+        else:
+            low = middle
+    rounded_up = float(f"{1.005 * high:.3g}")  # three digits are rounded by at most 0.5 %
+    return min(rounded_up, RAMPS[k])

@@ -34,24 +34,27 @@ from bearingwear.studies.configuration import validated_config
 from bearingwear.studies.dataset import write_dataset
 
 PLAN_FILE = ROOT / "config" / "cage.yaml"
-TURNS = np.arange(200) / 20.0
+TURNS = np.arange(200) / 20.0  # ten turns of the shaft, in twentieths
+BALL_RATIO = 0.375  # orbit rate of the balls over the speed of the shaft
+QUIET_BELOW = 0.05  # friction from which on the cage of `run_by_friction` whirls
 
 
 @pytest.fixture(scope="module")
 def plan():
+    """Returns the content of config/cage.yaml of the project."""
     return validated_config(PLAN_FILE, "cage", check_cage)
 
 
-def test_plan_of_the_project(plan):
+def test_the_map_of_the_project_has_every_combination_of_its_axes(plan):
     points = cage_points(plan)
     assert len(points) == np.prod([len(axis) for axis in cage_axes(plan).values()])
-    changes = list(points.values())[-1].changes
-    assert changes["operation.gravity_m_s2"] == [0.0, 0.0, -max(plan["gravity_m_s2"])]
-    assert changes["friction.cage"] == max(plan["cage_friction"])
+    last_changes = list(points.values())[-1].changes
+    assert last_changes["operation.gravity_m_s2"] == [0.0, 0.0, -max(plan["gravity_m_s2"])]
+    assert last_changes["friction.cage"] == max(plan["cage_friction"])
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "told"),
+    ("key", "value", "problem"),
     [
         ("guide_clearance_mm", [60.0], "guide_clearance_mm"),
         ("scene", "bearing218", "cage.material"),
@@ -60,32 +63,36 @@ def test_plan_of_the_project(plan):
         ("ensemble", {"least_turns": 200}, "most_turns: got 150, expected at least 200"),
     ],
 )
-def test_a_cage_that_cannot_be_is_named(plan, key, value, told):
+def test_an_invalid_plan_of_a_map_is_refused_in_one_line(plan, key, value, problem):
     with pytest.raises(ValueError) as error:
         check_cage(plan | {key: value}, PLAN_FILE)
-    assert told in str(error.value) and "\n" not in str(error.value)
+    assert problem in str(error.value) and "\n" not in str(error.value)
 
 
 def test_a_map_without_a_scene_is_refused(tmp_path):
     (tmp_path / "cage.yaml").write_text("gravity_m_s2: [0.0]\n")
     with pytest.raises(UsageError, match=r"cage.yaml: the file: 'scene' is a dependency of"):
         validated_config(tmp_path / "cage.yaml", "cage", check_cage)
+
+
+def test_an_empty_plan_has_no_cages_and_the_default_ensemble(tmp_path):
     (tmp_path / "cage.yaml").write_text("{}")
-    nothing = validated_config(tmp_path / "cage.yaml", "cage", check_cage)
-    assert cage_points(nothing) == {} and Ensemble(**nothing["ensemble"]) == Ensemble()
+    empty_plan = validated_config(tmp_path / "cage.yaml", "cage", check_cage)
+    assert cage_points(empty_plan) == {} and Ensemble(**empty_plan["ensemble"]) == Ensemble()
 
 
 # motions
 
 
 def circle(rate, centre=0.0, radius=1.0):
+    """Returns positions Y + i Z on a circle; rate: in turns per turn of the shaft."""
     return centre + radius * np.exp(2j * np.pi * rate * TURNS)
 
 
 @pytest.mark.parametrize(
-    ("place", "power", "motion", "whirl"),
+    ("positions", "power", "motion", "whirl"),
     [
-        (circle(0.375), 1.0, WITH_BALLS, 0.375),
+        (circle(BALL_RATIO), 1.0, WITH_BALLS, BALL_RATIO),
         (circle(0.54), 1.0, WHIRLS, 0.54),
         (circle(-0.2), 1.0, WHIRLS, -0.2),
         (circle(1.3, centre=0.05), 1.0, WHIRLS, 1.3),
@@ -94,42 +101,57 @@ def circle(rate, centre=0.0, radius=1.0):
         (circle(0.54), 0.0, FLOATS, 0.54),
     ],
 )
-@pytest.mark.parametrize("turned", [0.0, 2.0])
-def test_paths_of_a_cage_are_classified_by_motion(place, power, motion, whirl, turned):
-    """Made-up paths, and the same turned about the axis and in other units."""
-    path_of_cage = cage_path(1e-6 * place * np.exp(1j * turned), 0.05, power, 0.375)
-    assert path_of_cage.motion == motion
-    assert path_of_cage.whirl == pytest.approx(whirl, abs=0.02)
-    assert path_of_cage.offset == pytest.approx(1e-6 * np.abs(place).mean())
+@pytest.mark.parametrize("angle", [0.0, 2.0])
+def test_paths_of_a_cage_are_classified_by_motion(positions, power, motion, whirl, angle):
+    """The class depends on the shape of a path alone, not on the angle at which it starts."""
+    path = cage_path(1e-6 * positions * np.exp(1j * angle), TURNS[1], power, BALL_RATIO)
+    assert path.motion == motion
+    # the angles of a path about another centre are uneven
+    assert path.whirl == pytest.approx(whirl, abs=0.02)
+    assert path.offset == pytest.approx(1e-6 * np.abs(positions).mean())
 
 
-def test_a_torque_that_rises_or_falls_steadily_drifts():
-    assert is_drifting([1.0, 1.02, 1.06], 0.05) and is_drifting([1.06, 1.02, 1.0], 0.05)
-    assert not is_drifting([1.0, 1.02, 1.04], 0.05) and not is_drifting([1.0, 1.2, 1.1], 0.05)
+@pytest.mark.parametrize(
+    ("values", "drifts"),
+    [
+        ([1.0, 1.02, 1.06], True),
+        ([1.06, 1.02, 1.0], True),
+        ([1.0, 1.02, 1.04], False),  # by less than the tolerance
+        ([1.0, 1.2, 1.1], False),  # up and down
+    ],
+)
+def test_values_that_rise_or_fall_steadily_drift(values, drifts):
+    assert is_drifting(values, tolerance=0.05) == drifts
 
 
 # a map
 
 
 def run_by_friction(scene, start, least, most):
-    """A made-up run: a whirl that wears ever more from a friction of 0.05 on, else a quiet ride."""
-    mu, weight = scene.friction.cage, -scene.operation.gravity_m_s2[2]
-    whirls = mu >= 0.05
-    power = (20.0 * mu if whirls else 0.1) * (1.0 + 0.01 * start.offset) * (1.0 + 0.1 * weight)
+    """Returns the results of a run in place of `cage_run`, without solving it.
+
+    From a friction of `QUIET_BELOW` on, the cage whirls, with a work that rises with the friction.
+    Otherwise it turns with the balls, with a tenth of the least work of a whirl. Gravity of 1 m/s2
+    adds a tenth, and the place of the start, which is random, up to a hundredth.
+    """
+    mu, gravity = scene.friction.cage, -scene.operation.gravity_m_s2[2]
+    whirls = mu >= QUIET_BELOW
+    work = 1e-4 * (20.0 * mu if whirls else 0.1) * (1.0 + 0.01 * start.offset)
+    work *= 1.0 + 0.1 * gravity
     row = {name: 1.0 for name in ensemble.MEANS}
     return row | {
         "status": 0,
         "motion": WHIRLS if whirls else WITH_BALLS,
-        "work": 1e-4 * power,
-        "pocket_work": 0.75e-4 * power,
-        "land_work": 0.25e-4 * power,
+        "work": work,
+        "pocket_work": 0.75 * work,
+        "land_work": 0.25 * work,
         "centre": [0.0, 0.0],
     }
 
 
 @pytest.fixture(scope="module")
-def small(plan, tmp_path_factory):
-    """A map of six cages whose runs are made up, and its file."""
+def map_file(plan, tmp_path_factory):
+    """Returns the file of a map of six cages with the runs of `run_by_friction`."""
     folder = tmp_path_factory.mktemp("map")
     plan = plan | {
         "gravity_m_s2": [0.0, 9.81],
@@ -144,52 +166,68 @@ def small(plan, tmp_path_factory):
         for name, point in cage_points(plan).items():
             paths.append(folder / f"{name}.nc")
             changed = variant(scene, {**plan["set"], **point.changes})
-            write_dataset(ensemble.ensemble_of(changed, Ensemble(**plan["ensemble"])), paths[-1])
-    # as its rule gives the axes
-    asked = {"axes": cage_axes(plan), "changes": plan["set"]}
+            write_dataset(ensemble.cage_ensemble(changed, Ensemble(**plan["ensemble"])), paths[-1])
+    # as the rule of the workflow runs the step
+    settings = {"axes": cage_axes(plan), "changes": plan["set"]}
     run, file = "applications.cage.gather.gathered_ensembles", folder / "cage.nc"
-    assert step(run, file, settings=asked, scene=scene, paths=paths) == 0
-    return file, ensemble.load(file)
+    assert step(run, file, settings=settings, scene=scene, paths=paths) == 0
+    return file
 
 
-def test_the_quiet_cage_of_a_map_is_recommended(small):
-    """Of the made-up runs only those of the least friction are quiet, with a tenth of the work."""
-    _, motions = small
+@pytest.fixture
+def motions(map_file):
+    """Returns the dataset in `map_file`."""
+    return ensemble.load(map_file)
+
+
+def test_a_mapped_cage_has_the_work_at_the_gravity_where_it_wears_most(motions):
     works = [cage.work for cage in mapped_cages(motions)]
-    assert works == pytest.approx([0.1981e-4, 1.981e-4, 3.962e-4], rel=0.01)
+    by_gravity = 1.0 + 0.1 * 9.81
+    expected = [1e-4 * by_gravity * factor for factor in (0.1, 20.0 * 0.05, 20.0 * 0.1)]
+    assert works == pytest.approx(expected, rel=0.01)  # the random start adds up to 1 %
+
+
+def test_the_quiet_cage_of_a_map_is_recommended(motions):
+    """Only cages of the least friction are quiet; they have a tenth of the present cage's work."""
     assert numbers_in(quiet_region(motions)) == [90.0, 0.02]  # % of the runs, friction
-    friction, now, *shares, factor, low, high = numbers_in(cage_choice_sentence(motions))
-    assert (friction, now, shares) == (0.02, 0.05, [100.0, 100.0])
+    friction, present_friction, *shares, factor, low, high = numbers_in(
+        cage_choice_sentence(motions)
+    )
+    assert (friction, present_friction, shares) == (0.02, 0.05, [100.0, 100.0])
     assert (factor, low, high) == (10.0, 10.0, 10.0)
 
 
-def test_a_cage_is_kept_if_no_quieter_one_is_in_the_map(small):
-    _, motions = small
-    less = motions.sel(cage_friction=[0.05, 0.1])
-    assert cage_choice_sentence(less).startswith("Keep ")
-    assert numbers_in(quiet_region(less)) == []
-    failed = motions.map(lambda values: values * np.nan).assign_attrs(motions.attrs)
-    assert mapped_cages(failed) == [] and numbers_in(cage_choice_sentence(failed)) == []
+def test_a_cage_is_kept_if_no_quieter_one_is_in_the_map(motions):
+    without_quiet = motions.sel(cage_friction=[0.05, 0.1])
+    assert cage_choice_sentence(without_quiet).startswith("Keep ")
+    assert numbers_in(quiet_region(without_quiet)) == []
 
 
-def test_figure_table_and_page_show_a_map(small, tmp_path):
-    path, motions = small
-    save(cage_figure(path), [tmp_path / "cage.svg", tmp_path / "cage.png"])
-    text = cage_table(path)
+def test_a_map_without_solved_runs_recommends_no_cage(motions):
+    unsolved = motions.map(lambda values: values * np.nan).assign_attrs(motions.attrs)
+    assert mapped_cages(unsolved) == []
+    assert numbers_in(cage_choice_sentence(unsolved)) == []
+
+
+def test_table_and_document_of_a_map_state_every_cage(map_file, motions):
+    text = cage_table(map_file)
     assert cage_choice_sentence(motions) in text and quiet_region(motions) in text
-    (tmp_path / "answer.json").write_text(cage_answer(path), encoding="utf-8")
-    shown = page(answers=[tmp_path / "answer.json"])
-    assert shown.count('id="answer-1"') == 1
-    rows = {row.label: row.values for row in cage_document(path).blocks[-1].rows}
-    assert rows["runs"] == ("20",) * 6 and "nan" not in text
+    assert "nan" not in text
+    rows = {row.label: row.values for row in cage_document(map_file).blocks[-1].rows}
+    assert rows["runs"] == ("20",) * 6  # the least number of runs of an ensemble
     for friction, motion in zip(rows["friction"], rows["motions"], strict=True):
-        assert motion.startswith("whirls" if float(friction) >= 0.05 else "turns with the balls")
+        expected = "whirls" if float(friction) >= QUIET_BELOW else "turns with the balls"
+        assert motion.startswith(expected), friction
 
 
-def test_a_cage_of_the_map_is_that_of_its_scene(plan, small):
-    """A point's file says which scene its runs solved."""
-    path, _ = small
-    file = next(path.parent.glob("g9.81*-mu0.02.nc"))
+def test_a_map_is_drawn_and_shown_on_a_page(map_file, tmp_path):
+    save(cage_figure(map_file), [tmp_path / "cage.svg", tmp_path / "cage.png"])
+    (tmp_path / "answer.json").write_text(cage_answer(map_file), encoding="utf-8")
+    assert page(answers=[tmp_path / "answer.json"]).count('id="answer-1"') == 1
+
+
+def test_the_file_of_a_mapped_cage_contains_its_scene(plan, map_file):
+    file = next(map_file.parent.glob("g9.81*-mu0.02.nc"))
     scene = json.loads(ensemble.load(file).attrs["scene"])
     changed = variant(scene_file(plan["scene"]), {"friction.cage": 0.02})
     assert scene["friction"] == changed.to_dict()["friction"]

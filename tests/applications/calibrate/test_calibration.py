@@ -36,20 +36,25 @@ SPREAD = {
 }
 
 
-def with_spread(settings=(), **spread):
-    plain = load_scene(scene_file("gyro_s1"), list(settings)).to_dict()
-    return scene_from_dict(plain | {"uncertainty": SPREAD | spread})
+DEVIATE_95 = 1.644854  # of the normal distribution at 95 %
 
 
-def written(folder, *lines):
+def scene_with_spread(**distributions):
+    """Returns the scene gyro_s1 with the distributions `SPREAD`, some of them replaced."""
+    plain = load_scene(scene_file("gyro_s1")).to_dict()
+    return scene_from_dict(plain | {"uncertainty": SPREAD | distributions})
+
+
+def csv_file(folder, *lines):
+    """Writes a CSV file of tests, and returns its path."""
     path = folder / "tests.csv"
     path.write_text("\n".join(lines) + "\n")
     return path
 
 
-def hours(scene):
-    balls_life = life(scene).values["life"]  # of balls and races
-    return balls_life * HOURS_PER_SECOND
+def life_hours(scene):
+    """Returns the life of a scene [h]."""
+    return life(scene).values["life"] * HOURS_PER_SECOND
 
 
 @pytest.mark.parametrize(
@@ -63,10 +68,10 @@ def hours(scene):
     ],
 )
 def test_a_bad_row_is_refused_in_one_line(tmp_path, line, problem):
-    path = written(tmp_path, "operation.preload_N,life_h,loss_um,after_h", line)
-    with pytest.raises(CaseFileError) as refused:
-        bearing_tests(path, with_spread())
-    assert str(refused.value).startswith(f"{path}: {problem}") and "\n" not in str(refused.value)
+    path = csv_file(tmp_path, "operation.preload_N,life_h,loss_um,after_h", line)
+    with pytest.raises(CaseFileError) as error:
+        bearing_tests(path, scene_with_spread())
+    assert str(error.value).startswith(f"{path}: {problem}") and "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -85,162 +90,186 @@ def test_a_bad_row_is_refused_in_one_line(tmp_path, line, problem):
     ],
 )
 def test_a_bad_file_is_refused_in_one_line(tmp_path, lines, problem):
-    with pytest.raises(CaseFileError) as refused:
-        bearing_tests(written(tmp_path, *lines), with_spread())
-    assert problem in str(refused.value) and "\n" not in str(refused.value)
+    with pytest.raises(CaseFileError) as error:
+        bearing_tests(csv_file(tmp_path, *lines), scene_with_spread())
+    assert problem in str(error.value) and "\n" not in str(error.value)
 
 
-def test_a_table_of_excel_in_europe(tmp_path):
-    """Semicolons between columns, commas in numbers, a mark of the byte order before all."""
-    rows = [("operation.preload_N", "life_h"), ("7.25", "4.5"), ("", "1.5e2")]
-    plain = written(tmp_path, *(",".join(row) for row in rows))
-    expected = bearing_tests(plain, with_spread())
-    european = [";".join(row).replace(".", ",") for row in rows[1:]]
-    path = written(tmp_path, "\ufeff" + ";".join(rows[0]), *european)
-    assert bearing_tests(path, with_spread()) == expected
-    assert [item.value for item in expected] == [4.5, 150.0]
+def test_numbers_may_have_decimal_commas_if_semicolons_separate_columns(tmp_path):
+    """So a European Excel writes CSV, with a byte-order mark at its start."""
+    scene = scene_with_spread()
+    english = ["operation.preload_N,life_h", "7.25,4.5", ",1.5e2"]
+    european = ["\ufeffoperation.preload_N;life_h", "7,25;4,5", ";1,5e2"]
+    tests = bearing_tests(csv_file(tmp_path, *european), scene)
+    assert tests == bearing_tests(csv_file(tmp_path, *english), scene)
+    assert [test.value for test in tests] == [4.5, 150.0]
 
 
-def test_columns_may_be_separated_by_semicolons_or_tabs(tmp_path):
-    rows = ("operation.preload_N,life_h", "7,5")
-    by_separator = [
-        bearing_tests(written(tmp_path, *[row.replace(",", apart) for row in rows]), with_spread())
-        for apart in ",;\t"
-    ]
-    assert by_separator[0] == by_separator[1] == by_separator[2] and by_separator[0][0].value == 5.0
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_columns_may_be_separated_by_semicolons_or_tabs(tmp_path, separator):
+    path = csv_file(tmp_path, f"operation.preload_N{separator}life_h", f"7{separator}5")
+    (test,) = bearing_tests(path, scene_with_spread())
+    assert test.scene.operation.preload_N == 7.0 and test.value == 5.0
+
+
+def test_a_missing_file_of_tests_is_refused(tmp_path):
     with pytest.raises(SceneError, match="cannot be read .*expected a CSV file"):
-        bearing_tests(tmp_path / "none.csv", with_spread())
+        bearing_tests(tmp_path / "none.csv", scene_with_spread())
 
 
-def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
-    path = written(tmp_path, "torque_Nmm", "0.1")
-    unknown = with_spread().to_dict()
-    for name, expected in (
-        (
-            "wear_coefficient",
-            "uncertainty.wear_coefficient: got no value that tests could determine",
-        ),
+@pytest.mark.parametrize(
+    "name, problem",
+    [
+        ("wear_coefficient", "uncertainty.wear_coefficient: got no value that tests could"),
         ("wear_scatter", "uncertainty: got no value that varies"),
         ("ball_race", "row 2: torque_Nmm: got a result that would determine uncertainty.ball_race"),
-    ):
-        spread = {n: value for n, value in unknown["uncertainty"].items() if n != name}
-        with pytest.raises((SceneError, CaseFileError), match=expected):
-            calibration_by_tests(scene_from_dict(unknown | {"uncertainty": spread}), path)
+    ],
+)
+def test_a_scene_without_a_distribution_that_tests_need_is_refused(tmp_path, name, problem):
+    plain = scene_with_spread().to_dict()
+    del plain["uncertainty"][name]
+    path = csv_file(tmp_path, "torque_Nmm", "0.1")
+    with pytest.raises((SceneError, CaseFileError), match=problem):
+        calibration_by_tests(scene_from_dict(plain), path)
 
 
 @pytest.mark.long
-def test_each_kind_of_test_finds_what_made_it(tmp_path):
-    """A batch of 0.4 times the wear and mu 0.095, seen without error in every way."""
-    scene, K, mu = (
-        with_spread(wear_scatter={"distribution": "lognormal", "factor": 1.001}),
-        0.4,
-        0.095,
-    )
-    fixed = scene.with_({"operation.preload_method": "fixed_position"})
+@pytest.mark.parametrize("kind", ["life", "loss", "preload"])
+def test_friction_and_wear_that_made_exact_tests_are_recovered(tmp_path, kind):
+    """A batch with 0.4 times the K_s and mu 0.095, whose bearings hardly scatter."""
+    wear_ratio, mu = 0.4, 0.095
+    scene = scene_with_spread(wear_scatter={"distribution": "lognormal", "factor": 1.001})
     batch = scene_with_values(scene, {"ball_race": mu})
-    lost = batch.with_({"wear.end_of_life": {"ball_diameter_loss_um": 0.3}})
-    left = scene_with_values(fixed, {"ball_race": mu}).with_(
-        {"wear.end_of_life": {"preload_fraction": 5.0 / 7.0}}
+    header = (
+        "operation.preload_method,life_h,loss_um,preload_left_N,after_h,torque_Nmm,error_percent"
     )
     torque = 1e3 * float(solve(batch).values["shaft_torque"])
-    for seen in (
-        f",{hours(batch) / K},,,,",
-        f",,0.3,,{hours(lost) / K},",
-        f"fixed_position,,,5,{hours(left) / K},",
-    ):
-        path = written(
-            tmp_path,
-            "operation.preload_method,life_h,loss_um,preload_left_N,after_h,torque_Nmm,error_percent",
-            f"{seen},0.1",
-            f",,,,,{torque},0.1",
-        )
-        calibration = calibration_by_tests(scene, path)
-        assert_allclose(calibration.scene.friction.ball_race, mu, rtol=2e-3)
-        ratio = calibration.scene.nominal("wear_coefficient") / scene.nominal("wear_coefficient")
-        assert_allclose(ratio, K, rtol=1e-2)
-        assert float(calibration.data["interpolation_error"]) < 5e-3
+    if kind == "life":
+        row = f",{life_hours(batch) / wear_ratio},,,,,0.1"
+    elif kind == "loss":
+        ended = batch.with_({"wear.end_of_life": {"ball_diameter_loss_um": 0.3}})
+        row = f",,0.3,,{life_hours(ended) / wear_ratio},,0.1"
+    else:
+        fixed = batch.with_({"operation.preload_method": "fixed_position"})
+        ended = fixed.with_({"wear.end_of_life": {"preload_fraction": 5.0 / 7.0}})
+        row = f"fixed_position,,,5,{life_hours(ended) / wear_ratio},,0.1"
+    path = csv_file(tmp_path, header, row, f",,,,,{torque},0.1")
+    calibration = calibration_by_tests(scene, path)
+    # 0.1 % of error in each test, and the interpolation over friction
+    assert_allclose(calibration.scene.friction.ball_race, mu, rtol=2e-3)
+    ratio = calibration.scene.nominal("wear_coefficient") / scene.nominal("wear_coefficient")
+    assert_allclose(ratio, wear_ratio, rtol=1e-2)
+    assert float(calibration.data["interpolation_error"]) < 5e-3
 
 
 @pytest.mark.long  # of a model in closed form: test_posterior.py
-def test_two_lives_of_a_sampled_batch(tmp_path):
-    """The interval of L10 shrinks to that of the mean of two lives."""
-    scene = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.35})
-    random, K = np.random.default_rng(3), 1.7
+def test_after_two_lives_l10_is_as_uncertain_as_their_mean(tmp_path):
+    """The lives are of two bearings of a random batch."""
+    scene = scene_with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.35})
+    random, wear_ratio = np.random.default_rng(3), 1.7
     batch = replace(scene_with_values(scene, {"ball_race": 0.074}), uncertainty=None)
-    of_bearings = [
-        hours(batch.with_({"operation.preload_N": 7.0 + 0.35 * random.normal()}))
-        / (K * 1.3 ** random.normal())
-        for _ in range(2)
-    ]
-    path = written(tmp_path, "life_h", *map(str, of_bearings))
-    calibration = calibration_by_tests(scene, path)
+    lives = []
+    for _ in range(2):
+        bearing = batch.with_({"operation.preload_N": 7.0 + 0.35 * random.normal()})
+        lives.append(life_hours(bearing) / (wear_ratio * 1.3 ** random.normal()))
+    calibration = calibration_by_tests(scene, csv_file(tmp_path, "life_h", *map(str, lives)))
     before, after = calibration.data["batch_life_quantile"].values
     scatter = float(calibration.data["scatter"])
-    assert math.log(1.3) < scatter < 0.32  # the preload adds some
-    # log L10 is normal about the mean of both; friction is seen through the same lives
-    theory = math.exp(2.0 * 1.6449 * scatter / math.sqrt(2.0))
+    assert math.log(1.3) < scatter < 0.32  # K_s scatters by 1.3; the preload adds some
+    # a factor of 3 in K_s alone, from 5 to 95 %, spans 3^3.29 = 37
     assert before[-1] / before[0] > 35.0
+    # log L10 is normal about the mean of both lives; friction acts on both alike
+    theory = math.exp(2.0 * DEVIATE_95 * scatter / math.sqrt(2.0))
     assert_allclose(after[-1] / after[0], theory, rtol=0.05)
 
 
-def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
-    scene = with_spread()
-    base = tmp_path / "mine.yaml"
-    bearingwear.save(scene, base)
-    path = written(tmp_path, "torque_Nmm,life_h,run_out_h,bearings", "0.017,,,", ",5,,", ",,4,2")
-    out = tmp_path / "calibrated.yaml"
-    assert main(["calibrate", str(base), str(path), "-o", str(out)]) == 0
-    assert "tests.csv" in capsys.readouterr().out
-    carried = load_scene(out)
-    assert carried.calibrated.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
-    assert carried.calibrated.rows == 3
-    # a study of it takes three decimals
-    assert carried.friction.ball_race == round(carried.friction.ball_race, 3)
-    assert carried.uncertainty["wear_coefficient"].factor < 1.5
-    assert carried.uncertainty["wear_scatter"].factor == 1.3
-    data = bearingwear.load(tmp_path / "calibrated.nc")
-    # a second time would count the tests twice
-    assert main(["calibrate", str(out), str(path), "-o", str(tmp_path / "again.yaml")]) == 2
+@pytest.fixture(scope="module")
+def calibrated_folder(tmp_path_factory):
+    """Returns a folder with a scene, its tests.csv, and calibrated.yaml and .nc by the command."""
+    folder = tmp_path_factory.mktemp("calibrated")
+    bearingwear.save(scene_with_spread(), folder / "mine.yaml")
+    header = "torque_Nmm,life_h,run_out_h,bearings"
+    csv_file(folder, header, "0.017,,,", ",5,,", ",,4,2")
+    calibrate(folder, "mine.yaml", "calibrated.yaml")
+    return folder
+
+
+def calibrate(folder, scene, output, status=0):
+    """Calibrates a scene with tests.csv of its folder by the command, which ends with a status."""
+    words = [folder / scene, folder / "tests.csv", "-o", folder / output]
+    assert main(["calibrate", *map(str, words)]) == status
+
+
+def test_the_calibrated_scene_has_medians_and_factors_and_names_its_tests(calibrated_folder):
+    tests = (calibrated_folder / "tests.csv").read_bytes()
+    scene = load_scene(calibrated_folder / "calibrated.yaml")
+    assert scene.calibrated.sha256 == hashlib.sha256(tests).hexdigest()
+    assert scene.calibrated.rows == 3
+    # three decimals, as the axis of friction of a study
+    assert scene.friction.ball_race == round(scene.friction.ball_race, 3)
+    assert scene.uncertainty["wear_coefficient"].factor < 1.5  # 3 before the tests
+    assert scene.uncertainty["wear_scatter"].factor == 1.3
+
+
+def test_tests_are_not_counted_twice(calibrated_folder, capsys):
+    calibrate(calibrated_folder, "calibrated.yaml", "again.yaml", status=2)
     assert "got the tests used to calibrate the scene" in capsys.readouterr().err
-    # `uncertainty` of the scene has the same interval, by a sample and by lognormal marginals
-    spread = tmp_path / "u.nc"
-    assert main(["uncertainty", str(out), "-o", str(spread), "--quiet"]) == 0
+
+
+def test_uncertainty_of_the_calibrated_scene_is_that_of_the_posterior(calibrated_folder):
+    """A sample of its lognormal distributions has the quantiles of life after the tests."""
+    spread = calibrated_folder / "uncertainty.nc"
+    scene = str(calibrated_folder / "calibrated.yaml")
+    assert main(["uncertainty", scene, "-o", str(spread), "--quiet"]) == 0
     sampled = bearingwear.load(spread)["life_quantile"].isel(
         preload_method=0, preload_choice=0, uncertain_inputs=0
     )
-    for p in (0.1, 0.5):
-        quantile = float(data["life_quantile"].sel(stage="after", probability=p))
-        assert_allclose(float(sampled.sel(probability=p)), quantile, rtol=0.06)
-    # the same tests give the same bytes
-    assert main(["calibrate", str(base), str(path), "-o", str(tmp_path / "b.yaml")]) == 0
-    assert (tmp_path / "b.yaml").read_bytes() == out.read_bytes()
-    assert (tmp_path / "b.nc").read_bytes() == (tmp_path / "calibrated.nc").read_bytes()
-    bearingwear.plot(data)
+    data = bearingwear.load(calibrated_folder / "calibrated.nc")
+    for probability in (0.1, 0.5):
+        quantile = float(data["life_quantile"].sel(stage="after", probability=probability))
+        # scatter of the sample
+        assert_allclose(float(sampled.sel(probability=probability)), quantile, rtol=0.06)
+
+
+def test_the_same_tests_give_the_same_bytes(calibrated_folder):
+    calibrate(calibrated_folder, "mine.yaml", "repeated.yaml")
+    for suffix in (".yaml", ".nc"):
+        first, second = (
+            (calibrated_folder / name).with_suffix(suffix).read_bytes()
+            for name in ("calibrated.yaml", "repeated.yaml")
+        )
+        assert first == second, suffix
+
+
+def test_a_calibration_is_plotted(calibrated_folder):
+    bearingwear.plot(bearingwear.load(calibrated_folder / "calibrated.nc"))
 
 
 def l10_of_batches(scene, correlation):
-    """L10 of a batch (h), at probabilities 0.05, 0.5 and 0.95, by quadrature over friction.
+    """Returns L10 of a batch [h] at probabilities 0.05, 0.5 and 0.95, by quadrature over friction.
 
-    The logarithm of a batch's median life is m(x) - y. Lives are solved at 13 values of friction,
-    and given friction, K_s/H is lognormal.
+    The logarithm of a batch's median life is m(x) - y. Lives are solved at 13 values of friction;
+    for a known friction, K_s/H is lognormal.
+
+    correlation: of ln K_s/H with ln mu.
     """
     spread = scene.uncertainty
     deviation = {name: math.log(value.factor) for name, value in spread.items()}
-    middle = math.log(scene.friction.ball_race)
+    log_median = math.log(scene.friction.ball_race)
     nodes = np.linspace(-4.0, 4.0, 13)
-    frictions = np.exp(middle + deviation["ball_race"] * nodes)
-    logs = [
-        math.log(hours(replace(scene_with_values(scene, {"ball_race": mu}), uncertainty=None)))
+    frictions = np.exp(log_median + deviation["ball_race"] * nodes)
+    log_lives = [
+        math.log(life_hours(replace(scene_with_values(scene, {"ball_race": mu}), uncertainty=None)))
         for mu in frictions
     ]
     u = np.linspace(-4.0, 4.0, 2001)
     weights = norm.pdf(u) / norm.pdf(u).sum()
     wear = deviation["wear_coefficient"]
-    means = CubicSpline(nodes, logs)(u) - correlation * wear * u
-    rest = wear * math.sqrt(1.0 - correlation**2)
+    means = CubicSpline(nodes, log_lives)(u) - correlation * wear * u
+    remaining_deviation = wear * math.sqrt(1.0 - correlation**2)
 
     def excess(log_life, probability):
-        return float(weights @ norm.cdf((log_life - means) / rest)) - probability
+        return float(weights @ norm.cdf((log_life - means) / remaining_deviation)) - probability
 
     medians = [brentq(excess, -20.0, 20.0, args=(p,)) for p in (0.05, 0.5, 0.95)]
     return np.exp(np.array(medians) + norm.ppf(0.1) * deviation["wear_scatter"])
@@ -248,68 +277,73 @@ def l10_of_batches(scene, correlation):
 
 @pytest.mark.long
 def test_the_calibrated_scene_keeps_the_correlation_with_friction(tmp_path):
-    """Where friction decides a life, lives tell K_s/H and friction together alone.
+    """Where a life depends much on friction, lives determine K_s/H and friction only together.
 
     A sample of the calibrated scene has the L10 of its batches that a quadrature finds, and the
     lives of bearings that the posterior has, within 2.5 %; without the correlation they are more
-    than 15 % off. The scene carries normal deviates. The posterior follows the
+    than 15 % off. The scene has lognormal distributions. The posterior follows the
     life, whose slope with friction goes here from 0.1 to 1.9, so that the scene's L10 of a batch
     spans somewhat more than the posterior's (a factor of 1.66 instead of 1.54).
     """
     settings = ["friction.ball_race=0.06", "model.contact=paper"]
     plain = load_scene(scene_file("bearing218"), settings).to_dict()
-    path = written(tmp_path, "life_h", "0.11", "0.13", "0.10", "0.12")
+    path = csv_file(tmp_path, "life_h", "0.11", "0.13", "0.10", "0.12")
     calibration = calibration_by_tests(scene_from_dict(plain | {"uncertainty": SPREAD}), path)
     coefficient = calibration.scene.uncertainty["wear_coefficient"]
     assert 0.8 < coefficient.friction_correlation < 0.9
-    alone = dict(calibration.scene.uncertainty) | {
-        "wear_coefficient": replace(coefficient, friction_correlation=None)
-    }
-    plan, point = Sampling(samples=256), calibration.data.isel(stage=1)
-    spans = []
-    for scene in (calibration.scene, replace(calibration.scene, uncertainty=alone)):
+    uncorrelated = replace(
+        calibration.scene,
+        uncertainty=dict(calibration.scene.uncertainty)
+        | {"wear_coefficient": replace(coefficient, friction_correlation=None)},
+    )
+    after = calibration.data.isel(stage=1)
+    spans, tail_errors = [], []
+    for scene in (calibration.scene, uncorrelated):
         preloads = {("constant_force", OWN): scene.operation.preload_N}
-        spread_of_lives = life_quantiles([scene], preloads, plan).squeeze()
-        of_batch = spread_of_lives.sel(uncertain_inputs=BATCH_ONLY, probability=[0.05, 0.5, 0.95])
-        within = spread_of_lives.life_quantile.sel(uncertain_inputs=SCATTER_ONLY)
-        # bearings scatter by wear alone: in each batch in the same ratio
-        L10 = float(within.sel(probability=0.1) / within.sel(probability=0.5))
+        lives = life_quantiles([scene], preloads, Sampling(samples=256)).squeeze()
+        batch = lives.sel(uncertain_inputs=BATCH_ONLY, probability=[0.05, 0.5, 0.95])
+        in_batch = lives.life_quantile.sel(uncertain_inputs=SCATTER_ONLY)
+        # the bearings of any batch scatter by wear alone, and so in the same ratio
+        L10 = float(in_batch.sel(probability=0.1) / in_batch.sel(probability=0.5))
         correlation = scene.uncertainty["wear_coefficient"].friction_correlation or 0.0
         exact = l10_of_batches(scene, correlation)
-        assert (L10 * of_batch.life_quantile_low < exact).all()
-        assert (L10 * of_batch.life_quantile_high > exact).all()
-        of_all = spread_of_lives.sel(uncertain_inputs=ALL_INPUTS)
+        assert (L10 * batch.life_quantile_low < exact).all()
+        assert (L10 * batch.life_quantile_high > exact).all()
         tails = {"probability": [0.05, 0.1, 0.95]}
-        off = np.abs(np.log(of_all.life_quantile.sel(tails) / point.life_quantile.sel(tails)))
-        assert (off < 0.025).all() if scene is calibration.scene else (off > 0.15).all()
-        spans.append(float(of_batch.life_quantile[-1] / of_batch.life_quantile[0]))
-    posterior = float(point.batch_life_quantile[-1] / point.batch_life_quantile[0])
-    assert posterior < spans[0] < 1.1 * posterior
-    assert spans[1] > 1.9 * posterior
+        sampled_tails = lives.life_quantile.sel(uncertain_inputs=ALL_INPUTS, **tails)
+        tail_errors.append(np.abs(np.log(sampled_tails / after.life_quantile.sel(tails))))
+        spans.append(float(batch.life_quantile[-1] / batch.life_quantile[0]))
+    assert (tail_errors[0] < 0.025).all() and (tail_errors[1] > 0.15).all()
+    posterior_span = float(after.batch_life_quantile[-1] / after.batch_life_quantile[0])
+    assert posterior_span < spans[0] < 1.1 * posterior_span
+    assert spans[1] > 1.9 * posterior_span
 
 
 def test_tests_far_from_the_scene_are_a_conflict(tmp_path, capsys):
-    """Lives a hundred times as long as expected: the sheets name it, and the scene carries it."""
-    base, out = tmp_path / "mine.yaml", tmp_path / "calibrated.yaml"
-    bearingwear.save(with_spread(), base)
-    path = written(tmp_path, "life_h", "150", "180")
-    assert main(["calibrate", str(base), str(path), "-o", str(out), "--json"]) == 0
+    """Lives a hundred times as long as expected are more than two standard deviations away."""
+    scene, output = tmp_path / "mine.yaml", tmp_path / "calibrated.yaml"
+    bearingwear.save(scene_with_spread(), scene)
+    path = csv_file(tmp_path, "life_h", "150", "180")
+    assert main(["calibrate", str(scene), str(path), "-o", str(output), "--json"]) == 0
     (conflict,) = json.loads(capsys.readouterr().out)["conflicts"]
-    data = bearingwear.load(tmp_path / "calibrated.nc")
-    deviations = data.attrs["wear_moved"]
-    assert deviations < -2.0
+    shift = bearingwear.load(tmp_path / "calibrated.nc").attrs["wear_moved"]
+    assert shift < -2.0
     assert conflict.startswith("K_s/H ")
-    assert numbers_in(conflict) == [pytest.approx(-deviations, rel=0.05)]
+    assert numbers_in(conflict) == [pytest.approx(-shift, rel=0.05)]  # it has two digits
     assert main(["show", str(tmp_path / "calibrated.nc")]) == 0
     assert conflict in capsys.readouterr().out
-    wear = load_scene(out).nominal("wear_coefficient") / load_scene(base).nominal(
-        "wear_coefficient"
-    )
-    factor = load_scene(out).uncertainty["wear_coefficient"].factor
-    carried = data["wear_over_hardness_carried"].values
-    before = data["wear_over_hardness_interval"].sel(stage="before").values
-    assert_allclose(carried[1] / carried[0], factor ** (2.0 * 1.644854), rtol=1e-4)
-    assert_allclose(math.sqrt(np.prod(carried / before)), wear, rtol=1e-4)
+
+
+def test_the_stated_interval_of_wear_is_that_of_the_calibrated_scene(tmp_path):
+    """Of a lognormal distribution, from 5 to 95 %; a scene file has five digits."""
+    scene = scene_with_spread()
+    calibration = calibration_by_tests(scene, csv_file(tmp_path, "life_h", "150", "180"))
+    factor = calibration.scene.uncertainty["wear_coefficient"].factor
+    carried = calibration.data["wear_over_hardness_carried"].values
+    assert_allclose(carried[1] / carried[0], factor ** (2.0 * DEVIATE_95), rtol=1e-4)
+    before = calibration.data["wear_over_hardness_interval"].isel(stage=0).values
+    ratio = calibration.scene.nominal("wear_coefficient") / scene.nominal("wear_coefficient")
+    assert_allclose(math.sqrt(np.prod(carried / before)), ratio, rtol=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -323,13 +357,13 @@ def test_tests_far_from_the_scene_are_a_conflict(tmp_path, capsys):
     ],
 )
 def test_impossible_results_are_refused(tmp_path, capsys, lines, rows, unit):
-    """The line names the rows, their ratio to what is expected, and a unit they may lack."""
-    base, out = tmp_path / "mine.yaml", tmp_path / "calibrated.yaml"
-    bearingwear.save(with_spread(), base)
-    path = written(tmp_path, *lines)
-    assert main(["calibrate", str(base), str(path), "-o", str(out)]) == 2
+    """The line names the rows, their ratio to the expected result, and a unit that may be wrong."""
+    scene, calibrated = tmp_path / "mine.yaml", tmp_path / "calibrated.yaml"
+    bearingwear.save(scene_with_spread(), scene)
+    path = csv_file(tmp_path, *lines)
+    assert main(["calibrate", str(scene), str(path), "-o", str(calibrated)]) == 2
     output, errors = capsys.readouterr()
     *_, line = errors.strip().splitlines()
-    assert output == "" and not out.exists()
+    assert output == "" and not calibrated.exists()
     assert line.startswith(f"{path}: got ") and re.search(f": {rows}; ", line)
     assert (f"expected {unit})" in line) == (unit is not None)

@@ -13,7 +13,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, spread_of
 from bearingwear.results.units import Rough, digits
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.best import SIMILAR
@@ -31,7 +31,7 @@ POWER, STIFFNESS = "friction_power_W", "system_axial_stiffness_N_um"
 
 @pytest.fixture(scope="module")
 def files(small_project):
-    """Map and recommendation."""
+    """Paths of the map (`design`) and of the `recommendation` of a small study."""
     names = ("design", "recommendation")
     return {name: small_project / CHOICE / f"{name}.nc" for name in names}
 
@@ -52,15 +52,16 @@ def rows_of(table) -> dict[str, Row]:
     return {row.name: row for row in table.rows}
 
 
-def test_the_answer_is_that_of_the_files(files, tmp_path):
+def test_the_answer_has_the_numbers_of_the_files(files, tmp_path):
+    """In its title, the sentences, and the tables of the recommendation and of what changes it."""
     path = tmp_path / "answer.json"
     assert step("studies.design.document.sheets.design_answer", path, **files) == 0
     answer, dataset = load_document(path), load(files["recommendation"])
     spring = float(dataset["life"][0])
     preload = float(dataset["preload"][0])
     assert "(constant force)" in answer.title
-    assert numbers_in(answer.title) == [preload, 3.0, 30000.0]
-    assert numbers_in(answer.heading[1]) == [30000.0, 0.08]
+    assert numbers_in(answer.title) == [preload, 3.0, 30000.0]  # N, N/um, r/min
+    assert numbers_in(answer.heading[1]) == [30000.0, 0.08]  # r/min, friction
     sentences = sentences_of(answer)
     assert f"{digits(spring)} h" in sentences["verdict"]
     assert "temperature.inner_ring_C" in sentences["strip"]
@@ -74,8 +75,13 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     k = dataset["change"].attrs["flag_meanings"].split().index(f"limits.{STIFFNESS}")
     assert now == "3" and other_better == f"above {digits(float(dataset['other_better_above'][k]))}"
     assert len(tables["charted"].table[1]) == 2 * load(files["design"]).sizes["preload"]
+
+
+def test_the_answer_has_three_sentences_at_most(files, tmp_path):
+    """Beside the strip of assumptions."""
+    answer = preload_document(load(files["recommendation"]), load(files["design"]))
     lines = [line for block in answer.blocks if block.place != "strip" for line in block.lines]
-    assert len(lines) <= 3
+    assert 0 < len(lines) <= 3
 
 
 def test_each_point_of_the_table_names_the_requirements_that_it_violates(files):
@@ -99,34 +105,38 @@ def test_the_table_has_the_units_of_the_requirements_and_says_why_a_life_is_zero
     assert all("end-of-life criterion met when new" in row[-1] for row in rows)
 
 
-def headline(files, change):
-    """Title of an answer of which `change` alters the recommendation."""
-    design, dataset = load(files["design"]), load(files["recommendation"])
-    change(dataset, design)
+def plain_title(dataset, design):
     return preload_document(dataset, design).title.replace("\N{NO-BREAK SPACE}", " ")
 
 
-def test_the_headline_states_what_less_preload_would_gain(files):
-    """A longer life, hardly any, or nothing to say where no limit is given."""
+@pytest.fixture
+def design_and_its_least_preload(files):
+    """The map, and a recommendation of the least preload of its range."""
+    design, dataset = load(files["design"]), load(files["recommendation"])
+    limits = dataset.active_limit.attrs["flag_meanings"].split()
+    dataset["active_limit"][...] = limits.index("end_of_range")
+    dataset["preload"][...] = float(design["preload"].min())
+    return design, dataset
 
-    def at_the_end(found, design):
-        ends = found.active_limit.attrs["flag_meanings"].split()
-        found["active_limit"][...] = ends.index("end_of_range")
-        found["preload"][...] = float(design["preload"].min())
 
-    def plateau(found, design):
-        at_the_end(found, design)
-        found["beyond_preload"][...], found["beyond_life"][...] = 0.1, 1.04 * found["life"]
+def test_the_headline_says_that_less_preload_would_live_longer(design_and_its_least_preload):
+    design, dataset = design_and_its_least_preload
+    assert "less preload" in plain_title(dataset, design)
 
-    def without_limits(found, _):
-        found["life"][...] = np.nan
-        found.attrs |= {"limits": "{}", NONE_BECAUSE: json.dumps({"fixed_position": NO_LIMIT})}
 
-    at_end, on_plateau = headline(files, at_the_end), headline(files, plateau)
-    assert "less preload" in at_end and "less preload" in on_plateau
-    assert numbers_in(on_plateau)[-2:] == [4.0, 0.1]  # % of the life, at so many N
-    advice = f"mine: {AS_LITTLE}"
-    assert headline(files, without_limits) == advice
+def test_the_headline_says_how_little_less_preload_would_gain(design_and_its_least_preload):
+    design, dataset = design_and_its_least_preload
+    dataset["beyond_preload"][...], dataset["beyond_life"][...] = 0.1, 1.04 * dataset["life"]
+    title = plain_title(dataset, design)
+    assert "less preload" in title
+    assert numbers_in(title)[-2:] == [4.0, 0.1]  # % of the life, at so many N
+
+
+def test_the_headline_without_a_requirement_is_an_advice(files):
+    design, dataset = load(files["design"]), load(files["recommendation"])
+    dataset["life"][...] = np.nan
+    dataset.attrs |= {"limits": "{}", NONE_BECAUSE: json.dumps({"fixed_position": NO_LIMIT})}
+    assert plain_title(dataset, design) == f"mine: {AS_LITTLE}"
 
 
 def test_a_fixed_position_is_set_by_an_offset(files):
@@ -136,30 +146,33 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     answer, preload = preload_document(dataset, design), float(dataset["preload"][1])
     sentences = sentences_of(answer)
     scene = scene_from_dict(json.loads(dataset.attrs["scene"]))
-    offset = 2e6 * float(solve(held_by(scene, "fixed_position", preload)).values[PLACE])
+    offset = 2e6 * float(solve(with_method(scene, "fixed_position", preload)).values[PLACE])
     assert f"offset of {offset:.3g} µm" in sentences["lead"]
     assert "residual preload" in sentences["verdict"]  # which ends it
-    assert 40.0 in numbers_in(sentences["verdict"])
+    assert 40.0 in numbers_in(sentences["verdict"])  # %, of the scene
     assert "at speed" not in answer.title
     dataset["residual_preload_at_start"][1] = 3.0 * preload
     assert f"({digits(3.0 * preload)} N at speed)" in preload_document(dataset, design).title
 
 
 def test_the_preload_of_a_set_is_that_of_a_side_and_of_which_pair(files):
-    """Two bearings and one: a pair with 0.736 times the preload of the side."""
+    """Two bearings against one are matched as a pair with 1/1.36 of the preload of the side.
+
+    That of a spring, the first method, is matched to nothing.
+    """
     dataset = load(files["recommendation"])
     scene = json.loads(dataset.attrs["scene"])
     arrangement = {"kind": "rigid_pair", "orientation": "back_to_back", "tandem": [2, 1]}
     scene["operation"]["preload_method"] = "fixed_position"
     scene = scene_from_dict(scene | {"arrangement": arrangement})
     dataset.attrs["scene"] = json.dumps(scene.to_dict())
-    for k in (0, 1):
-        dataset["life"][k] = 2.0 * float(dataset["life"].max())
+    for k, is_matched in ((0, False), (1, True)):
+        dataset["life"][k] = 2.0 * float(dataset["life"].max())  # makes this method the better one
         words = sentences_of(preload_document(dataset))["lead"]
         preload = float(dataset["preload"][k])
         assert preload in numbers_in(words) and "on each side" in words
-        of_pair = [n for n in numbers_in(words) if n == pytest.approx(0.736 * preload, rel=5e-3)]
-        assert bool(of_pair) == (k == 1)  # spring bearings are not matched
+        of_pair = pytest.approx(preload / 1.36, rel=5e-3)
+        assert any(number == of_pair for number in numbers_in(words)) == is_matched
 
 
 def test_achieved_values_have_no_power_of_ten(files, tmp_path):
@@ -170,7 +183,7 @@ def test_achieved_values_have_no_power_of_ten(files, tmp_path):
     design = load(files["design"])
     design.assign_attrs(limits=dataset.attrs["limits"]).to_netcdf(tmp_path / "design.nc")
     question = json.loads(design_charts(tmp_path / "design.nc", changed))["question"]
-    assert "1230 W" in question.replace("\N{NO-BREAK SPACE}", " ")
+    assert "1230 W" in question.replace("\N{NO-BREAK SPACE}", " ")  # and not 1.23e+03
 
 
 def test_the_chart_of_life_has_the_required_life(files, tmp_path):
@@ -217,14 +230,14 @@ def test_another_method_with_about_the_same_life_is_stated(files, ratio, is_stat
 
 
 def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(files):
-    """Title, offset and tolerance have the recommended preload; both ends are solved once more."""
+    """Title and sentence have the recommended preload; both ends are solved once more."""
     dataset = load(files["recommendation"])
     name, best, life = recommended_points(dataset)[0]
     low, high = float(best["least_preload"]), float(best["most_preload"])
     assert low <= float(best["preload"]) <= high and low < high
     scene, limits = scene_from_dict(json.loads(dataset.attrs["scene"])), limits_of(dataset)
     for preload in (low, high):
-        point = design_point(held_by(scene, name, preload), limits)
+        point = design_point(with_method(scene, name, preload), limits)
         assert min(map(float, limit_margins(point, limits))) >= 0.0
         assert point["life"] / 3600.0 >= SIMILAR * life
     text = f"{float(best['preload']):.7g} N"
@@ -234,16 +247,24 @@ def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(f
     assert specified == float(best["preload"]) and share == 100.0 * SIMILAR
     assert [digits(least), digits(most)] == [digits(low), digits(high)]
     assert [specified + plus, specified - minus] == pytest.approx([most, least])
-    # a spacer that is off by its tolerance stays within the range
+
+
+def test_a_spacer_that_is_off_by_its_tolerance_stays_within_the_range(files):
+    """Of a fixed position from its recommended preload to half as much again."""
+    dataset = load(files["recommendation"])
+    scene = scene_from_dict(json.loads(dataset.attrs["scene"]))
     dataset["life"][1] = 2.0 * float(dataset["life"][0])
     preload = float(dataset["preload"][1])
     dataset["least_preload"][1], dataset["most_preload"][1] = preload, 1.5 * preload
     sentence = sentences_of(preload_document(dataset))["lead"]
     offset, plus, minus = re.search(r"(\S+) µm.*\+(\S+)/−(\S+) µm", sentence).groups()
-    most = 2e6 * float(solve(held_by(scene, "fixed_position", 1.5 * preload)).values[PLACE])
-    middle = 2e6 * float(solve(held_by(scene, "fixed_position", preload)).values[PLACE])
-    assert float(offset) == pytest.approx(middle, rel=5e-3)
-    assert minus == "0" and 0.9 * (most - middle) < float(plus) <= most - middle
+
+    def offset_um(preload):
+        return 2e6 * float(solve(with_method(scene, "fixed_position", preload)).values[PLACE])
+
+    assert float(offset) == pytest.approx(offset_um(preload), rel=5e-3)  # three digits
+    room = offset_um(1.5 * preload) - offset_um(preload)
+    assert minus == "0" and 0.9 * room < float(plus) <= room
 
 
 def test_hours_of_a_calibrated_scene_are_stated(files):
@@ -252,7 +273,7 @@ def test_hours_of_a_calibrated_scene_are_stated(files):
     scene = json.loads(dataset.attrs["scene"])
     scene["uncertainty"] = {"wear_coefficient": {"distribution": "lognormal", "factor": 1.5}}
     life = float(dataset["life"].max())
-    ends = [Rough(life * 1.5**z).text for z in (-1.6449, 1.6449)]
+    ends = [Rough(life * 1.5**z).text for z in (-1.6449, 1.6449)]  # 90 % of a lognormal
     calibration = {"calibrated": {"tests": "mine.csv", "sha256": 64 * "0", "rows": 2}}
     for is_calibrated, block in ((False, {}), (True, calibration)):
         dataset.attrs["scene"] = json.dumps(scene | block)
@@ -262,38 +283,52 @@ def test_hours_of_a_calibrated_scene_are_stated(files):
         assert ("2 tests (mine.csv)" in sentences["lead"]) == is_calibrated
 
 
-def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp_path):
+SAMPLING = {"samples": 16, "seed": 1}
+QUANTILES = "studies.uncertainty.quantiles"
+
+
+@pytest.fixture(scope="module")
+def spread_file(files, small_project, tmp_path_factory):
+    """File of the spread of lives at the recommended preloads."""
+    path = tmp_path_factory.mktemp("spread") / "spread.nc"
+    inputs = {"scene": small_project / "mine.yaml", "recommendation": files["recommendation"]}
+    run = f"{QUANTILES}.recommended_life_quantiles"
+    assert step(run, path, settings=SAMPLING, **inputs) == 0
+    return path
+
+
+def median_life(dataset):
+    """Of the first method, all inputs uncertain."""
+    quantiles = dataset["life_quantile"].isel(uncertain_inputs=0, preload_method=0)
+    return float(quantiles.sel(probability=0.5).squeeze())
+
+
+def test_the_spread_is_that_of_the_recommended_preload(files, spread_file, small_project, tmp_path):
     """Lives are sampled about the preload to take, not about the scene's own."""
-    path, own = tmp_path / "spread.nc", tmp_path / "own.nc"
-    scene, settings = small_project / "mine.yaml", {"samples": 16, "seed": 1}
-    run = "studies.uncertainty.quantiles"
-    inputs = {"scene": scene, "recommendation": files["recommendation"]}
-    assert step(f"{run}.recommended_life_quantiles", path, settings=settings, **inputs) == 0
-    assert step(f"{run}.uncertain_lives", own, settings=settings, scene=scene) == 0
-    spread, dataset = load(path), load(files["recommendation"])
+    own = tmp_path / "own.nc"
+    scene = small_project / "mine.yaml"
+    assert step(f"{QUANTILES}.uncertain_lives", own, settings=SAMPLING, scene=scene) == 0
+    spread, dataset = load(spread_file), load(files["recommendation"])
     preloads = spread["preload"].values.ravel().tolist()
     assert preloads == dataset["preload"].values.tolist()
     nominal = spread["nominal_life"].values.ravel()
-    assert nominal == pytest.approx(dataset["life"].values, rel=0.02)
-    median = spread["life_quantile"].isel(uncertain_inputs=0, preload_method=0)
-    median = median.squeeze("preload_choice")
-    at_own = load(own)["life_quantile"].isel(uncertain_inputs=0)
+    assert nominal == pytest.approx(dataset["life"].values, rel=0.02)  # sampled lives are quick
     # 4.1 N in place of 7 N: half as long again
-    assert float(median.sel(probability=0.5)) > 1.3 * float(at_own.sel(probability=0.5).squeeze())
+    assert median_life(spread) > 1.3 * median_life(load(own))
+
+
+def test_the_answer_has_the_spread_of_its_file(files, spread_file, tmp_path):
     answer = tmp_path / "answer.json"
     run = "studies.design.document.sheets.design_answer"
-    assert step(run, answer, **files, spread=path) == 0
+    assert step(run, answer, **files, spread=spread_file) == 0
     rows = {row[0]: row[1:] for row in tables_of(load_document(answer))["open"].table[1]}
-    mine = json.loads(spread.attrs["scene"])
-    spread_in_file = spread_of([spread], mine, "constant_force", 0.08, RECOMMENDED)
-    assert rows["90 % of bearings (h)"][0] == spread_in_file.bearings.text
-    assert {
-        f"{name} (h)": Rough(hours).text for name, hours in spread_in_file.quantiles.items()
-    } == {
-        name: row[0]
-        for name, row in rows.items()
-        if name in ("L10 of the median batch (h)", "L50 of the median batch (h)")
-    }
+    dataset = load(spread_file)
+    mine = json.loads(dataset.attrs["scene"])
+    spread = spread_of([dataset], mine, "constant_force", 0.08, RECOMMENDED)
+    assert rows["90 % of bearings (h)"][0] == spread.bearings.text
+    for name in ("L10 of the median batch", "L50 of the median batch"):
+        expected = Rough(spread.quantiles[name]).text if name in spread.quantiles else None
+        assert rows.get(f"{name} (h)", [None])[0] == expected, name
 
 
 def test_without_a_recommendation_no_life_is_sampled(files, small_project, tmp_path):

@@ -15,7 +15,7 @@ from bearingwear.document.text import as_text
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import load
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.choice import (
@@ -47,14 +47,11 @@ def scene():
     return load_scene(scene_file("gyro_s1"))
 
 
-# the plan
-
-
 # the choice
 
 
-def made_up(lives, stiffness, status=None):
-    """A line of a map of one method."""
+def invented_line(lives, stiffness, status=None):
+    """A line of a map of one method: preloads 1, 2, ... N; stiffness in N/um."""
     n = len(lives)
     status = np.zeros(n, dtype=np.int8) if status is None else np.array(status, dtype=np.int8)
     lives = np.where(status == 0, lives, np.nan)
@@ -81,33 +78,34 @@ POWER = DesignLimits(friction_power_W=0.25, at_speed_only=True)
 @pytest.mark.parametrize(
     "line, limits, index, active",
     [
-        (made_up(DOWN, UP), STIFF, 2, "axial_stiffness_N_um"),
+        (invented_line(DOWN, UP), STIFF, 2, "axial_stiffness_N_um"),
         (
-            made_up(DOWN, UP),
+            invented_line(DOWN, UP),
             DesignLimits(friction_power_W=1.0, at_speed_only=True),
             0,
             "end_of_range",
         ),
-        (made_up([5, 8, 7, 6], UP), DesignLimits(at_speed_only=True), 1, "none"),
-        (made_up(UP, UP), POWER, 1, "friction_power_W"),
-        (made_up(DOWN, [1, 2, 2, 2]), STIFF, -1, "no_preload_within_limits"),
+        (invented_line([5, 8, 7, 6], UP), DesignLimits(at_speed_only=True), 1, "none"),
+        (invented_line(UP, UP), POWER, 1, "friction_power_W"),
+        (invented_line(DOWN, [1, 2, 2, 2]), STIFF, -1, "no_preload_within_limits"),
         (
-            made_up(DOWN, [3, 3, 3, 4], [0, 1, 0, 0]),
+            invented_line(DOWN, [3, 3, 3, 4], [0, 1, 0, 0]),
             DesignLimits(at_speed_only=True),
             0,
             "not_solved",
         ),
-        (made_up(DOWN, [3, 3, 3, 4], [1, 1, 0, 0]), STIFF, 2, "not_solved"),
+        (invented_line(DOWN, [3, 3, 3, 4], [1, 1, 0, 0]), STIFF, 2, "not_solved"),
     ],
 )
-def test_choice_and_what_holds_it(line, limits, index, active):
-    result, held = best_within(line, limits)
-    assert int(result) == index
-    assert ACTIVE[int(held)] == active
+def test_the_best_point_of_a_line_and_what_forbids_its_neighbour(line, limits, index, active):
+    """The index is -1 where no preload is within the limits."""
+    best, limit = best_within(line, limits)
+    assert int(best) == index
+    assert ACTIVE[int(limit)] == active
 
 
 def test_the_pareto_front_omits_dominated_and_unsolved_points():
-    line = made_up([9, 8, 7, 6, 5], [1, 3, 2, 4, 5], [0, 0, 0, NOT_CONVERGED, 0])
+    line = invented_line([9, 8, 7, 6, 5], [1, 3, 2, 4, 5], [0, 0, 0, NOT_CONVERGED, 0])
     assert pareto_front(line).values.tolist() == [True, True, False, False, True]
 
 
@@ -116,7 +114,7 @@ def test_the_pareto_front_omits_dominated_and_unsolved_points():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """The whole design study."""
+    """A design study of gyro_s1 at five preloads: its parts, map, recommendation and spread."""
     folder = tmp_path_factory.mktemp("design")
     scene = scene_file("gyro_s1")
     design, recommendation = folder / "design.nc", folder / "recommendation.nc"
@@ -149,54 +147,68 @@ def test_a_method_without_a_preload_has_no_status_of_a_solve(folder, tmp_path):
     assert "nothing to solve" in text and STATUS_NAMES[-1] not in text
 
 
-def test_single_files_are_drawn(folder, tmp_path):
-    # the whole map is drawn as a part of it is
-    for name in ("constant_force", "recommendation", "uncertainty"):
-        figure = tmp_path / f"{name}.svg"
-        assert main(["plot", str(folder / f"{name}.nc"), "-o", str(figure)]) == 0
-        assert "<path" in figure.read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", ["constant_force", "recommendation", "uncertainty"])
+def test_single_files_are_drawn(folder, name, tmp_path):
+    """A part of a map stands for the whole."""
+    figure = tmp_path / f"{name}.svg"
+    assert main(["plot", str(folder / f"{name}.nc"), "-o", str(figure)]) == 0
+    assert "<path" in figure.read_text(encoding="utf-8")
 
 
-def test_recommended_preload_stands_on_its_limit(folder, scene):
-    dataset = load(folder / "recommendation.nc")
-    assert dataset["status"].values.tolist() == [0, 0]
-    for k in range(2):
-        point = dataset.isel(preload_method=k)
-        assert ACTIVE[int(point["active_limit"])] == "axial_stiffness_N_um"
-        # in few digits, of which the last but one cannot be lower
-        preload = float(point["preload"])
-        assert preload == float(f"{preload:.4g}")
-        assert 3.0e6 <= float(LIMITED["axial_stiffness_N_um"].worst(point)) < 3.0e6 * 1.01
-        unit = 10.0 ** (math.floor(math.log10(preload)) - 2)
-        less_preloaded = life_point(held_by(scene, METHODS[k], preload - unit), None)
-        assert LIMITED["axial_stiffness_N_um"].worst(less_preloaded) < 3.0e6
-        assert float(point["gyroscopic_slip_share"]) <= 0.25
-        assert 0.0 < float(point["life_error_estimate"]) < 0.1
-    # no preload of the map within the limits lasts longer
-    design = load(folder / "design.nc")
+@pytest.mark.parametrize("k", range(2))
+def test_the_recommended_preload_just_meets_its_limit(folder, scene, k):
+    """In four digits, of which the third cannot be lower."""
+    point = load(folder / "recommendation.nc").isel(preload_method=k)
+    assert int(point["status"]) == 0
+    assert ACTIVE[int(point["active_limit"])] == "axial_stiffness_N_um"
+    preload = float(point["preload"])
+    assert preload == float(f"{preload:.4g}")
+    assert 3.0e6 <= float(LIMITED["axial_stiffness_N_um"].worst(point)) < 3.0e6 * 1.01
+    third_digit = 10.0 ** (math.floor(math.log10(preload)) - 2)
+    less_preloaded = life_point(with_method(scene, METHODS[k], preload - third_digit), None)
+    assert LIMITED["axial_stiffness_N_um"].worst(less_preloaded) < 3.0e6
+    assert float(point["gyroscopic_slip_share"]) <= 0.25
+    assert 0.0 < float(point["life_error_estimate"]) < 0.1
+
+
+def test_no_preload_of_the_map_within_the_limits_lives_longer_than_the_recommended(folder):
+    dataset, design = load(folder / "recommendation.nc"), load(folder / "design.nc")
     assert np.all(dataset["life"].values >= design["recommended_life"].values[:, 0, 0])
-    # with the Hertzian groove of this scene
+
+
+def test_a_recommendation_with_the_hertzian_groove_has_its_life(folder):
+    dataset = load(folder / "recommendation.nc")
     assert (dataset["groove"] == HERTZIAN_GROOVE).all()
-    assert_allclose(dataset["hertzian_life"], dataset["life"], rtol=0.0)
+    assert (dataset["hertzian_life"] == dataset["life"]).all()
 
 
-def test_figures_and_tables_are_drawn(folder):
+DRAW, TABLES = "studies.design.figures.draw", "studies.design.document.sheets.tables"
+
+
+def test_figures_and_tables_are_drawn(folder, tmp_path):
     files = files_in(folder)
-    out, draw = folder / "design.svg", "studies.design.figures.draw"
-    assert step(f"{draw}.draw_design", out, **files) == 0 and out.stat().st_size > 10_000
-    tables = [folder / "map.csv", folder / "design.md"]
-    assert step("studies.design.document.sheets.tables", *tables, **files) == 0
-    text = (folder / "design.md").read_text()
+    out = tmp_path / "design.svg"
+    assert step(f"{DRAW}.draw_design", out, **files) == 0
+    assert out.stat().st_size > 10_000  # more than empty axes
+    tables = [tmp_path / "map.csv", tmp_path / "design.md"]
+    assert step(TABLES, *tables, **files) == 0
+    text = (tmp_path / "design.md").read_text()
     assert text.count("\n| ") > 20 and "nan" not in text
-    assert len((folder / "map.csv").read_text().splitlines()) == 11
-    assert step(f"{draw}.other", folder / "x.svg", **files) == 2
+    # a head, and five preloads by two methods
+    assert len((tmp_path / "map.csv").read_text().splitlines()) == 1 + 5 * 2
+
+
+def test_figures_and_tables_of_wrong_files_are_refused(folder, tmp_path):
+    files = files_in(folder)
+    tables = [tmp_path / "map.csv", tmp_path / "design.md"]
+    assert step(f"{DRAW}.other", tmp_path / "x.svg", **files) == 2
     wrong = dict(zip(FILES, reversed(files.values()), strict=True))
-    assert step("studies.design.document.sheets.tables", *tables, **wrong) == 2
-    assert step(f"{draw}.draw_map", folder / "x.svg", design=files["uncertainty"]) == 2
+    assert step(TABLES, *tables, **wrong) == 2
+    assert step(f"{DRAW}.draw_map", tmp_path / "x.svg", design=files["uncertainty"]) == 2
 
 
-def changed(path, target, **values):
-    """A case file with other numbers."""
+def with_values(path, target, **values):
+    """Path of a copy of a case file with another status, or with numbers times these values."""
     case = load(path)
     for name, value in values.items():
         case[name] = case[name] * 0 + value if name == "status" else case[name] * value
@@ -204,52 +216,85 @@ def changed(path, target, **values):
     return str(target)
 
 
-def test_recommended_preload_in_time(folder, tmp_path, capsys):
-    """Without a cage, a dynamic run stays in the steady state that the map is made of."""
-    recommendation = folder / "recommendation.nc"
-    dataset = load(recommendation)
+TIMES = ("0.80", "1.25")
+"""Factors on the recommended preload, at which it is checked by the dynamic model."""
+
+
+def checking_scene_text(folder, path, times):
+    """The data of the scene that checks a recommendation at so many times its preload."""
+    files = {"scene": scene_file("gyro_s1"), "recommendation": folder / "recommendation.nc"}
+    run = "studies.design.dynamic_check.check_scene_text"
+    assert step(run, path, settings={"times": float(times)}, **files) == 0
+    return yaml.safe_load(path.read_text())
+
+
+@pytest.mark.parametrize("times", TIMES)
+def test_the_scene_that_checks_a_recommendation_has_its_preload_and_method(folder, times, tmp_path):
+    """Of the method with the longer life, and with a cage."""
+    dataset, path = load(folder / "recommendation.nc"), tmp_path / "check.yaml"
     longest = int(np.argmax(dataset["life"].values))
-    cases = []
-    for times in ("0.80", "1.25"):
-        path = tmp_path / f"{times}.yaml"
-        files = {"scene": scene_file("gyro_s1"), "recommendation": recommendation}
-        settings = {"times": float(times)}
-        run = "studies.design.dynamic_check.check_scene_text"
-        assert step(run, path, settings=settings, **files) == 0
-        plain = yaml.safe_load(path.read_text())
-        preload = float(dataset["preload"][longest])
-        assert plain["operation"]["preload_N"] == pytest.approx(float(times) * preload, rel=1e-12)
-        assert plain["operation"]["preload_method"] == METHODS[longest]
-        assert load_scene(path).cage is not None
-        path.write_text(yaml.safe_dump({k: v for k, v in plain.items() if k != "cage"}))
+    operation = checking_scene_text(folder, path, times)["operation"]
+    preload = float(times) * float(dataset["preload"][longest])
+    assert operation["preload_N"] == pytest.approx(preload, rel=1e-12)
+    assert operation["preload_method"] == METHODS[longest]
+    assert load_scene(path).cage is not None
+
+
+@pytest.fixture(scope="module")
+def checking_cases(folder, tmp_path_factory):
+    """Paths of steady and dynamic cases that check the recommendation, without a cage."""
+    cases, there = [], tmp_path_factory.mktemp("cases")
+    for times in TIMES:
+        path = there / f"{times}.yaml"
+        data = checking_scene_text(folder, path, times)
+        path.write_text(yaml.safe_dump({k: v for k, v in data.items() if k != "cage"}))
         for fidelity in ("steady", "dynamic"):
-            cases.append(str(tmp_path / f"{times}-{fidelity}.nc"))
+            cases.append(str(there / f"{times}-{fidelity}.nc"))
             assert main(["solve", str(path), "--fidelity", fidelity, "-o", cases[-1]]) == 0
+    return cases
+
+
+def check_table(folder, out, cases):
+    """Status of the step that compares steady and dynamic cases."""
+    inputs = {"recommendation": folder / "recommendation.nc", "cases": list(cases)}
+    return step("studies.design.document.check_table.check_table", out, **inputs)
+
+
+def test_dynamic_cases_without_a_cage_stay_in_the_steady_state(folder, checking_cases, tmp_path):
+    """The table of the check says no difference of QV and preload, at both factors."""
+    for steady, dynamic in zip(checking_cases[::2], checking_cases[1::2], strict=True):
+        assert_allclose(load(dynamic)["total_qv"], load(steady)["total_qv"], rtol=1e-9)
     out = tmp_path / "check.md"
+    assert check_table(folder, out, checking_cases) == 0
+    assert out.read_text().count("| no |") == 2 * len(TIMES) and "| yes |" not in out.read_text()
 
-    def table(*paths):
-        inputs = {"recommendation": recommendation, "cases": list(paths)}
-        assert step("studies.design.document.check_table.check_table", out, **inputs) == 0
-        return out.read_text()
 
-    text = table(*cases)
-    assert text.count("| no |") == 4 and "| yes |" not in text
-    for steady, dynamic in zip(map(load, cases[::2]), map(load, cases[1::2]), strict=True):
-        assert_allclose(dynamic["total_qv"], steady["total_qv"], rtol=1e-9)
-    # and the table sees where it does not
-    beyond = 1.0 + 2.0 * float(load(cases[0])["qv_error_estimate"]) + 0.01
-    text = table(*cases[:-1], changed(cases[-1], tmp_path / "qv.nc", total_qv=beyond))
-    assert text.count("| yes |") == 1
-    (row,) = (line for line in text.splitlines() if "| yes |" in line)
+def test_a_dynamic_case_with_another_qv_is_marked(folder, checking_cases, tmp_path):
+    """Beyond the estimated errors of both."""
+    *others, last = checking_cases
+    beyond = 1.0 + 2.0 * float(load(checking_cases[0])["qv_error_estimate"]) + 0.01
+    changed, out = with_values(last, tmp_path / "qv.nc", total_qv=beyond), tmp_path / "check.md"
+    assert check_table(folder, out, [*others, changed]) == 0
+    (row,) = (line for line in out.read_text().splitlines() if "| yes |" in line)
     assert "QV" in row
-    failed = changed(cases[-1], tmp_path / "failed.nc", status=NOT_CONVERGED)
-    text = table(*cases[:-1], failed)
-    assert "not converged" in text
+
+
+def test_an_unsolved_dynamic_case_is_named_in_the_check(folder, checking_cases, tmp_path):
+    *others, last = checking_cases
+    unsolved = with_values(last, tmp_path / "unsolved.nc", status=NOT_CONVERGED)
+    assert check_table(folder, tmp_path / "check.md", [*others, unsolved]) == 0
+    assert "not converged" in (tmp_path / "check.md").read_text()
+
+
+def test_cases_that_check_no_recommendation_are_refused_in_one_line(
+    folder, checking_cases, tmp_path, capsys
+):
+    """One too few, none, and a map among them."""
+    recommendation, design = folder / "recommendation.nc", folder / "design.nc"
     capsys.readouterr()
-    for wrong in ([*cases[:-1]], [recommendation], [*cases, folder / "design.nc"]):
-        inputs = {"recommendation": recommendation, "cases": wrong}
-        assert step("studies.design.document.check_table.check_table", out, **inputs) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 3
+    for wrong in (checking_cases[:-1], [recommendation], [*checking_cases, design]):
+        assert check_table(folder, tmp_path / "check.md", wrong) == 2
+        assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_nothing_recommended_is_checked_at_the_scene_s_own_preload(scene, folder):
@@ -261,10 +306,14 @@ def test_nothing_recommended_is_checked_at_the_scene_s_own_preload(scene, folder
     assert checked.operation.preload_method == scene.operation.preload_method
 
 
+def test_a_map_counts_the_solves_of_each_life(folder):
+    design = load(folder / "design.nc")
+    assert int(design["solves"].min()) >= 5 and int(design["failed_solves"].min()) >= 0
+
+
 def test_every_status_is_in_the_table(folder, tmp_path):
     """Lives that were not solved keep their status in the CSV."""
     design = load(folder / "design.nc")
-    assert int(design["solves"].min()) >= 5 and int(design["failed_solves"].min()) >= 0
     design["status"].values[0, 0, 0, :2] = NOT_CONVERGED, BEYOND_GROOVE
     design.to_netcdf(tmp_path / "design.nc")
     files = files_in(folder) | {"design": tmp_path / "design.nc"}
@@ -293,6 +342,7 @@ def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
 
 
 def test_a_limit_can_be_changed_without_another_map(folder):
+    """The best of five preloads, by constant force and fixed position, on the same lives."""
     parts = [folder / f"{method}.nc" for method in METHODS]
     dataset = load(folder / "design.nc")
     stiffer = design_map(parts, LIMITS | {"axial_stiffness_N_um": 4.0})

@@ -9,7 +9,7 @@ from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives
 from bearingwear.results.netcdf import open_result
-from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
 from bearingwear.solvers.solve import solve
@@ -27,45 +27,53 @@ UNLIKE = PUSHED | {"arrangement.tandem": [2, 1]}
 @pytest.mark.parametrize("changes", [ROTOR | {"arrangement.kind": "spring_pair"}, PUSHED, UNLIKE])
 @pytest.mark.parametrize("method", METHODS)
 def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
-    """New, the lowest of what a case of the pair has."""
-    held = held_by(scene("gyro_s1", changes), method)
+    """New, the lowest of what a case of the pair has; a state of alike bearings stands for both."""
+    held = with_method(scene("gyro_s1", changes), method)
     new = HertzianLives(held)(held).states[0]
-    result = (
-        new["lowest_frequency"]
-        if np.isfinite(new["lowest_frequency"])
-        else lowest_frequency(held, (new, new))
-    )
+    frequency = new["lowest_frequency"]
+    if np.isnan(frequency):
+        frequency = lowest_frequency(held, (new, new))
     case = solve(held).values
-    assert_allclose(result, case["natural_frequency"].min(), rtol=1e-5)
-    assert life_point(held, None)["lowest_frequency"] <= result * (1.0 + 1e-12)
+    assert_allclose(frequency, case["natural_frequency"].min(), rtol=1e-5)
+    assert life_point(held, None)["lowest_frequency"] <= frequency * (1.0 + 1e-12)
 
 
-def test_a_point_of_the_map_is_a_life(scene):
-    """Of an unlike pair; what limits look at is that of the worse bearing."""
-    rigid = held_by(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
-    point, lived = life_point(rigid, None), life(rigid).values
-    assert_allclose(point["life"], lived["life"], rtol=1e-5)
-    assert_allclose(point["loss_at_end"], lived["loss_at_end"].max(), rtol=1e-5)
-    stiffness = lived["history_system_axial_stiffness"]
-    assert_allclose(point["system_axial_stiffness"], stiffness.min(), rtol=1e-5)
-    shift = np.abs(lived["history_rotor_axial_shift"]).max()
-    assert_allclose(point["rotor_axial_shift"], shift, rtol=1e-5)
-    pressure = lived["history_maximum_pressure"].max()
-    assert_allclose(point["maximum_pressure"], pressure, rtol=1e-5)
+def test_a_point_of_the_map_has_the_worst_values_along_a_life(scene):
+    """Of the worse bearing of an unlike pair."""
+    rigid = with_method(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
+    point, values = life_point(rigid, None), life(rigid).values
+    expected = {
+        "life": values["life"],
+        "loss_at_end": values["loss_at_end"].max(),
+        "system_axial_stiffness": values["history_system_axial_stiffness"].min(),
+        "rotor_axial_shift": np.abs(values["history_rotor_axial_shift"]).max(),
+        "maximum_pressure": values["history_maximum_pressure"].max(),
+    }
+    for name, value in expected.items():
+        assert_allclose(point[name], value, rtol=1e-5, err_msg=name)
 
 
-def test_spring_pair_against_rigid_pair(scene, tmp_path):
-    pushed = scene("gyro_s1", PUSHED)
+@pytest.fixture(scope="module")
+def recommended(scene):
+    """Recommendation for a pair whose rotor shall have no frequency below 2100 Hz."""
     limits = DesignLimits(
         lowest_frequency_Hz=2100.0, rotor_shift_um=3.0, preload_kept=0.3, at_speed_only=True
     )
-    recommended = recommendation(pushed, limits)
+    return recommendation(scene("gyro_s1", PUSHED), limits)
+
+
+def test_the_required_frequency_limits_spring_and_rigid_pair(scene, recommended):
     assert (recommended["lowest_frequency"] >= 2100.0 * (1.0 - 1e-6)).all()
     names = recommended["active_limit"].attrs["flag_meanings"].split()
-    assert {names[int(k)] for k in recommended["active_limit"].values} == {"lowest_frequency_Hz"}
+    limits = [names[int(k)] for k in recommended["active_limit"].values]
+    assert limits == ["lowest_frequency_Hz"] * 2
     for k, method in enumerate(METHODS):
-        again = life_point(held_by(pushed, method, float(recommended["preload"][k])), None)
-        assert_allclose(again["life"] / 3600.0, recommended["life"][k], rtol=1e-9)
+        held = with_method(scene("gyro_s1", PUSHED), method, float(recommended["preload"][k]))
+        life_h = life_point(held, None)["life"] / 3600.0
+        assert_allclose(life_h, recommended["life"][k], rtol=1e-9, err_msg=method)
+
+
+def test_the_sheet_names_spring_and_rigid_pair_and_the_required_frequency(recommended, tmp_path):
     recommended.to_netcdf(tmp_path / "recommendation.nc")
     with open_result(tmp_path / "recommendation.nc") as file:
         sheet = recommendation_sheet(file)
@@ -76,11 +84,10 @@ def test_spring_pair_against_rigid_pair(scene, tmp_path):
 
 
 @pytest.mark.parametrize("missing", ["arrangement.rotor_mass_kg", "arrangement.span_mm"])
-def test_a_frequency_needs_mass_and_span(scene, missing, capsys):
-    options = [f"--set={key}={value}" for key, value in ROTOR.items() if key != missing]
+def test_a_required_frequency_needs_mass_and_span(scene, missing, capsys):
+    rotor = {key: value for key, value in ROTOR.items() if key != missing}
     with pytest.raises(SceneError, match=missing):
-        DesignLimits(lowest_frequency_Hz=1e3).check(
-            scene("gyro_s1", {k: v for k, v in ROTOR.items() if k != missing}), "scene"
-        )
+        DesignLimits(lowest_frequency_Hz=1e3).check(scene("gyro_s1", rotor), "scene")
+    options = [f"--set={key}={value}" for key, value in rotor.items()]
     assert main(["recommend", str(scene_file("gyro_s1")), "--frequency", "1000", *options]) == 2
     assert missing in only_line(capsys)

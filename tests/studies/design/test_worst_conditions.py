@@ -10,7 +10,7 @@ from support import numbers_in
 import bearingwear
 from bearingwear.document.bearing_line import bearing_line, scenes_by_case, warning_with_cases
 from bearingwear.studies.design.choice import ACTIVE, NO_PRELOAD, UNLIMITED
-from bearingwear.studies.design.document.sentences import none_title
+from bearingwear.studies.design.document.sentences import no_preload_title
 from bearingwear.studies.design.document.words import NONE_BECAUSE
 from bearingwear.studies.design.document.worst_conditions import (
     conditions_words,
@@ -34,20 +34,24 @@ def scene():
     return bearingwear.new(designation="7008C", speed=18000.0)
 
 
-def found_for(scene, where=None, limits=None, active=STIFFNESS, **values):
-    """A recommendation of one method, with just what words are made of."""
-    at = {"case": "fast", "speed_rpm": 3000.0, "temperature": "running", "bearing": 2,
-          "wear": "new", "value": 20.0e6}  # fmt: skip
-    deciding = {"system_axial_stiffness": at | (where or {}), "preload_kept": at, "life": at}
-    known = {"system_axial_stiffness": 20.01e6, "system_quasistatic_axial_stiffness": 22e6}
-    known |= {
+def recommended_for(scene, limits=None, active=STIFFNESS, **values):
+    """A recommendation of one method, with just what words are made of.
+
+    Everything is decided in the case `fast`, by the second bearing, new, at 3000 r/min.
+    """
+    where = {"case": "fast", "speed_rpm": 3000.0, "temperature": "running", "bearing": 2,
+             "wear": "new", "value": 20.0e6}  # fmt: skip
+    deciding = dict.fromkeys(("system_axial_stiffness", "preload_kept", "life"), where)
+    numbers = {
+        "system_axial_stiffness": 20.01e6,  # the requirement of 20 N/um is just met
+        "system_quasistatic_axial_stiffness": 22e6,
         "preload_kept": 0.0101,
         "active_limit": ACTIVE.index(active),
         "preload": 17.5,
     } | values
     warnings = [COLD | {"in_cases": ["nominal"]}, HIGH | {"in_cases": ["slow", "fast"]}]
     return xr.Dataset(
-        {name: ("preload_method", [value]) for name, value in known.items()},
+        {name: ("preload_method", [value]) for name, value in numbers.items()},
         {"preload_method": ("preload_method", [1], METHODS)},
         {
             "scene": json.dumps(scene.to_dict()),
@@ -59,54 +63,74 @@ def found_for(scene, where=None, limits=None, active=STIFFNESS, **values):
 
 
 def test_the_first_lines_name_cases_and_speeds(scene):
-    alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
-    assert "rest" in conditions_words(alone) and numbers_in(conditions_words(alone)) == [18000.0]
-    words = conditions_words(both)
+    """From rest to the speed of the scene; of cases, their number and names, and the top speed."""
+    words = conditions_words(recommended_for(scene))
+    assert "rest" in words and numbers_in(words) == [18000.0]
+    words = conditions_words(recommended_for(scene.with_({"cases": CASES})))
     assert "nominal, slow, fast" in words and numbers_in(words) == [3.0, 24000.0]
-    slowest = found_for(scene.with_({"operation.lowest_speed_rpm": 2000.0}))
+
+
+def test_the_first_lines_name_the_lowest_speed_in_place_of_rest(scene):
+    slowest = recommended_for(scene.with_({"operation.lowest_speed_rpm": 2000.0}))
     assert numbers_in(conditions_words(slowest)) == [2000.0, 18000.0]
-    only = found_for(scene.with_({"cases": CASES}), limits={STIFFNESS: 20.0, "at_speed_only": True})
-    assert numbers_in(conditions_words(only))[-2:] == [500.0, 24000.0]
-    assert "rest" not in conditions_words(only)
+
+
+def test_the_first_lines_name_speeds_of_cases_where_nothing_else_was_looked_at(scene):
+    limits = {STIFFNESS: 20.0, "at_speed_only": True}
+    words = conditions_words(recommended_for(scene.with_({"cases": CASES}), limits=limits))
+    assert numbers_in(words)[-2:] == [500.0, 24000.0] and "rest" not in words
+
+
+def limit_words(recommended):
+    return limit_met_words(recommended, recommended.isel(preload_method=0))
 
 
 def test_the_headline_names_where_a_requirement_is_just_met(scene):
-    alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
-    best = alone.isel(preload_method=0)
-    words = limit_met_words(alone, best)
+    words = limit_words(recommended_for(scene))
     assert numbers_in(words) == [20.0, 3000.0, 2.0] and "new" in words  # N/um, r/min, bearing
-    assert "case" not in words and limit_met_words(both, best).endswith("(case fast)")
-    far = found_for(scene, system_axial_stiffness=21e6).isel(preload_method=0)
-    assert limit_met_words(alone, far).startswith("limited by 20")
-    free = found_for(scene, active=ACTIVE[UNLIMITED]).isel(preload_method=0)
-    assert limit_met_words(alone, free) == ""
-    lifted = found_for(scene, active="preload_kept").isel(preload_method=0)
-    words = limit_met_words(alone, lifted)
+    assert "case" not in words
+    assert limit_words(recommended_for(scene.with_({"cases": CASES}))).endswith("(case fast)")
+
+
+def test_the_headline_names_a_limit_that_is_not_just_met_without_its_place(scene):
+    words = limit_words(recommended_for(scene, system_axial_stiffness=21e6))
+    assert words.startswith("limited by 20")
+
+
+def test_the_headline_names_no_limit_where_none_is_met(scene):
+    assert limit_words(recommended_for(scene, active=ACTIVE[UNLIMITED])) == ""
+
+
+def test_the_headline_names_the_bearing_that_lifts_off(scene):
+    words = limit_words(recommended_for(scene, active="preload_kept"))
     assert "lifts off" in words and numbers_in(words) == [3000.0, 2.0]
 
 
 def test_a_life_names_the_speed_and_the_case_in_which_it_is_the_shortest(scene):
-    alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
-    best = alone.isel(preload_method=0)
-    assert numbers_in(life_condition_words(alone, best))[0] == 3000.0
-    words = life_condition_words(both, best)
-    assert "case fast" in words and 3.0 in numbers_in(words)
+    of_scene = recommended_for(scene)
+    best = of_scene.isel(preload_method=0)
+    assert numbers_in(life_condition_words(of_scene, best))[0] == 3000.0
+    words = life_condition_words(recommended_for(scene.with_({"cases": CASES})), best)
+    assert "case fast" in words and 3.0 in numbers_in(words)  # of three cases
 
 
 def test_warnings_are_those_of_the_cases_that_have_them(scene):
-    alone, both = found_for(scene), found_for(scene.with_({"cases": CASES}))
-    cold, high = stated_warnings(both)
+    cold, high = stated_warnings(recommended_for(scene.with_({"cases": CASES})))
     assert cold["id"] == "temperature_left_out"
     assert cold["sentence"].startswith("case nominal: ")  # another one has temperatures
     assert high["id"] == "high" and "slow, fast" in high["sentence"]
-    assert stated_warnings(alone)[0]["sentence"] == COLD["sentence"]
+
+
+def test_warnings_of_a_scene_without_cases_name_none(scene):
+    assert stated_warnings(recommended_for(scene))[0]["sentence"] == COLD["sentence"]
 
 
 def test_neglected_temperatures_are_said_of_the_cases_without_any(scene):
-    some = warning_with_cases(COLD, scene.with_({"cases": CASES}).to_dict())
-    assert some["sentence"].startswith("cases nominal, slow: ")
-    none = scene.with_({"cases": {"slow": CASES["slow"]}}).to_dict()
-    assert warning_with_cases(COLD, none) == COLD
+    """And of none by name, where no case has temperatures."""
+    warning = warning_with_cases(COLD, scene.with_({"cases": CASES}).to_dict())
+    assert warning["sentence"].startswith("cases nominal, slow: ")
+    all_cold = scene.with_({"cases": {"slow": CASES["slow"]}}).to_dict()
+    assert warning_with_cases(COLD, all_cold) == COLD
 
 
 def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
@@ -122,9 +146,9 @@ def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
 
 
 def test_a_method_without_a_preload_is_named_in_its_heading(scene):
-    recommended = found_for(scene, active=ACTIVE[NO_PRELOAD])
+    recommended = recommended_for(scene, active=ACTIVE[NO_PRELOAD])
     recommended = recommended.assign(life=("preload_method", [np.nan]))
     recommended.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "x"})
-    assert "fixed position" not in none_title(recommended)
+    assert "fixed position" not in no_preload_title(recommended)
     recommended["life"][...] = 1.0
-    assert none_title(recommended).endswith("fixed position")
+    assert no_preload_title(recommended).endswith("fixed position")

@@ -13,6 +13,7 @@ from bearingwear.cli import main
 from bearingwear.document.document import load_document
 from bearingwear.results.netcdf import load
 from bearingwear.results.units import digits
+from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.answer import MethodLife, answer, lives_of
 
@@ -31,22 +32,21 @@ SCENE = {
 }
 
 
-def plain(text):
+def with_spaces(text):
+    """Text with plain spaces in place of those at which no line breaks."""
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
-def life(method, friction, hours, error=0.01, scene="a", end="x"):
-    return MethodLife(scene, method, friction, hours, error, end)
+def life(method, friction, hours, error=0.01, scene="a"):
+    return MethodLife(scene, method, friction, hours, error, "x")
 
 
-CONSTANT, FIXED = PRELOAD_METHODS
-
-
-C, F = CONSTANT, FIXED
-TWO = [life(m, mu, 1.0 + ((mu == 0.1) == (m == C))) for mu in (0.1, 0.2) for m in (C, F)]
-OTHER = [life(m, 0.1, 3.0, scene="b") for m in PRELOAD_METHODS]
+C, F = PRELOAD_METHODS  # constant force and fixed position
+OTHER_WAY_ROUND = [life(C, 0.1, 2.0), life(F, 0.1, 1.0), life(C, 0.2, 1.0), life(F, 0.2, 2.0)]
+OTHER_SCENE = [life(m, 0.1, 3.0, scene="b") for m in PRELOAD_METHODS]
 UNKNOWN = math.nan
-# lives; the methods and a word of the headline; numbers of a sentence: ratio or %, and friction
+# lives; the methods and a word of the headline; numbers of a sentence: ratio or %, and friction.
+# Lives of errors of 1 % are the same within 2 %.
 HEADLINES = [
     ([life(C, 0.1, 2.0), life(F, 0.1, 1.0)], {C}, "longer", {2.0, 0.1}),
     ([life(C, 0.1, 1.0), life(F, 0.1, 1.05)], {F}, "longer", {5.0, 0.1}),
@@ -54,11 +54,11 @@ HEADLINES = [
     ([life(C, 0.1, 0.0), life(F, 0.1, 0.0)], set(), "neither", set()),
     ([life(C, 0.1, 0.0), life(F, 0.1, 2.0)], {F}, "longer", {0.1}),
     ([life(C, 0.1, 1.0, UNKNOWN), life(F, 0.1, 1.019, UNKNOWN)], {F}, "longer", {1.9, 0.1}),
-    (TWO, set(), "depends on friction", {2.0, 0.1}),
+    (OTHER_WAY_ROUND, set(), "depends on friction", {2.0, 0.1}),
     ([life(F, 0.1, 1.0)], {F}, "life with", set()),
     ([life(C, 0.1, UNKNOWN), life(F, 0.1, 1.0)], {C, F}, "life with", set()),
     ([life(F, 0.1, UNKNOWN)], set(), "no end", set()),
-    ([life(C, 0.1, 1.0), *OTHER], {C}, "life with", {1.0}),
+    ([life(C, 0.1, 1.0), *OTHER_SCENE], {C}, "life with", {1.0}),
 ]
 
 
@@ -71,19 +71,26 @@ def test_the_headline_names_the_better_method_and_a_sentence_by_how_much(
     _, _, headline = document.title.rpartition(", ")
     assert {name for name in (C, F) if name.replace("_", " ") in headline} == methods
     assert word in headline
-    sentences = [plain(text) for _, texts in points(document) for text in texts]
+    sentences = [with_spaces(text) for _, texts in sentence_blocks(document) for text in texts]
     assert any(numbers <= {*numbers_in(sentence)} for sentence in sentences), sentences
-    cells = [cell for line in dataset_table(document).table[1] for cell in line]
+
+
+@pytest.mark.parametrize("lives", [lives for lives, *_ in HEADLINES])
+def test_the_table_has_a_row_for_each_life_of_the_scene_and_no_nan(lives):
+    document = answer(lives, SCENE)
+    rows = table_block(document).table[1]
+    assert len(rows) == len([life for life in lives if life.scene == "a"])
+    sentences = [text for _, texts in sentence_blocks(document) for text in texts]
+    cells = [cell for row in rows for cell in row]
     assert not any("nan" in text.split() for text in (*sentences, *cells))
-    rows = [row for row in lives if row.scene == "a"]
-    assert len(dataset_table(document).table[1]) == len(rows)
 
 
 @pytest.fixture
-def sure(small_project, tmp_path):
-    """The lives with a made-up spread beside them, and that file."""
-    from bearingwear.scene.read import load_scene
+def lives_and_spread(small_project, tmp_path):
+    """Paths of lives and of an invented spread beside them.
 
+    Quantiles are 2, 4, ... 40 h, by method, friction and probability.
+    """
     scene = load_scene(small_project / "mine.yaml")
     middle = np.arange(2.0, 41.0, 2.0).reshape(2, 2, 5)  # method, at, probability
     of_batch = middle[..., [2]] * np.array([0.5, 0.7, 1.0, 1.5, 2.0])
@@ -117,23 +124,26 @@ def sure(small_project, tmp_path):
     return lives, path
 
 
-def row_of(found, method, friction):
+def row_of(document, method, friction):
     """Cells of a life by the names of their columns."""
-    heads, lines = dataset_table(found).table
+    heads, lines = table_block(document).table
     (row,) = [line for line in lines if line[:2] == [friction, method]]
     return dict(zip(heads, row, strict=True))
 
 
-def points(found):
-    return [(block.title, block.lines) for block in found.blocks if not block.rows]
+def sentence_blocks(document):
+    """Titles and lines of the blocks without a table."""
+    return [(block.title, block.lines) for block in document.blocks if not block.rows]
 
 
-def dataset_table(found):
-    (table,) = (block for block in found.blocks if block.rows)
+def table_block(document):
+    """The one block with a table."""
+    (table,) = (block for block in document.blocks if block.rows)
     return table
 
 
-def answered(lives, spread=()):
+def answer_of(lives, spread=()):
+    """The answer that the step makes of files of lives and of their spread."""
     path = lives.parent / "answer.json"
     run = "studies.grid.answer.lives_answer"
     assert step(run, path, lives=[lives], uncertainty=spread) == 0
@@ -145,22 +155,23 @@ def test_the_answer_is_that_of_the_file(small_project):
     low = {life.method: life.hours for life in lives if life.friction == 0.02}
     ratio = low["constant_force"] / low["fixed_position"]
     document = load_document(small_project / LIVES_ANSWER)
-    sentences = plain(" ".join(text for _, texts in points(document) for text in texts))
+    blocks = sentence_blocks(document)
+    sentences = with_spaces(" ".join(text for _, texts in blocks for text in texts))
     comparison, _, _ = sentences.partition("; ")
     assert {float(f"{ratio:.2g}"), 0.02} <= {*numbers_in(comparison)}
     assert "gyroscopic slip share" in sentences and 50.0 in numbers_in(sentences)
-    assert "not computed" in plain(dataset_table(document).lines[0])  # of the spread
+    assert "not computed" in with_spaces(table_block(document).lines[0])  # of the spread
     for life_of_method in lives:
         method, friction = life_of_method.method, life_of_method.friction
         row = row_of(document, method.replace("_", " "), f"{friction:g}")
         hours = life_of_method.hours
         assert row["life (h)"] == digits(hours) and "L10 of the median batch (h)" not in row
-    assert "9 balls of 2 mm" in plain(document.facts["bearing"])
+    assert "9 balls of 2 mm" in with_spaces(document.facts["bearing"])
 
 
-def test_lives_stand_with_their_spread(small_project, sure):
-    lives, spread = sure
-    # at the scene's own preload; methods by rows of ten
+def test_the_summary_has_lives_with_their_spread(small_project, lives_and_spread):
+    """90 % of the bearings at the scene's own friction; for others it names the command."""
+    lives, spread = lives_and_spread
     written, table = lives.parent / "a.csv", lives.parent / "summary.md"
     inputs = {"study": small_project / FOLDER / "study.nc", "lives": lives, "uncertainty": [spread]}
     assert step("studies.grid.tables.study_tables", written, table, **inputs) == 0
@@ -171,9 +182,13 @@ def test_lives_stand_with_their_spread(small_project, sure):
     assert rows["constant force", "0.08"] == "2 to 10"
     assert rows["fixed position", "0.08"] == "22 to 30"
     assert rows["constant force", "0.02"] == "–"
-    assert "bearingwear uncertainty" in table.read_text()  # the command for the others
+    assert "bearingwear uncertainty" in table.read_text()
 
-    document = answered(lives, [spread])
+
+def test_the_answer_has_lives_with_their_spread(lives_and_spread):
+    """By their quantiles; a life without a spread has a dash."""
+    lives, spread = lives_and_spread
+    document = answer_of(lives, [spread])
     row = row_of(document, "constant force", "0.08")
     assert (row["L10 of the median batch (h)"], row["L50 of the median batch (h)"]) == ("4", "6")
     assert row["90 % of bearings (h)"] == "2 to 10" == row["scatter within a batch (h)"]
@@ -183,22 +198,23 @@ def test_lives_stand_with_their_spread(small_project, sure):
     assert row_of(document, "fixed position", "0.02")["L10 of the median batch (h)"] == "–"
 
 
-def test_no_spread_is_invented(small_project, sure, capsys):
-    """Without a study of uncertainty, or with that of another scene, no life has a spread."""
-    lives, path = sure
-    other = load(path)
-    scene = json.loads(other.attrs["scene"])
+def test_the_spread_of_another_scene_is_not_used(lives_and_spread):
+    """Of a shaft that is faster by 1 r/min."""
+    lives, path = lives_and_spread
+    dataset = load(path)
+    scene = json.loads(dataset.attrs["scene"])
     scene["operation"]["shaft_speed_rpm"] += 1.0
-    other.attrs["scene"] = json.dumps(scene)
     path.unlink()
-    other.to_netcdf(path)
-    document = answered(lives, [path])
+    dataset.assign_attrs(scene=json.dumps(scene)).to_netcdf(path)
+    document = answer_of(lives, [path])
     assert "90 % of bearings (h)" not in row_of(document, "constant force", "0.08")
-    assert "bearingwear uncertainty" in dataset_table(document).lines[0]
+    assert "bearingwear uncertainty" in table_block(document).lines[0]
+
+
+def test_without_a_study_of_uncertainty_no_life_has_a_spread(small_project, capsys):
+    """The sheet names the command for it."""
     folder = small_project / FOLDER
     assert "L10" not in (folder / "tables" / "summary.md").read_text()
-    for place in (lives, folder / "wear_life.nc"):
-        capsys.readouterr()
-        assert main(["show", str(place)]) == 0
-        text = capsys.readouterr().out
-        assert "L10" not in text and "bearingwear uncertainty" in " ".join(text.split())
+    assert main(["show", str(folder / "wear_life.nc")]) == 0
+    text = capsys.readouterr().out
+    assert "L10" not in text and "bearingwear uncertainty" in " ".join(text.split())

@@ -10,16 +10,20 @@ from numpy.testing import assert_allclose
 from support import ROOT, only_line, scene_file, step
 
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.scene.read import variant
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.studies.grid.figures.dynamic import mean_so_far
-from bearingwear.studies.grid.gather import study
+from bearingwear.studies.grid.figures.dynamic import mean_so_far, running_average_figure
+from bearingwear.studies.grid.gather import gathered_study
 from bearingwear.studies.grid.grid import Case, Grid
-from bearingwear.studies.unsolved import verdict
+from bearingwear.studies.unsolved import unsolved_lines
 
 STEADY = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.5, 0.7])
 DYNAMIC = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.08], [0.0, 0.5, 0.7])
 NOT_CONVERGED = 1
-GATHER, TABLES = "studies.grid.gather.study", "studies.grid.dynamic_tables.comparison"
+GATHER, TABLES = (
+    "studies.grid.gather.gathered_study",
+    "studies.grid.dynamic_tables.dynamic_comparison",
+)
 COMPARED, AVERAGE = (
     "studies.grid.figures.draw.draw_dynamic",
     "studies.grid.figures.draw.draw_running_average",
@@ -39,16 +43,14 @@ def flag(name, dims, values):
     return (dims, values, attrs)
 
 
-def made_up_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **changes):
+def invented_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **changes):
     """A case file's dataset with plausible numbers; its histories settle on its means."""
-    from bearingwear.scene.read import variant
-
-    in_time = fidelity == "dynamic"
+    is_dynamic = fidelity == "dynamic"
     plain = variant(scene_file(scene), case.changes).to_dict()
-    n = plain["bearing"]["ball_count"] if in_time else 1
+    n = plain["bearing"]["ball_count"] if is_dynamic else 1
     held = case.preload_method == "fixed_position"
     left = 1.0 - (1.2 * case.ball_diameter_loss_um if held else 0.0)
-    size = (1.0 + 0.01 * in_time) * left * (0.9 + case.friction)
+    size = (1.0 + 0.01 * is_dynamic) * left * (0.9 + case.friction)
     alone = {"units": "W"}, {"units": "m3 s-1"}
     values = {
         "status": flag("status", (), status),
@@ -59,7 +61,7 @@ def made_up_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **cha
         "race_wear_rate": (("race",), np.array([2e-16, 3e-16]) * size, alone[1]),
     }
     coords = {"ball": np.arange(n), "race": flag("race", ("race",), [0, 1])}
-    if in_time:
+    if is_dynamic:
         per_turn = {"qv_drift_per_turn": 1e-4, "wear_rate_drift_per_turn": 0.02 * held}
         counts = {"simulated_turns": 20.0, "evaluated_turns": 10.0}
         numbers = {name: ((), value, {"units": "1"}) for name, value in (per_turn | counts).items()}
@@ -95,13 +97,13 @@ def made_up_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **cha
     return xr.Dataset(values, coords, attrs | changes)
 
 
-def make(folder, grid, fidelity, failed=(), **changes):
-    """Case files of a grid."""
+def write_cases(folder, grid, fidelity, failed=(), **changes):
+    """Write invented case files of a grid; their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for case_id, case in grid.cases().items():
         status = NOT_CONVERGED if case_id in failed else 0
-        case_file = made_up_case(case, fidelity=fidelity, status=status, **changes)
+        case_file = invented_case(case, fidelity=fidelity, status=status, **changes)
         case_file.to_netcdf(folder / f"{case_id}.nc")
         paths.append(folder / f"{case_id}.nc")
     return paths
@@ -119,13 +121,13 @@ def folder(tmp_path_factory):
         (DYNAMIC, "dynamic", "dynamic", "dynamic.nc"),
     ):
         failed = FAILED if fidelity == "dynamic" else FAILED[:1]
-        paths = make(folder / cases, grid, fidelity, failed)
+        paths = write_cases(folder / cases, grid, fidelity, failed)
         assert step(GATHER, folder / file, paths=paths) == 0
     return folder
 
 
-def both(folder):
-    """The study and what is solved dynamically."""
+def steady_and_dynamic(folder):
+    """The study, and the cases that are solved dynamically."""
     return {"study": folder / "study.nc", "dynamic": folder / "dynamic.nc"}
 
 
@@ -144,15 +146,15 @@ def test_a_study_of_dynamic_cases_holds_their_means_without_histories(folder):
 
 
 def test_steady_and_dynamic_cases_are_not_mixed(folder, tmp_path):
-    paths = make(tmp_path, DYNAMIC, "dynamic")
-    made_up_case(DYNAMIC.cases()[paths[3].stem]).to_netcdf(paths[3])
+    paths = write_cases(tmp_path, DYNAMIC, "dynamic")
+    invented_case(DYNAMIC.cases()[paths[3].stem]).to_netcdf(paths[3])
     with pytest.raises(CaseFileError, match=f"{paths[3].name}: fidelity differs from"):
-        study(paths)
+        gathered_study(paths)
 
 
-def test_verdict_names_the_files_of_both(folder, capsys, tmp_path):
-    checked, unsolved = verdict([folder / "study.nc", folder / "dynamic.nc"])
-    assert checked == 24 + 12
+def test_the_verdict_names_unsolved_files_of_steady_and_dynamic_cases(folder):
+    checked, unsolved = unsolved_lines([folder / "study.nc", folder / "dynamic.nc"])
+    assert checked == len(STEADY.cases()) + len(DYNAMIC.cases())
     assert [line.partition(": ")[0] for line in unsolved] == [
         str(folder / "cases" / f"{FAILED[0]}.nc"),
         *(str(folder / "dynamic" / f"{case_id}.nc") for case_id in FAILED),
@@ -162,9 +164,10 @@ def test_verdict_names_the_files_of_both(folder, capsys, tmp_path):
 # beside the steady cases
 
 
-def test_comparison_tables(folder, tmp_path):
+def test_tables_compare_steady_and_dynamic_cases(folder, tmp_path):
+    """The first case by its invented numbers, and those that were not solved."""
     outputs = [tmp_path / "dynamic.csv", tmp_path / "dynamic.md"]
-    assert step(TABLES, *outputs, **both(folder)) == 0
+    assert step(TABLES, *outputs, **steady_and_dynamic(folder)) == 0
     with outputs[0].open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 12
@@ -185,12 +188,15 @@ def test_comparison_tables(folder, tmp_path):
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("of", ["nothing solved", "no cage"])
-def test_comparison_of_little(folder, of, tmp_path):
+@pytest.mark.parametrize("has_cage", [True, False], ids=["not solved", "no cage"])
+def test_a_case_that_is_not_solved_or_without_a_cage_is_drawn_and_tabulated(
+    folder, has_cage, tmp_path
+):
+    """Of the case with a cage nothing is solved."""
     grid = Grid.from_lists(PRELOAD_METHODS[:1], [0.08], [0.0])
-    failed = tuple(grid.cases()) if of == "nothing solved" else ()
-    (path,) = make(tmp_path, grid, "dynamic", failed)
-    if of == "no cage":
+    failed = tuple(grid.cases()) if has_cage else ()
+    (path,) = write_cases(tmp_path, grid, "dynamic", failed)
+    if not has_cage:
         case = load(path)
         path.unlink()
         case.drop_vars([name for name in case if "cage" in name]).to_netcdf(path)
@@ -203,19 +209,19 @@ def test_comparison_of_little(folder, of, tmp_path):
     assert "cage" not in text and "nan" not in text
 
 
-def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
-    steady, dynamic = both(folder).values()
+def test_files_that_do_not_belong_together_are_refused_in_one_line(folder, tmp_path, capsys):
+    steady, dynamic = steady_and_dynamic(folder).values()
     output = tmp_path / "a.svg"
     assert step(COMPARED, output, study=steady, dynamic=steady) == 2
     assert (
         capsys.readouterr().err
         == f"{steady}: got cases that were not solved dynamically, expected dynamic cases\n"
     )
-    paths = make(tmp_path / "few", Grid.from_lists(PRELOAD_METHODS, [0.02], [0.0]), "steady")
+    paths = write_cases(tmp_path / "few", Grid.from_lists(PRELOAD_METHODS, [0.02], [0.0]), "steady")
     assert step(GATHER, tmp_path / "few.nc", paths=paths) == 0
     assert step(COMPARED, output, study=tmp_path / "few.nc", dynamic=dynamic) == 2
     assert "few.nc: friction: got 0.08, expected 0.02" in capsys.readouterr().err
-    other = make(tmp_path / "other", DYNAMIC, "dynamic", scene="gyro_s1_drag")
+    other = write_cases(tmp_path / "other", DYNAMIC, "dynamic", scene="gyro_s1_drag")
     assert step(GATHER, tmp_path / "other.nc", paths=other) == 0
     assert step(COMPARED, output, study=steady, dynamic=tmp_path / "other.nc") == 2
     assert capsys.readouterr().err.endswith(f"expected the scene of {steady}\n")
@@ -228,18 +234,17 @@ def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
 # averages as they settle
 
 
-def test_mean_so_far():
+def test_the_mean_so_far_is_that_of_the_intervals_up_to_each_time():
     rate = xr.DataArray([3.0, 5.0, 1.0, 7.0], {"time": [0.1, 0.2, 0.3, 0.4]}, ("time",))
     assert_allclose(mean_so_far(rate), [3.0, 4.0, 3.0, 4.0], rtol=1e-14)
 
 
 @pytest.mark.filterwarnings("error")
 def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path):
-    from bearingwear.studies.grid.figures.dynamic import running_average_figure
-
+    """The file of the project has none yet."""
     case = load(folder / "dynamic" / "constant_force-mu0.080-loss0.00.nc")
-    empty = running_average_figure(case, ROOT / "config" / "reference" / "gupta_no2.csv")
-    labels = [text.get_text() for text in empty.legends[0].get_texts()]
+    without = running_average_figure(case, ROOT / "config" / "reference" / "gupta_no2.csv")
+    labels = [text.get_text() for text in without.legends[0].get_texts()]
     assert labels == ["ball 1", "cage, pockets and land", "pockets", "land"]
     file = tmp_path / "values.csv"
     file.write_text("# a comment\npart,time_s,wear_rate_m3_s\nball_1,0.02,2e-17\ncage,0.01,5e-15\n")

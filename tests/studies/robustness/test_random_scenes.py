@@ -36,8 +36,8 @@ BASE = load_scene(base_scene(PLAN, FILE)).to_dict()
 FEW = {"model.strips": 20}  # points: what is tried here does not hang on them
 
 
-def of_class(name, seed):
-    """A scene of a class."""
+def drawn_of_class(name, seed):
+    """A scene of a class; None where what is drawn makes no bearing."""
     chance = random.Random(seed)
     values = {key: draw.value(chance) for key, draw in draws(draw_blocks(PLAN, name)).items()} | FEW
     try:
@@ -59,68 +59,83 @@ def of_class(name, seed):
     ],
 )
 def test_random_scenes_are_never_wrong(name, unexplained):
-    """No number is wrong; ends without a physical reason stay rare."""
-    without = solved = 0
+    """No number is wrong; ends without a physical reason stay rare.
+
+    unexplained: the share of these that the study of robustness may have.
+    """
+    without_reason = scenes = 0
 
     @settings(max_examples=40, deadline=None, derandomize=True, database=None)
     @given(seed=st.integers(0, 2**32))
-    def one(seed):
-        nonlocal without, solved
-        scene = of_class(name, seed)
+    def check_scene(seed):
+        nonlocal without_reason, scenes
+        scene = drawn_of_class(name, seed)
         if scene is None:
             return
         fidelity = PLAN["scene_classes"][name]["fidelity"]
         values = solved_values(scene, fidelity)
-        solved += 1
+        scenes += 1
         if values["status"] in WITHOUT_REASON:
-            without += 1
+            without_reason += 1
         else:
             assert violations(scene, fidelity, values) == []
 
-    one()
-    assert solved > 26
-    assert without <= max(1.0, unexplained * solved)
+    check_scene()
+    assert scenes > 26  # two thirds of the draws make a bearing
+    assert without_reason <= max(1.0, unexplained * scenes)
 
 
 def test_random_lives_with_worn_grooves_are_never_wrong():
-    """Each ends at its criterion, with what it says balanced, or says why it does not."""
+    """Of ten nine end at their criterion, all with balanced numbers."""
     draw = draws(draw_blocks(PLAN, "worn_life"))
     ends = [outcome_of(BASE, values, "worn_life") for values in drawn_values(draw, 7, 10)]
     assert [end["violations"] for end in ends] == [""] * 10
     assert sum(end["status"] == code.OK for end in ends) >= 9
 
 
-def test_violations_of_a_wrong_life_are_reported():
-    draw = draws(draw_blocks(PLAN, "worn_life"))
-    (values,) = drawn_values(draw, 1, 1)
+@pytest.fixture(scope="module")
+def scene_and_life():
+    """A random scene with worn grooves, and the values of its life."""
+    (values,) = drawn_values(draws(draw_blocks(PLAN, "worn_life")), 1, 1)
     scene = drawn_scene(BASE, values)
-    solved = life(scene).values
-    assert life_violations(scene, solved) == []
-    for wrong in (
-        {"loss_at_end": 2.0 * solved["loss_at_end"]},
-        {"history_qv": 1.2 * solved["history_qv"]},
-        {"history_deepest_groove": solved["history_deepest_groove"][::-1]},
-        {"history_maximum_pressure": math.nan * solved["history_maximum_pressure"]},
-        {"status": code.UNVERIFIED},
-    ):
-        assert len(life_violations(scene, solved | wrong)) > 0
+    return scene, life(scene).values
+
+
+def test_a_right_life_violates_nothing(scene_and_life):
+    assert life_violations(*scene_and_life) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "spoilt"),
+    [
+        ("loss_at_end", lambda value: 2.0 * value),
+        ("history_qv", lambda value: 1.2 * value),
+        ("history_deepest_groove", lambda value: value[::-1]),
+        ("history_maximum_pressure", lambda value: math.nan * value),
+        ("status", lambda value: code.UNVERIFIED),
+    ],
+)
+def test_violations_of_a_wrong_life_are_reported(scene_and_life, name, spoilt):
+    scene, values = scene_and_life
+    assert life_violations(scene, values | {name: spoilt(values[name])}) != []
 
 
 def test_random_dynamic_runs_conserve_energy_or_say_why_not():
-    solved = 0
+    """Six draws, of which some make no bearing, or one with more balls than a test has time for."""
+    runs = 0
 
     @settings(max_examples=6, deadline=None, derandomize=True, database=None)
     @given(seed=st.integers(0, 2**32))
-    def one(seed):
-        nonlocal solved
-        scene = of_class("dynamic_stress", seed)
+    def check_run(seed):
+        nonlocal runs
+        scene = drawn_of_class("dynamic_stress", seed)
         if scene is not None and scene.bearing.ball_count <= 12:
             values = solved_values(scene, "dynamic")
-            solved += values["status"] == code.OK
+            runs += values["status"] == code.OK
             assert violations(scene, "dynamic", values) == []
 
-    one()
-    assert solved >= 3
+    check_run()
+    assert runs >= 3
 
 
 def test_a_wrong_number_is_a_violation():
@@ -151,11 +166,17 @@ def test_a_spring_beside_a_large_centrifugal_force():
     assert values["residual_preload"] == pytest.approx(0.1, rel=1e-9)
 
 
-def test_crossing_is_found_and_bisected():
-    axis = KeyAxis(key="k", log=(1e-3, 1e3), points=13)
-    exponents = [np.log(y / 7.0) for y in axis.values]
-    assert crossing(axis, exponents, lambda y: np.log(y / 7.0)) == pytest.approx(7.0, rel=1e-4)
-    assert np.isnan(crossing(axis, [1.0] * 13, lambda y: 1.0))
+TWO_A_DECADE = KeyAxis(key="k", log=(1e-3, 1e3), points=13)
+
+
+def test_the_crossing_of_zero_is_bisected():
+    values = [np.log(y / 7.0) for y in TWO_A_DECADE.values]
+    place = crossing(TWO_A_DECADE, values, lambda y: np.log(y / 7.0))
+    assert place == pytest.approx(7.0, rel=1e-4)
+
+
+def test_values_of_one_sign_have_no_crossing():
+    assert np.isnan(crossing(TWO_A_DECADE, [1.0] * 13, lambda y: 1.0))
 
 
 FEW_OF_EACH = {
@@ -178,7 +199,7 @@ FEW_OF_EACH = {
 RUNS = {
     "scene_classes": "run.random_scenes",
     "maps": "maps.state_map",
-    "branches": "branches.branch",
+    "branches": "branches.branch_states",
 }
 
 
@@ -197,34 +218,49 @@ def plan(tmp_path):
     return file
 
 
+@pytest.fixture
+def solved_file(plan, tmp_path):
+    """Function (kind) -> file of a few points of that kind."""
+
+    def file_of(kind, name="few.nc"):
+        assert run(RUNS[kind], tmp_path / name, {"name": "few"}, plan=plan) == 0
+        return tmp_path / name
+
+    return file_of
+
+
 @pytest.mark.parametrize("kind", RUNS)
-def test_files_figures_and_table(kind, plan, tmp_path):
-    """A few points, from the step to the picture."""
-    solved, table = tmp_path / "few.nc", tmp_path / "few.md"
-    assert run(RUNS[kind], solved, {"name": "few"}, plan=plan) == 0
-    again = tmp_path / "again.nc"
-    assert run(RUNS[kind], again, {"name": "few"}, plan=plan) == 0
-    assert solved.read_bytes() == again.read_bytes()
-    picture = tmp_path / "few.svg"
-    for figure, of in (("map_figure", "maps"), ("branches_figure", "branches")):
-        status = run(f"figures.{figure}", picture, solved=solved)
-        assert status == (0 if of == kind else 2)
-    assert picture.exists() == (kind != "scene_classes")
-    counts = tmp_path / "counts.nc"
-    status = run("gather.counted_ends", counts, paths=[solved])
-    if kind == "branches":
-        assert status == 2
-        return
-    assert status == 0
+def test_a_few_points_are_the_same_bytes_twice(kind, solved_file):
+    assert solved_file(kind).read_bytes() == solved_file(kind, "again.nc").read_bytes()
+
+
+@pytest.mark.parametrize("kind", RUNS)
+@pytest.mark.parametrize(
+    ("figure", "drawn_kind"), [("map_figure", "maps"), ("branches_figure", "branches")]
+)
+def test_each_figure_draws_its_kind_and_refuses_others(
+    kind, figure, drawn_kind, solved_file, tmp_path
+):
+    status = run(f"figures.{figure}", tmp_path / "few.svg", solved=solved_file(kind))
+    assert status == (0 if kind == drawn_kind else 2)
+    assert (tmp_path / "few.svg").exists() == (kind == drawn_kind)
+
+
+@pytest.mark.parametrize(("kind", "points"), [("scene_classes", 3), ("maps", 2 * 3)])
+def test_ends_of_scenes_and_maps_are_counted_and_tabulated(kind, points, solved_file, tmp_path):
+    counts, table = tmp_path / "counts.nc", tmp_path / "few.md"
+    assert run("gather.counted_ends", counts, paths=[solved_file(kind)]) == 0
     dataset = load(counts)
-    assert dataset["violations"].item() == 0
-    assert dataset["trials"].item() == {"scene_classes": 3, "maps": 6}[kind]
-    assert (
-        dataset["verified"] + dataset["refused"] + dataset["unexplained"] == dataset["trials"]
-    ).all()
+    assert dataset["violations"].item() == 0 and dataset["trials"].item() == points
+    ends = sum(dataset[name] for name in ("verified", "refused", "unexplained"))
+    assert (ends == dataset["trials"]).all()
     assert run("tables.ends_table", table, counts=counts) == 0
-    assert "| 0 |" in table.read_text()
+    assert "| 0 |" in table.read_text()  # violations
     assert run("tables.wrong_answers", tmp_path / "verdict.txt", counts=counts) == 0
+
+
+def test_branches_have_no_ends_to_count(solved_file, tmp_path):
+    assert run("gather.counted_ends", tmp_path / "counts.nc", paths=[solved_file("branches")]) == 2
 
 
 def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
@@ -245,7 +281,10 @@ def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     assert not verdict.exists()
     error = capsys.readouterr().err
     assert "results: 1 " in error and "a violation" in error
-    assert run("run.random_scenes", solved, {"name": "few"}, plan=FILE) == 2
+
+
+def test_a_class_that_the_plan_has_not_is_refused_in_one_line(tmp_path, capsys):
+    assert run("run.random_scenes", tmp_path / "few.nc", {"name": "few"}, plan=FILE) == 2
     assert "scene_classes: got few, expected steady" in only_line(capsys)
 
 
@@ -264,7 +303,7 @@ def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
         ("even: [0.0, 2.0], points", "points", "y: got both or neither of log and even, expected"),
     ],
 )
-def test_bad_plan_is_one_line(old, new, problem, tmp_path, capsys):
+def test_a_broken_plan_is_refused_in_one_line(old, new, problem, tmp_path, capsys):
     plan = tmp_path / "plan.yaml"
     text = FILE.read_text()
     assert old in text

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.scene.distributions import value_at
+from bearingwear.scene.distributions import value_quantiles
 from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
 from bearingwear.solvers.bearing import parameters
 from bearingwear.studies.sampling import Sampling, scene_with_values
@@ -27,7 +27,7 @@ def scene():
 
 
 @pytest.mark.parametrize(
-    "spread, told",
+    "spread, problem",
     [
         ({"ball_race": {"distribution": "uniform", "low": 0.2, "high": 0.1}}, "ball_race.high"),
         ({"ball_race": {"distribution": "lognormal", "factor": 1.0}}, "ball_race.factor"),
@@ -46,13 +46,14 @@ def scene():
         ),
     ],
 )
-def test_bad_uncertainty_takes_one_line(scene, spread, told):
+def test_a_wrong_distribution_is_refused_in_one_line(scene, spread, problem):
     with pytest.raises(SceneError) as error:
         scene_from_dict(scene.to_dict() | {"uncertainty": spread})
-    assert told in str(error.value) and "\n" not in str(error.value)
+    assert problem in str(error.value) and "\n" not in str(error.value)
 
 
-def test_lives_about_a_lognormal_of_nothing_cannot_be_perturbed(tmp_path):
+def test_a_lognormal_value_whose_median_is_zero_cannot_be_sampled(tmp_path):
+    """The scene is taken, because its lives without a spread are."""
     plain = yaml.safe_load(scene_file("gyro_s1").read_text())
     plain["uncertainty"] = {"drag_density_kg_m3": {"distribution": "lognormal", "factor": 2.0}}
     (tmp_path / "scene.yaml").write_text(yaml.safe_dump(plain))
@@ -61,13 +62,20 @@ def test_lives_about_a_lognormal_of_nothing_cannot_be_perturbed(tmp_path):
         uncertain_scene(tmp_path / "scene.yaml")
 
 
-def test_quantiles_of_the_values(scene):
-    p = np.array([0.1, 0.5, 0.9])
-    assert_allclose(value_at(scene, "preload_N", p), 7.0 + 0.35 * 1.2815516 * np.array([-1, 0, 1]))
-    middle = value_at(scene, "wear_coefficient", p)
-    assert_allclose(middle[1], 5e-6)
-    assert_allclose(middle[2] / middle[1], 3.0**1.2815516)
-    assert_allclose(value_at(scene, "brinell_hardness_GPa", p), [6.44, 6.6, 6.76])
+DEVIATES = np.array([-1.2815516, 0.0, 1.2815516])
+"""Standard normal quantiles of 10, 50 and 90 %."""
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        pytest.param("preload_N", 7.0 + 0.35 * DEVIATES, id="normal"),
+        pytest.param("wear_coefficient", 5e-6 * 3.0**DEVIATES, id="lognormal"),
+        pytest.param("brinell_hardness_GPa", [6.44, 6.6, 6.76], id="uniform from 6.4 to 6.8"),
+    ],
+)
+def test_quantiles_of_the_values_are_those_of_their_distribution(scene, name, expected):
+    assert_allclose(value_quantiles(scene, name, np.array([0.1, 0.5, 0.9])), expected, rtol=1e-7)
 
 
 @pytest.mark.parametrize("rho", [0.6, -0.95])
@@ -80,27 +88,32 @@ def test_wear_and_friction_have_the_given_correlation(scene, rho):
     plan = Sampling(samples=4096)
     mu, wear = np.log(sobol_rows(both, plan)[0]).T
     assert_allclose(np.corrcoef(mu, wear)[0, 1], rho, atol=0.002)
-    as_before = np.log(sobol_rows(alone, plan)[0])
-    assert (mu == as_before[:, 0]).all()
-    assert_allclose([wear.mean(), wear.std()], [as_before[:, 1].mean(), math.log(3.0)], rtol=2e-3)
+    mu_alone, wear_alone = np.log(sobol_rows(alone, plan)[0]).T
+    assert (mu == mu_alone).all()
+    assert_allclose([wear.mean(), wear.std()], [wear_alone.mean(), math.log(3.0)], rtol=2e-3)
 
 
-def test_impossible_values_are_cut_off(scene):
+def test_values_beyond_the_range_of_their_key_are_cut_off(scene):
+    """A groove factor lies between 0.5 and 1."""
     wide = {"inner_groove_factor": {"distribution": "normal", "standard_deviation": 0.5}}
     scene = scene_from_dict(scene.to_dict() | {"uncertainty": wide})
-    values = value_at(scene, "inner_groove_factor", np.linspace(0.0, 1.0, 11))
+    values = value_quantiles(scene, "inner_groove_factor", np.linspace(0.0, 1.0, 11))
     assert values.min() >= 0.5 and values.max() <= 1.0 and np.all(np.diff(values) > 0.0)
 
 
-def test_other_balls_between_the_same_grooves(scene):
-    before = parameters.geometry(scene)
-    after = parameters.geometry(scene_with_values(scene, {"ball_diameter_mm": 2.0005}))
-    assert after.D0 == pytest.approx(2.0005e-3)
+def test_other_balls_lie_between_the_same_grooves(scene):
+    """The radial play stays, hence the free contact angle of larger balls is smaller."""
+    nominal = parameters.geometry(scene)
+    larger = parameters.geometry(scene_with_values(scene, {"ball_diameter_mm": 2.0005}))
+    assert larger.D0 == pytest.approx(2.0005e-3)
     for name in ("r_i", "r_o", "R_i", "R_o"):
-        assert getattr(after, name) == pytest.approx(getattr(before, name), rel=1e-12)
-    distance = [g.BD * math.cos(g.alpha0) for g in (before, after)]
-    assert distance[0] == pytest.approx(distance[1], rel=1e-12)
-    assert after.alpha0 < before.alpha0
+        assert_allclose(getattr(larger, name), getattr(nominal, name), rtol=1e-12, err_msg=name)
+    across, across_larger = (g.BD * math.cos(g.alpha0) for g in (nominal, larger))
+    assert_allclose(across_larger, across, rtol=1e-12)
+    assert larger.alpha0 < nominal.alpha0
+
+
+def test_balls_too_large_for_the_grooves_make_no_scene(scene):
     assert scene_with_values(scene, {"ball_diameter_mm": 2.1}) is None
 
 

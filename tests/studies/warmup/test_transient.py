@@ -27,34 +27,38 @@ def spindle():
     return warm_spindle()
 
 
-CLOSE = {"duration": 40.0, "tolerance": 1e-12}
+SMALL_STEPS = {"duration": 40.0, "tolerance": 1e-12}
 
 
-def with_constant_heat(monkeypatch, *heat):
-    """Bearings whose heat does not depend on their temperatures."""
-    real = transient.heats_of
+def set_constant_heat(monkeypatch, heat):
+    """Let each bearing have this heat whatever its temperatures."""
+    heats_of = transient.heats_of
     monkeypatch.setattr(
-        transient, "heats_of", lambda *given: tuple(HeatFlow(*heat) for _ in real(*given))
+        transient, "heats_of", lambda *inputs: tuple(heat for _ in heats_of(*inputs))
     )
 
 
-def test_heat_that_does_not_depend_on_temperature(spindle, monkeypatch):
-    """One node, the outer ring: T = T_0 + P/G (1 - exp(-t G/C))."""
-    with_constant_heat(monkeypatch, 0.0, 0.0, 8.0)
+def test_one_node_of_constant_heat_warms_exponentially(spindle, monkeypatch):
+    """The outer ring: T = T_0 + P/G (1 - exp(-t G/C))."""
+    P, G, C = 8.0, 4.0, 40.0
+    set_constant_heat(monkeypatch, HeatFlow(inner=0.0, outer=0.0, drag=P))
     alone = spindle.with_({"thermal.conductance_W_K.ball_race": 1e-6})
-    instants = warm_up(alone, ramp(0.0), **CLOSE).instants[1:]
+    instants = warm_up(alone, ramp(0.0), **SMALL_STEPS).instants[1:]
     rises = [instant.temperatures[0, 2] - 20.0 for instant in instants]
     times = np.array([instant.time for instant in instants])
-    assert_allclose(rises, 8.0 / 4.0 * (1.0 - np.exp(-times * 4.0 / 40.0)), rtol=1e-6)
+    assert_allclose(rises, P / G * (1.0 - np.exp(-times * G / C)), rtol=1e-6)
 
 
-def test_heat_that_does_not_depend_on_temperature_in_three_nodes(spindle, monkeypatch):
-    """By the matrix exponential, from heats and conductances that are written out here."""
-    with_constant_heat(monkeypatch, 8.0, 4.0, 1.0)
+def test_three_nodes_of_constant_heat_warm_by_the_matrix_exponential(spindle, monkeypatch):
+    """From heats and conductances that are written out here.
+
+    Half of the heat of a contact goes into its ring, half into the balls; drag into the outer ring.
+    """
+    set_constant_heat(monkeypatch, HeatFlow(inner=8.0, outer=4.0, drag=1.0))
     G = np.array([[3.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 5.0]])
     C = np.array([30.0, 12.0, 40.0])
-    steady = np.linalg.solve(G, [4.0, 6.0, 3.0])
-    for instant in warm_up(spindle, ramp(0.0), **CLOSE).instants[1:]:
+    steady = np.linalg.solve(G, [8.0 / 2.0, (8.0 + 4.0) / 2.0, 4.0 / 2.0 + 1.0])
+    for instant in warm_up(spindle, ramp(0.0), **SMALL_STEPS).instants[1:]:
         expected = steady - expm(-G / C[:, None] * instant.time) @ steady
         assert_allclose(instant.temperatures[0] - 20.0, expected, rtol=1e-6)
 
@@ -99,9 +103,8 @@ def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
     course = ramp(2e5)
     warming = warm_up(spindle, course, duration=2e5)
     rise = np.abs(warming.instants[-1].temperatures - 20.0).max()
-    for instant in warming.instants[
-        len(warming.instants) // 4 :: max(len(warming.instants) // 4, 1)
-    ]:
+    every_quarter = max(len(warming.instants) // 4, 1)
+    for instant in warming.instants[every_quarter::every_quarter]:
         steady = solve(spindle.with_({"operation.shaft_speed_rpm": instant.share * 12000.0}))
         expected = np.array(steady.values["part_temperature"][:3]) - 20.0
         assert_allclose(instant.temperatures[0] - 20.0, expected, atol=1e-3 * rise)
@@ -128,25 +131,34 @@ WARMED_FAST = SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0}
         ),
     ],
 )
-def test_the_plain_program_finds_the_same(spindle, changes, seconds):
+def test_a_warm_up_agrees_with_a_plain_program(spindle, changes, seconds):
+    """Temperatures, preload and pressure after 30 s, to 0.1 %.
+
+    The plain program takes Euler's steps, whose error is proportional to their length: it is
+    extrapolated from 120 and 240 of them.
+    """
     scene = spindle.with_(changes)
-    warming = warm_up(scene, ramp(seconds), duration=30.0)
+    last = warm_up(scene, ramp(seconds), duration=30.0).instants[-1]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         euler = benchmark("warmup").euler
         coarse, fine = (euler(scene, seconds, 30.0, steps) for steps in (120, 240))
-    last = warming.instants[-1]
-    for k, name in enumerate(("inner", "balls", "outer")):
-        # Euler's error is proportional to the step
-        extrapolated = 2.0 * fine[name][-1] - coarse[name][-1]
-        assert_allclose(last.temperatures[0, k] - 20.0, extrapolated - 20.0, rtol=1e-3)
+
+    def extrapolated(name):
+        return 2.0 * fine[name][-1] - coarse[name][-1]
+
+    rises = last.temperatures[0, :3] - 20.0
+    expected = np.array([extrapolated(name) for name in ("inner", "balls", "outer")]) - 20.0
+    assert_allclose(rises, expected, rtol=1e-3)
     for name, quantity in (("preload", "residual_preload"), ("pressure", "maximum_pressure")):
-        extrapolated = 2.0 * fine[name][-1] - coarse[name][-1]
-        assert_allclose(np.max(last.states[0][quantity]), extrapolated, rtol=1e-3)
+        assert_allclose(np.max(last.states[0][quantity]), extrapolated(name), rtol=1e-3)
 
 
 def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
-    """Preload of all ramps on a grid, by warm-ups with finer steps than those of the search."""
+    """Preload of all ramps on a grid, by warm-ups with finer steps than those of the search.
+
+    The search stops within 3 % of the shortest.
+    """
     scene, limit = spindle.with_(SLOW_HOUSING), 220.0
     ramps = np.geomspace(80.0, 400.0, 17)
     peaks = [
@@ -159,7 +171,8 @@ def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
     expected = np.interp(-limit, -np.array(peaks), ramps)
     shortest, broken_by = shortest_ramp(scene, {"preload": limit})
     assert not broken_by
-    assert np.all(np.diff(peaks) < 0.1) and 100.0 < expected < 300.0
+    assert np.all(np.diff(peaks) < 0.1)  # N: they fall
+    assert 100.0 < expected < 300.0  # well inside the grid
     assert expected <= shortest < 1.03 * expected
 
 
@@ -191,13 +204,18 @@ def test_the_answer_keeps_its_limit_with_fine_steps(spindle, monkeypatch):
     assert 51.0 <= shortest_ramp(spindle, {"preload": 1.0}).seconds < 53.0
 
 
-def test_a_limit_that_no_ramp_or_every_ramp_keeps(spindle):
+def test_a_limit_that_every_ramp_keeps_needs_none(spindle):
     scene = spindle.with_(SLOW_HOUSING)
     assert shortest_ramp(scene, {"preload": 1e4, "pressure": 5.0}) == (0.0, ())
-    assert shortest_ramp(scene, {"preload": 100.0}) is None
+
+
+def test_a_limit_that_no_ramp_keeps_has_no_shortest(spindle):
+    """The preload of 140 N when cold."""
+    assert shortest_ramp(spindle.with_(SLOW_HOUSING), {"preload": 100.0}) is None
 
 
 def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):
+    """By a third, after the ramp and before the housing has warmed in its 300 s."""
     dataset = warm_up_dataset(spindle.with_(SLOW_HOUSING), ramp(10.0))
     assert dataset["peak_residual_preload"] > 1.3 * dataset["end_residual_preload"]
     assert 10.0 < dataset["peak_residual_preload_time"] < 300.0
@@ -226,14 +244,14 @@ def test_the_margin_is_one_where_steady_states_end(spindle):
     def solved(G):
         return solve(spindle.with_({key: G}))
 
-    low, high = 0.2, 2.0
+    low, high = 0.2, 2.0  # W/K: seizes, and does not
     margins = []
     for _ in range(24):
         middle = 0.5 * (low + high)
-        there = solved(middle)
-        if there.status == "ok":
+        result = solved(middle)
+        if result.status == "ok":
             high = middle
-            margins.append(float(there.values["thermal_margin"]))
+            margins.append(float(result.values["thermal_margin"]))
         else:
             low = middle
     assert_allclose(margins[-1], 1.0, rtol=1e-2)

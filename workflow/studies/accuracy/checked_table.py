@@ -15,6 +15,10 @@ from bearingwear.results.units import digits
 ANSWER = 1.02
 """Factor within which two runs of the same program give the same answer."""
 _ROUNDING = 1e-3
+"""Difference of two numbers that their digits may round off."""
+
+ROUNDED_DIGITS = 1.05
+"""Factor on tolerances of errors, which tables give with two digits."""
 
 TableCells = dict[tuple[str, ...], list[str]]
 """Cells of numbers, by the title of the table and the first cells of their row."""
@@ -43,18 +47,19 @@ class Agreement(NamedTuple):
         smaller, larger = sorted(numbers, key=abs)
         if abs(larger) <= least:
             return True
-        # negative where the two numbers have different signs
-        low, high = max(smaller * math.copysign(1.0, larger), least), abs(larger)
+        # numbers of different signs do not agree: the smaller one then counts as the least
+        low = max(smaller * math.copysign(1.0, larger), least)
+        high = abs(larger)
         return high <= self.factor * low or math.isclose(low, high, abs_tol=_ROUNDING)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedTable:
-    """Table whose first cells name a case and its scene; each column has its agreement."""
+    """Table of numbers, and how closely another run must agree with each of its columns."""
 
     title: str
-    axes: Sequence[str] = ("case", "scene")
-    columns: Mapping[str, Agreement]
+    axes: Sequence[str] = ("case", "scene")  # heads of the first cells, which name a row
+    columns: Mapping[str, Agreement]  # by the heads of the other cells
     rows: Sequence[Sequence[Any]]
 
     @property
@@ -67,11 +72,11 @@ class CheckedTable:
 
     @property
     def text(self) -> str:
-        """Returns the table as Markdown, for a larger text."""
+        """Returns the table as Markdown, below its title in bold."""
         return block_markdown(self.block, "**{}**")
 
     def differences(self, text: str) -> Iterator[str]:
-        """Yields a line for each difference of a text that should contain this table."""
+        """Yields a line for each number that is missing or does not agree in a Markdown text."""
         old_rows = table_cells(text, len(self.axes))
         for row, new_cells in table_cells(self.text, len(self.axes)).items():
             place = ": ".join([row[0], ", ".join(row[1:])])
@@ -87,17 +92,22 @@ class CheckedTable:
 
 
 def table_cells(text: str, axes: int = 1) -> TableCells:
-    """Returns the cells of all tables of a Markdown text below a line in bold."""
-    cells_of_rows, title = TableCells(), ""
+    """Returns the cells of all tables in a Markdown text whose titles stand above in bold.
+
+    axes: number of first cells, which name a row.
+    """
+    cells_by_row = TableCells()
+    title = ""
     for line in text.splitlines():
-        if bold := re.fullmatch(r"\*\*(.+)\*\*", line):
-            title = bold[1]
+        bold_line = re.fullmatch(r"\*\*(.+)\*\*", line)
+        if bold_line:
+            title = bold_line[1]
         elif line.startswith("| "):
             cells = html.unescape(line.strip("| ")).split(" | ")
-            cells_of_rows[title, *cells[:axes]] = cells[axes:]
-    return cells_of_rows
+            cells_by_row[title, *cells[:axes]] = cells[axes:]
+    return cells_by_row
 
 
-def answers_agree_within() -> str:
-    """States the largest difference of answers that agree."""
+def answer_tolerance_text() -> str:
+    """Returns the largest difference of answers that agree, in percent."""
     return f"{digits(100.0 * (ANSWER - 1.0))} %"

@@ -1,7 +1,7 @@
 """Parts of docs/accuracy.md that are generated from the study, each between two marks."""
 
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import xarray as xr
@@ -26,26 +26,33 @@ DOCS_PARTS: dict[str, Callable[[xr.Dataset, Plan], list[str | CheckedTable]]] = 
 
 
 def docs_part(trade: Path, plan: Path, name: str) -> list[str | CheckedTable]:
-    """Returns the paragraphs and tables of a part. Raises CaseFileError for another name."""
+    """Returns the paragraphs and tables of a part of docs/accuracy.md.
+
+    trade: file of all points of the study. plan: its file.
+    name: key of `DOCS_PARTS`; a CaseFileError is raised for another one.
+    """
     if name not in DOCS_PARTS:
         raise CaseFileError(f"part: got {name}, expected {', '.join(DOCS_PARTS)}")
     return DOCS_PARTS[name](load_with_axes(trade, point=()), read_accuracy(plan))
 
 
 def part_tables(trade: Path, plan: Path, part: str) -> str:
-    """Returns only the tables of a part, as Markdown."""
-    return "\n\n".join(_texts(tables_in(docs_part(trade, plan, part)))) + "\n"
+    """Step: returns only the tables of a part, as Markdown."""
+    return "\n\n".join(_markdown_texts(tables_in(docs_part(trade, plan, part)))) + "\n"
 
 
 def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
-    """Returns every point as CSV, and the tables of the main part as Markdown."""
+    """Step: returns every point as CSV, and the tables of the main part as Markdown."""
     return points_csv(load_with_axes(trade, point=())), part_tables(trade, plan, "accuracy")
 
 
 def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
-    """Returns the docs with a part of this run instead of the old one, or at the end."""
+    """Step: returns the text of the docs with a part of this run instead of the old one.
+
+    A part that the docs lack is added at the end.
+    """
     begin, end = _marks(part)
-    text = "\n\n".join(_texts(docs_part(trade, plan, part)))
+    text = "\n\n".join(_markdown_texts(docs_part(trade, plan, part)))
     old_text = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
     before, _, after_begin = old_text.partition(begin)
     after = after_begin.partition(end)[2] if end in after_begin else "\n"
@@ -55,23 +62,28 @@ def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
 
 
 def check_docs(trade: Path, plan: Path, docs: Path, cages: Path) -> str:
-    """States that the docs agree with a run; raises NotSolved with a line for each difference."""
-    trade_of_part = dict.fromkeys(DOCS_PARTS, trade) | {"cages": cages}
-    lines = [
-        line for part, path in trade_of_part.items() for line in differences(path, plan, docs, part)
-    ]
+    """Step: returns a line that says that the docs agree with a run.
+
+    trade, cages: files of all points, and of the cage ensembles.
+    NotSolved: a line for each number that differs.
+    """
+    trade_by_part = dict.fromkeys(DOCS_PARTS, trade) | {"cages": cages}
+    lines = []
+    for part, path in trade_by_part.items():
+        lines += differences(path, plan, docs, part)
     if lines:
         raise NotSolved("\n".join([*lines, f"{docs}: numbers that differ: {len(lines)}"]))
     return f"{docs}: agrees with the run\n"
 
 
 def differences(trade: Path, plan: Path, docs: Path, part: str) -> list[str]:
-    """Returns a line for each difference of a part beyond its tolerance.
+    """Returns a line for each number in a part of the docs that differs beyond its tolerance.
 
     CaseFileError: the docs lack the part.
     """
     begin, end = _marks(part)
-    old_part, end_mark, _ = docs.read_text(encoding="utf-8").partition(begin)[2].partition(end)
+    _, _, after_begin = docs.read_text(encoding="utf-8").partition(begin)
+    old_part, end_mark, _ = after_begin.partition(end)
     if not end_mark:
         raise CaseFileError(f"{docs}: got no part between {begin} and {end}")
     tables = tables_in(docs_part(trade, plan, part))
@@ -83,16 +95,19 @@ def tables_in(part: list[str | CheckedTable]) -> list[CheckedTable]:
     return [item for item in part if isinstance(item, CheckedTable)]
 
 
-def _texts(part) -> list[str]:
-    """Returns paragraphs and tables as Markdown, with lines of at most 100 columns."""
-    return [
-        textwrap.fill(item, width=100, break_long_words=False, break_on_hyphens=False)
-        if isinstance(item, str)
-        else item.text
-        for item in part
-    ]
+def _markdown_texts(part: Iterable[str | CheckedTable]) -> list[str]:
+    """Returns paragraphs, with lines of at most 100 columns, and tables as Markdown."""
+    texts = []
+    for item in part:
+        if isinstance(item, CheckedTable):
+            texts.append(item.text)
+        else:
+            texts.append(
+                textwrap.fill(item, width=100, break_long_words=False, break_on_hyphens=False)
+            )
+    return texts
 
 
 def _marks(part: str) -> tuple[str, str]:
-    """Returns the comments before and after a part."""
+    """Returns the Markdown comments before and after a part."""
     return f"<!-- {part}: begin -->", f"<!-- {part}: end -->"

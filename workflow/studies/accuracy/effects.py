@@ -7,7 +7,7 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.units import Rough
-from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, answers_agree_within
+from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, answer_tolerance_text
 from workflow.studies.accuracy.gather import distinct_texts, points_where
 from workflow.studies.accuracy.plan import Plan
 
@@ -21,25 +21,36 @@ EFFECT_COLUMNS = {
 
 
 def effect_rows(trade: xr.Dataset, row: Plan) -> Iterator[list]:
-    """Yields a row for each scene: the factors of an effect on the columns.
+    """Yields a row for each scene: words, scene, and the factors of an effect on the columns.
 
-    They are relative to the first point of the sweep on the scene; NaN where either is unsolved.
+    Factors are relative to the first point of the sweep on the scene; NaN where either is unsolved.
+
+    trade: all points of the study over `point`.
+    row: block of the plan's `effects`, with `sweep`, `label` and `text`.
     """
     points = points_where(trade, sweep=row["sweep"])
     for scene in distinct_texts(points, "scene"):
         scene_points = points_where(points, scene=scene)
         base = scene_points.isel(point=0)
         point = points_where(scene_points, label=row["label"]).isel(point=0)
-        text, status = row["text"], int(point["status"])
+        text = row["text"]
+        status = int(point["status"])
         if status != OK:
             text = f"{text}: {STATUS_NAMES[status].replace('_', ' ')}"
-        with np.errstate(divide="ignore", invalid="ignore"):
-            factors = [float(point[name] / base[name]) for name in EFFECT_COLUMNS.values()]
-        yield [text, scene, *factors[:3], *map(Rough, factors[3:])]
+        factors = []
+        for name in EFFECT_COLUMNS.values():
+            with np.errstate(divide="ignore", invalid="ignore"):
+                factor = float(point[name] / base[name])
+            factors.append(Rough(factor) if name.endswith("time") else factor)
+        yield [text, scene, *factors]
 
 
 def effects_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
-    """Returns the part: a paragraph, and a table for each sweep."""
+    """Returns a paragraph, and a table of the effects for each sweep.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    """
     times = Agreement(plan["tolerance"]["time"])
     columns = {head: times if head.startswith("time") else Agreement() for head in EFFECT_COLUMNS}
     rows_by_title: dict[str, list] = {}
@@ -55,7 +66,7 @@ def effects_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
         "from the unworn state; a life of 0 means that even the new bearing meets an end-of-life "
         f"criterion. Times are the median CPU times of {plan['repeats']} complete steady solves or "
         "life calculations with compiled code. The study fails if a result differs from its value "
-        f"in these tables by more than {answers_agree_within()}, or if a time differs by more than "
-        f"a factor of {plan['tolerance']['time']:g}.",
+        f"in these tables by more than {answer_tolerance_text()}, or if a time differs by more "
+        f"than a factor of {plan['tolerance']['time']:g}.",
         *(CheckedTable(title=title, columns=columns, rows=r) for title, r in rows_by_title.items()),
     ]

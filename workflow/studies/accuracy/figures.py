@@ -1,6 +1,6 @@
 """Figures of the study of accuracy: error over computing time, and effects of simplifications."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import Rough, span
 from bearingwear.results.words import name_in_words, percent_in_text
 from bearingwear.studies.dataset import load_with_axes, pareto
-from workflow.studies.accuracy.gather import distinct_texts, points_where, reduce_known
+from workflow.studies.accuracy.gather import distinct_texts, finite_statistic, points_where
 from workflow.studies.accuracy.groove_figure import grooves_figure
 
 LEAST_ERROR = 1e-8  # smaller errors are drawn there
@@ -44,31 +44,44 @@ QUANTITY = {
 
 
 def numerical_points(trade: xr.Dataset, against: str, leave_out: Iterable[str] = ()) -> xr.Dataset:
-    """Returns the numerical points that are compared with a reference."""
+    """Returns the points of numerical settings, not of models, that are against a reference.
+
+    trade: all points of the study over `point`.
+    against: name of the reference.
+    leave_out: names of sweeps.
+    """
     points = points_where(trade, against=against, kind="numerical")
     return points.isel(point=~np.isin(points["sweep"].values.astype(str), list(leave_out)))
 
 
 def drawn_error(error: np.ndarray) -> np.ndarray:
-    """Returns the magnitude of an error, at least the smallest that is drawn."""
+    """Returns the magnitude of an error, at least `LEAST_ERROR`."""
     return np.maximum(np.abs(error), LEAST_ERROR)
 
 
 def draw_panel(axes: Any, points: xr.Dataset, quantity: str, time: str = "wall_time") -> None:
-    """Draws lines of sweeps, the Pareto front and the presets of one scene."""
+    """Draws errors over computing time: lines of sweeps, the Pareto front and the presets.
+
+    points: of one scene, or medians over scenes.
+    quantity: key of `QUANTITY`.
+    time: name of the variable with the computing time.
+    """
     for name in distinct_texts(points, "sweep"):
         line = points_where(points, sweep=name)
-        x, y = line[time].values, drawn_error(line[f"error_{quantity}"].values)
+        seconds = line[time].values
+        error = drawn_error(line[f"error_{quantity}"].values)
         if name.startswith("preset"):
-            for label, seconds, error in zip(line["label"].values, x, y, strict=True):
-                axes.plot(seconds, error, marker=PRESET_MARKERS.get(label, "*"), **PRESET_STYLE)
+            for label, x, y in zip(line["label"].values, seconds, error, strict=True):
+                axes.plot(x, y, marker=PRESET_MARKERS.get(label, "*"), **PRESET_STYLE)
         else:
-            usable = np.isfinite(x) & np.isfinite(y)
-            axes.plot(x[usable], y[usable], **{"markersize": 3.5, "linewidth": 1.0, **STYLES[name]})
-    x, y = points[time].values, drawn_error(points[f"error_{quantity}"].values)
-    front = np.flatnonzero(pareto(x, y))
-    front = front[np.argsort(x[front])]
-    axes.plot(x[front], y[front], drawstyle="steps-post", **FRONT)
+            is_solved = np.isfinite(seconds) & np.isfinite(error)
+            look = {"markersize": 3.5, "linewidth": 1.0, **STYLES[name]}
+            axes.plot(seconds[is_solved], error[is_solved], **look)
+    seconds = points[time].values
+    error = drawn_error(points[f"error_{quantity}"].values)
+    front = np.flatnonzero(pareto(seconds, error))
+    front = front[np.argsort(seconds[front])]
+    axes.plot(seconds[front], error[front], drawstyle="steps-post", **FRONT)
     set_log_scales(axes)
 
 
@@ -80,7 +93,7 @@ def set_log_scales(axes: Any) -> None:
 
 
 def label_times(axes: Any) -> None:
-    """Sets readable tick labels where the times span less than a decade."""
+    """Sets few tick labels on the axis of time where it spans little more than a decade."""
     low, high = axes.get_xlim()
     if high < 5.0 * low:
         axes.xaxis.set_major_locator(MaxNLocator(3))
@@ -91,14 +104,21 @@ def label_times(axes: Any) -> None:
 def draw_uncertainty_of_reference(
     axes: Any, trade: xr.Dataset, scene: str, against: str, quantity: str
 ) -> None:
-    """Draws a line at the uncertainty of the reference."""
+    """Draws a line at the uncertainty of a reference on a scene: the error of its check.
+
+    trade: all points of the study over `point`.
+    against: name of the reference.
+    """
     check = points_where(trade, scene=scene, sweep=against, label="check")
     if check.sizes["point"] and np.isfinite(check[f"error_{quantity}"].values[0]):
         axes.axhline(drawn_error(check[f"error_{quantity}"].values)[0], **REFERENCE_UNCERTAINTY)
 
 
 def legend_keys(points: xr.Dataset) -> list[Any]:
-    """Returns the legend of the sweeps, the front and the presets."""
+    """Returns the legend of the sweeps, the front and the presets.
+
+    points: of one scene or of several, over `point`.
+    """
     handles = []
     for name in distinct_texts(points, "sweep"):
         if not name.startswith("preset"):
@@ -114,14 +134,25 @@ def legend_keys(points: xr.Dataset) -> list[Any]:
 
 
 def small_multiples(
-    trade: xr.Dataset, points: xr.Dataset, quantities: Iterable[str], title: str, time="wall_time"
+    trade: xr.Dataset,
+    points: xr.Dataset,
+    quantities: Sequence[str],
+    title: str,
+    time: str = "wall_time",
 ) -> Figure:
-    """Draws a column of panels for each scene, and a row for each quantity."""
-    scenes, rows = distinct_texts(points, "scene"), list(quantities)
-    size = 1.9 * len(scenes) + 0.6, 2.0 * len(rows) + 1.2
-    figure, panels = new_figure(len(rows), len(scenes), *size, sharex="col", sharey="row")
-    against = distinct_texts(points, "against")[0]
-    for row, quantity in zip(panels, rows, strict=True):
+    """Returns a figure of errors over computing time, by scene (column) and quantity (row).
+
+    trade: all points of the study, among which are the references.
+    points: those that are drawn, all of them against the same reference.
+    time: name of the variable with the computing time.
+    """
+    scenes = distinct_texts(points, "scene")
+    rows, columns = len(quantities), len(scenes)
+    figure, panels = new_figure(
+        rows, columns, 1.9 * columns + 0.6, 2.0 * rows + 1.2, sharex="col", sharey="row"
+    )
+    against, *_ = distinct_texts(points, "against")
+    for row, quantity in zip(panels, quantities, strict=True):
         for axes, scene in zip(row, scenes, strict=True):
             draw_panel(axes, points_where(points, scene=scene), quantity, time)
             draw_uncertainty_of_reference(axes, trade, scene, against, quantity)
@@ -139,66 +170,89 @@ def small_multiples(
 
 
 def steady_figure(trade: xr.Dataset) -> Figure:
-    """Draws errors by quadrature and regularisation of the steady state."""
+    """Returns a figure of errors by quadrature and regularisation of the steady state.
+
+    trade: all points of the study over `point`.
+    """
     points = numerical_points(trade, "steady", leave_out=["life_tolerance"])
     strips = points_where(points, sweep="strips", label="strips 50")
     split = points_where(points, sweep="split", label="split 32")
-    worst, best = _worst(strips, "total_qv"), _worst(split, "total_qv")
+    strips_error = percent_in_text(_largest_error(strips, "total_qv"))
+    split_error = percent_in_text(_largest_error(split, "total_qv"))
     times = span(map(Rough, time_ratios(split, strips)))
     title = (
-        f"Steady state: the error in total QV is up to {percent_in_text(worst)} with 50 equal "
-        f"strips and up to {percent_in_text(best)} with 32 split Gauss points, which take {times} "
+        f"Steady state: the error in total QV is up to {strips_error} with 50 equal "
+        f"strips and up to {split_error} with 32 split Gauss points, which take {times} "
         "times as long"
     )
     return small_multiples(trade, points, ("total_qv", "contact_qv"), title)
 
 
 def life_tolerance_figure(trade: xr.Dataset) -> Figure:
-    """Draws the errors of the same sweeps in wear life."""
+    """Returns a figure of the errors in wear life by the settings of the steady state.
+
+    trade: all points of the study over `point`.
+    """
     points = numerical_points(trade, "steady")
-    worst = _worst(points_where(points, sweep="regularisation", label="0.001"), "life")
-    title = f"Wear life: at v_r = 1e-3 m/s, the error is up to {percent_in_text(worst)}"
+    regularised = points_where(points, sweep="regularisation", label="0.001")
+    largest_error = percent_in_text(_largest_error(regularised, "life"))
+    title = f"Wear life: at v_r = 1e-3 m/s, the error is up to {largest_error}"
     return small_multiples(trade, points, ("life",), title, "life_wall_time")
 
 
 def dynamic_figure(trade: xr.Dataset) -> Figure:
-    """Draws errors of dynamic runs by turns, start, tolerance and regularisation."""
+    """Returns a figure of errors of dynamic runs by turns, start, tolerance and regularisation.
+
+    trade: all points of the study over `point`.
+    """
     points = numerical_points(trade, "long")
-    two = _worst(points_where(points, sweep="turns", label="2"), "total_qv")
-    many = _worst(points_where(points, sweep="turns", label="50"), "total_qv")
+    short_runs = points_where(points, sweep="turns", label="2")
+    long_runs = points_where(points, sweep="turns", label="50")
+    short_error = percent_in_text(_largest_error(short_runs, "total_qv"))
+    long_error = percent_in_text(_largest_error(long_runs, "total_qv"))
     title = (
-        f"Dynamic model: the error in total QV is up to {percent_in_text(two)} with 2 turns and up "
-        f"to {percent_in_text(many)} with 50"
+        f"Dynamic model: the error in total QV is up to {short_error} with 2 turns and up "
+        f"to {long_error} with 50"
     )
     return small_multiples(trade, points, ("total_qv", "wear_rate"), title)
 
 
 def integration_figure(trade: xr.Dataset) -> Figure:
-    """Draws errors by tolerance, integrator, regularisation and points over the same turns."""
+    """Returns a figure of errors by tolerance, integrator, regularisation and points.
+
+    All runs have the same number of turns.
+
+    trade: all points of the study over `point`.
+    """
     points = numerical_points(trade, "short")
+    small, large = "0.0001", "0.1"  # regularisation v_r [m/s]
     explicit = points_where(points, sweep="runge_kutta")
     implicit = points_where(points, sweep="regularisation_dynamic")
-    small, large = "0.0001", "0.1"
-    slower = [
-        _most(time_ratios(points_where(line, label=small), points_where(line, label=large)))
-        for line in (explicit, implicit)
-    ]
-    faster = _most(
-        time_ratios(points_where(explicit, label=small), points_where(implicit, label=small))
-    )
+    explicit_small = points_where(explicit, label=small)
+    implicit_small = points_where(implicit, label=small)
+    explicit_ratio = _largest_text(time_ratios(explicit_small, points_where(explicit, label=large)))
+    implicit_ratio = _largest_text(time_ratios(implicit_small, points_where(implicit, label=large)))
+    speedup = _largest_text(time_ratios(explicit_small, implicit_small))
     title = (
         f"Same number of turns: a reduction in v_r from {large} to {small} m/s increases the "
-        f"computing time by a factor of at most {slower[0]} with Runge-Kutta and {slower[1]} with "
-        f"Rosenbrock; at {small} m/s, Rosenbrock is up to {faster} times as fast as Runge-Kutta"
+        f"computing time by a factor of at most {explicit_ratio} with Runge-Kutta and "
+        f"{implicit_ratio} with Rosenbrock; at {small} m/s, Rosenbrock is up to {speedup} times as "
+        "fast as Runge-Kutta"
     )
     return small_multiples(trade, points, ("total_qv", "contact_qv"), title)
 
 
 def overview_figure(trade: xr.Dataset) -> Figure:
-    """Draws the medians over the scenes, of the steady and of the dynamic model."""
+    """Returns a figure of errors and times of both models, medians over the scenes.
+
+    trade: all points of the study over `point`.
+    """
     figure, panels = new_figure(1, 2, 7.6, 4.4)
-    titles = "steady state: times differ by little more than noise", "dynamic solves"
-    for axes, against, text in zip(panels[0], ("steady", "long"), titles, strict=True):
+    titles = {
+        "steady": "steady state: times differ by little more than noise",
+        "long": "dynamic solves",
+    }
+    for axes, (against, text) in zip(panels[0], titles.items(), strict=True):
         points = median_over_scenes(numerical_points(trade, against, leave_out=["life_tolerance"]))
         draw_panel(axes, points, "total_qv", _CPU)
         label_times(axes)
@@ -206,36 +260,43 @@ def overview_figure(trade: xr.Dataset) -> Figure:
         axes.xaxis.set_major_formatter(lambda seconds, _: f"{1e3 * seconds:g}")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel("CPU time per solve (ms), median over the scenes")
-        below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 2}
         # a median has no reference of its own
-        axes.legend(handles=legend_keys(points)[:-1], **below)
+        *keys, _ = legend_keys(points)
+        axes.legend(handles=keys, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
     panels[0, 0].set_ylabel("relative error in total QV, median over the scenes")
     presets = median_over_scenes(numerical_points(trade, "long"))
-    times = {
-        label: float(points_where(presets, sweep="preset_dynamic", label=label)[_CPU].mean())
+    draft, standard, reference = (
+        float(points_where(presets, sweep="preset_dynamic", label=label)[_CPU].mean())
         for label in ("draft", "standard", "reference")
-    }
+    )
     title = (
         "Cost of accuracy: in dynamic solves, draft is "
-        f"{times['standard'] / times['draft']:.0f} times as fast as standard, and standard "
-        f"{times['reference'] / times['standard']:.0f} times as fast as reference"
+        f"{standard / draft:.0f} times as fast as standard, and standard "
+        f"{reference / standard:.0f} times as fast as reference"
     )
     frame(figure, title, [], columns=1)
     return figure
 
 
 def median_over_scenes(points: xr.Dataset) -> xr.Dataset:
-    """Returns medians of times and error magnitudes over the scenes that solved a point."""
-    rows = []
+    """Returns one point for each sweep and label, with medians over the scenes that solved it.
+
+    The medians are those of CPU times and of the magnitudes of errors.
+
+    points: of one scene or of several, over `point`.
+    """
+    names = [_CPU, *(name for name in points if str(name).startswith("error_"))]
+    median_points = []
     for sweep in distinct_texts(points, "sweep"):
         line = points_where(points, sweep=sweep)
         for label in distinct_texts(line, "label"):
             scene_points = points_where(line, label=label)
-            row = scene_points.isel(point=[0]).copy()
-            for name in (_CPU, *(name for name in scene_points if str(name).startswith("error_"))):
-                row[name] = ("point", [reduce_known(np.median, np.abs(scene_points[name].values))])
-            rows.append(row)
-    return xr.concat(rows, "point")
+            median_point = scene_points.isel(point=[0]).copy()
+            for name in names:
+                median = finite_statistic(np.median, np.abs(scene_points[name].values))
+                median_point[name] = ("point", [median])
+            median_points.append(median_point)
+    return xr.concat(median_points, "point")
 
 
 class ModelPoint(NamedTuple):
@@ -266,7 +327,10 @@ _MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
 
 def models_figure(trade: xr.Dataset) -> Figure:
-    """Draws differences between models, rather than between numerical settings."""
+    """Returns a figure of differences between models, rather than between numerical settings.
+
+    trade: all points of the study over `point`.
+    """
     figure, panels = new_figure(1, 3, 8.6, 4.8, sharey=True)
     scenes = distinct_texts(points_where(trade, kind="reference"), "scene")
     texts = [point.text for point in (*SIMPLER, *NEGLECTED_WORK)]
@@ -286,29 +350,36 @@ def models_figure(trade: xr.Dataset) -> Figure:
 def _draw_differences(
     axes: Any, trade: xr.Dataset, quantity: str, marks: Mapping[str, Mapping[str, Any]]
 ) -> None:
-    """Draws a row of marks for each simpler model, a mark for each scene."""
+    """Draws a row of marks for each simpler model, a mark for each scene.
+
+    trade: all points of the study over `point`.
+    marks: looks by scene.
+    """
     points = (*SIMPLER, *NEGLECTED_WORK) if quantity == "total_qv" else SIMPLER
     middle = 0.5 * (len(marks) - 1)
     for row, point in enumerate(points):
         variable = point.variable or f"error_{quantity}"
         for k, (scene, mark) in enumerate(marks.items()):
             solved = points_where(trade, sweep=point.sweep, label=point.label, scene=scene)
-            if solved.sizes["point"] and np.isfinite(value := abs(solved[variable].values[0])):
-                axes.plot(max(value, LEAST_DIFFERENCE), row + 0.09 * (k - middle), **mark)
+            differences = np.abs(solved[variable].values)
+            if differences.size and np.isfinite(differences[0]):
+                x = max(differences[0], LEAST_DIFFERENCE)
+                axes.plot(x, row + 0.09 * (k - middle), **mark)
     axes.set_xscale("log")
     axes.set_title(QUANTITY[quantity].replace("error", "difference"))
     axes.set_xlabel("relative to the more complete model")
 
 
 def _models_title(trade: xr.Dataset) -> str:
-    """Returns the title of `models_figure`, with the largest differences over the scenes."""
+    """Returns the title of `models_figure`, with the largest differences over the scenes.
+
+    trade: all points of the study over `point`.
+    """
     race_control = points_where(trade, sweep="fidelity_steady", label="race control")
-    total, contact = (
-        percent_in_text(_worst(race_control, quantity)) for quantity in ("total_qv", "contact_qv")
-    )
-    cage = percent_in_text(
-        _worst(points_where(trade, sweep="fidelity", label="no cage"), "total_qv")
-    )
+    without_cage = points_where(trade, sweep="fidelity", label="no cage")
+    total = percent_in_text(_largest_error(race_control, "total_qv"))
+    contact = percent_in_text(_largest_error(race_control, "contact_qv"))
+    cage = percent_in_text(_largest_error(without_cage, "total_qv"))
     return (
         f"With race control, the error is up to {total} in total QV and up to {contact} in QV at "
         f"one contact; without the cage, total QV changes by up to {cage}"
@@ -327,15 +398,20 @@ _FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
 
 
 def figure(trade: Path, which: str) -> Figure:
-    """Draws one of the figures by its name. Raises CaseFileError for another name."""
+    """Step: returns a figure of the study by its name.
+
+    trade: file of all points.
+    which: key of `_FIGURES`; a CaseFileError is raised for another one.
+    """
     if which not in _FIGURES:
         raise CaseFileError(f"figure: got {which}, expected {', '.join(_FIGURES)}")
     return _FIGURES[which](load_with_axes(trade, point=()))
 
 
 def accuracy_plot(trade: xr.Dataset) -> Figure:
-    """Draws the overview of all sweeps for `bearingwear plot`.
+    """Returns the overview of all sweeps for `bearingwear plot`.
 
+    trade: all points of the study over `point`.
     CaseFileError: a single sweep, which has no errors yet, or sweeps of one kind.
     """
     if "scene" not in trade:
@@ -346,20 +422,23 @@ def accuracy_plot(trade: xr.Dataset) -> Figure:
 
 
 def time_ratios(points: xr.Dataset, others: xr.Dataset) -> np.ndarray:
-    """Returns ratios of the wall times of two sets of points, in scenes that solved both."""
-    times = [
+    """Returns the wall times of points over those of others, in each scene that solved both."""
+    times, other_times = (
         dict(zip(dataset["scene"].values, dataset["wall_time"].values, strict=True))
         for dataset in (points, others)
-    ]
-    ratios = np.array([time / times[1].get(scene, np.nan) for scene, time in times[0].items()])
+    )
+    ratios = np.array([time / other_times.get(scene, np.nan) for scene, time in times.items()])
     return ratios[np.isfinite(ratios)]
 
 
-def _most(ratios: np.ndarray) -> str:
-    """Writes the largest of some ratios."""
+def _largest_text(ratios: np.ndarray) -> str:
+    """Returns the largest of some ratios as text; NaN gives a dash."""
     return Rough(ratios.max(initial=np.nan)).text
 
 
-def _worst(points: xr.Dataset, quantity: str) -> float:
-    """Returns the largest magnitude of the errors in a quantity."""
-    return reduce_known(np.max, np.abs(points[f"error_{quantity}"].values))
+def _largest_error(points: xr.Dataset, quantity: str) -> float:
+    """Returns the largest magnitude of the errors in a quantity; NaN without any.
+
+    points: of one scene or of several, over `point`.
+    """
+    return finite_statistic(np.max, np.abs(points[f"error_{quantity}"].values))

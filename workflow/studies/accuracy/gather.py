@@ -1,6 +1,6 @@
 """Gathers the sweeps into one dataset of times and errors."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ _SHARED = ("source_hash", "package_version", "numpy_version", "numba_version")
 
 
 def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Gathers every point of all sweeps and references on all scenes.
+    """Step: returns every point of all sweeps and references on all scenes.
 
     Returns over `point`: scene, sweep, kind, against, label, value, settings; times; the
     quantities; `error_*`, relative to the reference and signed, NaN where a quantity was not
@@ -37,7 +37,8 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
             key: ("point", np.full(dataset.sizes["point"], text, dtype=object))
             for key, text in texts.items()
         }
-        part = dataset.assign(errors(dataset, reference.isel(point=0)) | text_variables)
+        error_variables = errors(dataset, reference.isel(point=0))
+        part = dataset.assign(error_variables | text_variables)
         parts.append(part.drop_attrs(deep=False))
     attrs = next(iter(sweep_datasets.values())).attrs
     return xr.concat(parts, "point").assign_attrs(
@@ -52,7 +53,10 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
 
 
 def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Dataset]:
-    """Reads files by scene and sweep; refuses those of different sources."""
+    """Returns the datasets of files by scene and sweep.
+
+    CaseFileError: a file of another kind or of other sources, or no file.
+    """
     sweep_datasets: dict[tuple[str, str], xr.Dataset] = {}
     shared: dict[str, Any] = {}
     for path in map(Path, paths):
@@ -74,7 +78,11 @@ def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Datas
 
 
 def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
-    """Returns errors of points against a reference point, and its time, as variables."""
+    """Returns variables of the errors of points against a reference point, and of its wall time.
+
+    They are tuples that `xr.Dataset.assign` takes, by name; errors are NaN where a point was not
+    solved.
+    """
     solved = points["status"].values == OK
     columns: dict[str, tuple[np.ndarray, str]] = {}
     for name in QUANTITIES:
@@ -82,8 +90,10 @@ def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
         error = points[name].values / (true_value or np.nan) - 1.0
         quantity = points[name].attrs.get("long_name", name)
         columns[f"error_{name}"] = np.where(solved, error, np.nan), f"error in {quantity}"
+    inner_error, _ = columns["error_qv_inner"]
+    outer_error, _ = columns["error_qv_outer"]
     columns["error_contact_qv"] = (
-        np.maximum(*(np.abs(columns[f"error_qv_{race}"][0]) for race in ("inner", "outer"))),
+        np.maximum(np.abs(inner_error), np.abs(outer_error)),
         "magnitude of the error in contact QV, larger of the two contacts",
     )
     time = np.full(solved.size, float(reference["wall_time"]))
@@ -96,7 +106,11 @@ def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
 
 
 def points_where(trade: xr.Dataset, **texts: str) -> xr.Dataset:
-    """Returns the points with some texts (scene, sweep, against, ...)."""
+    """Returns the points whose text variables have certain values.
+
+    trade: points of the study, over `point`.
+    texts: values by the names of variables, such as `scene` and `sweep`.
+    """
     mask = np.ones(trade.sizes["point"], dtype=bool)
     for name, text in texts.items():
         mask &= trade[name].values == text
@@ -104,11 +118,14 @@ def points_where(trade: xr.Dataset, **texts: str) -> xr.Dataset:
 
 
 def distinct_texts(trade: xr.Dataset, variable: str) -> list[str]:
-    """Returns the different values of a text variable in the order of the file."""
+    """Returns the different values of a text variable in the order of the file.
+
+    trade: points of the study, over `point`.
+    """
     return list(dict.fromkeys(trade[variable].values))
 
 
-def reduce_known(reduce: Any, values: np.ndarray) -> float:
-    """Reduces the known values to a number, such as their median; NaN if none is known."""
+def finite_statistic(statistic: Callable[[np.ndarray], float], values: np.ndarray) -> float:
+    """Returns a statistic, such as `np.median`, of the finite values; NaN if there are none."""
     finite_values = values[np.isfinite(values)]
-    return float(reduce(finite_values)) if finite_values.size else np.nan
+    return float(statistic(finite_values)) if finite_values.size else np.nan

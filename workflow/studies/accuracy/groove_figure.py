@@ -21,18 +21,24 @@ _AUTO = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
 
 
 def grooves_figure(trade: xr.Dataset) -> Figure:
-    """Draws ratios of worn to Hertzian lives and QV by loss, and errors by computing time."""
+    """Returns a figure of ratios of worn to Hertzian lives by loss, and of errors by CPU time.
+
+    It has a row for each preload method.
+
+    trade: all points of the study over `point`.
+    """
     figure, panels = new_figure(2, 3, 10.4, 6.4, sharex="col")
-    scenes = distinct_texts(points_where(trade, sweep=_SWEEPS[0][0]), "scene")
+    first_sweep, _ = _SWEEPS[0]
+    scenes = distinct_texts(points_where(trade, sweep=first_sweep), "scene")
     colours = dict(zip(scenes, SERIES, strict=False))
     ratios: dict[str, list[float]] = {"life": [], "end_qv": []}
-    for row, (ends, cells), method in zip(panels, _SWEEPS, _TITLES, strict=True):
-        points = points_where(trade, sweep=ends)
+    for row, (groove_sweep, cell_sweep), method in zip(panels, _SWEEPS, _TITLES, strict=True):
+        points = points_where(trade, sweep=groove_sweep)
         for axes, name in zip(row, ratios, strict=False):
-            ratios[name] += _ratio_panel(axes, points, name, colours)
+            ratios[name] += _draw_ratios(axes, points, name, colours)
         row[0].set_ylabel(f"{method}\nlife / life with Hertzian contact")
         row[1].set_ylabel("end QV / end QV with Hertzian contact")
-        _cost_panel(row[2], points_where(trade, sweep=cells), colours)
+        _draw_costs(row[2], points_where(trade, sweep=cell_sweep), colours)
     for axes in panels[1, :2]:
         axes.set_xlabel("loss at the end of life / gap A a²")
     panels[1, 2].set_xlabel("CPU time per life calculation (s)")
@@ -52,8 +58,13 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
     return figure
 
 
-def _ratio_panel(axes: Any, points: xr.Dataset, name: str, colours: dict[str, str]) -> list[float]:
-    """Draws lines over the loss; returns the drawn ratios."""
+def _draw_ratios(axes: Any, points: xr.Dataset, name: str, colours: dict[str, str]) -> list[float]:
+    """Draws values with worn over those with Hertzian grooves over the loss; returns the ratios.
+
+    points: of a sweep.
+    name: of the variable.
+    colours: by scene.
+    """
     ratios = []
     for scene, colour in colours.items():
         lives_at_ends = list(lives_by_loss(points, scene))
@@ -67,12 +78,17 @@ def _ratio_panel(axes: Any, points: xr.Dataset, name: str, colours: dict[str, st
     return ratios
 
 
-def _cost_panel(axes: Any, points: xr.Dataset, colours: dict[str, str]) -> None:
-    """Draws errors relative to the finest cells and steps."""
+def _draw_costs(axes: Any, points: xr.Dataset, colours: dict[str, str]) -> None:
+    """Draws errors of lives, relative to the finest cells and steps, over the CPU time.
+
+    points: of a sweep.
+    colours: by scene.
+    """
     for scene in distinct_texts(points, "scene"):
         for settings, point in errors_against_finest(points_where(points, scene=scene)):
-            cells = settings.partition(", ")[2]
-            error, time = float(point["error_life"]), float(point["life_processor_time"])
+            _, _, cells = settings.partition(", ")
+            error = float(point["error_life"])
+            time = float(point["life_processor_time"])
             if error > 0.0:  # not the finest itself
                 look = {"color": colours[scene], "marker": _MARKERS[cells], "linestyle": "none"}
                 axes.plot(time, max(error, _LEAST), markersize=4.5, **look)

@@ -8,7 +8,12 @@ import xarray as xr
 
 from bearingwear.lives.groove_life import REQUIRED
 from bearingwear.results.units import Rough, digits, span
-from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, answers_agree_within
+from workflow.studies.accuracy.checked_table import (
+    ROUNDED_DIGITS,
+    Agreement,
+    CheckedTable,
+    answer_tolerance_text,
+)
 from workflow.studies.accuracy.gather import distinct_texts, points_where
 from workflow.studies.accuracy.plan import Plan, cell_sweeps, groove_sweeps
 
@@ -35,19 +40,27 @@ class TwoLives(NamedTuple):
 
 
 def lives_by_loss(points: xr.Dataset, scene: str) -> Iterator[TwoLives]:
-    """Yields the lives of a scene at each loss that ends them."""
+    """Yields the lives of a scene, with Hertzian and worn grooves, at each loss that ends them.
+
+    points: of a sweep of `groove_sweeps`, with labels such as "0.5, worn".
+    """
     scene_points = points_where(points, scene=scene)
-    for end in dict.fromkeys(label.partition(", ")[0] for label in scene_points["label"].values):
-        hertz, worn = (
-            points_where(scene_points, label=f"{end}, {groove}").isel(point=0)
-            for groove in ("hertz", "worn")
-        )
+    ends = dict.fromkeys(label.partition(", ")[0] for label in scene_points["label"].values)
+    for end in ends:
+        hertz = points_where(scene_points, label=f"{end}, hertz").isel(point=0)
+        worn = points_where(scene_points, label=f"{end}, worn").isel(point=0)
         yield TwoLives(end, hertz, worn)
 
 
 def groove_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
-    """Returns a table of lives with worn grooves relative to Hertzian ones, by loss at the end."""
-    points, rows = points_where(trade, sweep=sweep), []
+    """Returns a table of lives with worn grooves relative to Hertzian ones, by loss at the end.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    sweep: one of `groove_sweeps`.
+    """
+    points = points_where(trade, sweep=sweep)
+    rows = []
     for scene in distinct_texts(points, "scene"):
         for lives in lives_by_loss(points, scene):
             life, qv, time = map(lives.ratio, _RATIOS.values())
@@ -61,7 +74,12 @@ def groove_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
 
 
 def errors_against_finest(points: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """Yields settings and point of each life, with `error_*` and `faster` against the finest."""
+    """Yields the settings of each life, and its point with variables against the finest one.
+
+    These are `error_life`, `error_end_qv` and `faster`, the CPU time of the finest over its own.
+
+    points: of a sweep of `cell_sweeps`, whose first point on each scene is the finest.
+    """
     for scene in distinct_texts(points, "scene"):
         scene_points = points_where(points, scene=scene)
         finest = scene_points.isel(point=0)
@@ -77,12 +95,18 @@ def errors_against_finest(points: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]
 
 
 def cell_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
-    """Returns a table of the largest errors over the scenes, and of the median speed."""
-    points_of_settings: dict[str, list[xr.Dataset]] = {}
+    """Returns a table of the largest errors over the scenes, and of the median speed.
+
+    It has a row for each choice of cells and steps in a sweep of `cell_sweeps`.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    """
+    points_by_settings: dict[str, list[xr.Dataset]] = {}
     for settings, point in errors_against_finest(points_where(trade, sweep=sweep)):
-        points_of_settings.setdefault(settings, []).append(point)
+        points_by_settings.setdefault(settings, []).append(point)
     rows = []
-    for settings, points in points_of_settings.items():
+    for settings, points in points_by_settings.items():
         step, _, cells = settings.partition(", ")
         errors = [
             100.0 * max(float(point[f"error_{name}"]) for point in points)
@@ -90,8 +114,7 @@ def cell_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
         ]
         speed = np.median([float(point["faster"]) for point in points])
         rows.append([f"{cells} cells, steps of {step}", *map(Rough, [*errors, speed])])
-    # 5 % more for rounded digits
-    agreement = Agreement(1.05 * plan["tolerance"]["error"], _LEAST_ERROR, "%")
+    agreement = Agreement(ROUNDED_DIGITS * plan["tolerance"]["error"], _LEAST_ERROR, "%")
     columns = dict.fromkeys(_ERRORS, agreement) | {
         "times as fast": Agreement(plan["tolerance"]["time"])
     }
@@ -101,8 +124,13 @@ def cell_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
 
 
 def auto_savings_sentence(trade: xr.Dataset, plan: Plan) -> str:
-    """States the error and the time saved in lives for which `auto` uses Hertzian contact."""
-    errors, speedups, count = [], [], 0
+    """Returns sentences on the lives for which `auto` uses Hertzian contact: error, time saved.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    """
+    errors, speedups = [], []
+    count = 0
     for sweep in groove_sweeps(plan):
         points = points_where(trade, sweep=sweep)
         for scene in distinct_texts(points, "scene"):
@@ -122,7 +150,11 @@ def auto_savings_sentence(trade: xr.Dataset, plan: Plan) -> str:
 
 
 def grooves_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
-    """Returns the part: paragraphs, and tables by the loss at the end, and by cells and steps."""
+    """Returns paragraphs, and tables of worn grooves by the loss at the end, and by cells.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    """
     return [
         "Generated by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; do not "
         "edit. The life ends when the loss reaches the specified multiple of A a² (the gap between "
@@ -134,7 +166,7 @@ def grooves_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
         "scenes, relative to results with the finest cells and steps. These life calculations "
         "exclude error estimates, and step sizes are given as fractions of the gap. The study "
         "fails if a result differs from its value in these tables by more than "
-        f"{answers_agree_within()}, if an error differs by more than a factor of "
+        f"{answer_tolerance_text()}, if an error differs by more than a factor of "
         f"{plan['tolerance']['error']:g}, or if a time differs by more than a factor of "
         f"{plan['tolerance']['time']:g}.",
         auto_savings_sentence(trade, plan),

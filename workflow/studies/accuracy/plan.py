@@ -72,37 +72,39 @@ FIGURE_NAMES = ("overview", "steady", "life", "dynamic_model", "integration", "m
 class SweepPoint:
     """A point of a sweep, which is solved once."""
 
-    label: str  # what sets it apart from the other points of its sweep
-    value: float  # the same as a number, NaN where it is none
-    fidelity: str  # model to solve
-    # how it starts, its Hertz factors, what has grown, what stands beside it on the rotor; empty
-    # where they are the usual ones
-    start: str = ""
-    hertz: str = ""
-    warmth: str = ""
-    machine: str = ""
-    # Loss at the end of life over the gap at the contact's edge; steps (over that gap) and cells of
-    # a life that follows the grooves. Empty as the scene, and `life`, have them.
-    end: str = ""
-    step: str = ""
-    cells: str = ""
+    label: str  # values of the axes of its sweep
+    value: float  # of a single axis as a number, else NaN
+    fidelity: str  # of `TRADE_FIDELITIES`
+    # empty where they are as usual
+    start: str = ""  # of `STARTS`
+    hertz: str = ""  # of `HERTZ`: Hertz factors
+    warmth: str = ""  # of `WARMTHS`: growth by speed and heat
+    machine: str = ""  # of `MACHINES`: the other bearing on the rotor
+    # empty where they are those of the scene and of `life`
+    end: str = ""  # loss at the end of life over the gap at the contact's edge
+    step: str = ""  # of a life with worn grooves, over that gap
+    cells: str = ""  # of `CELL_COUNTS`
     settings: tuple[str, ...]  # as `--set` takes them
-    text: str  # all of it, as the file of the sweep says it
+    text: str  # all settings, as the file of the sweep gives them
 
     def overrides(self, scene_settings: Mapping[str, str]) -> list[str]:
-        """Returns its settings and those of its scene, as `--set` takes them."""
+        """Returns its settings and those of its scene that it does not change, for `--set`.
+
+        scene_settings: YAML texts by key.
+        """
         point_settings = dict(text.split("=", 1) for text in self.settings)
         return [f"{key}={value}" for key, value in {**scene_settings, **point_settings}.items()]
 
 
 def read_accuracy(path: Path) -> dict[str, Any]:
-    """Reads a plan like config/accuracy.yaml, with defaults. Raises UsageError."""
+    """Returns a plan like config/accuracy.yaml, with defaults. Raises UsageError."""
     return validated_config(path, "accuracy", check_accuracy)
 
 
 def check_accuracy(plan: Plan, path: Path = ACCURACY_FILE) -> None:
     """Refuses unknown names of sweeps, references, labels and scenes.
 
+    plan: data of config/accuracy.yaml.
     ValueError: one line with the key, its value and the allowed ones. Scenes with the changes of
     all points are not checked, because that takes seconds.
     """
@@ -111,49 +113,65 @@ def check_accuracy(plan: Plan, path: Path = ACCURACY_FILE) -> None:
         _check_rows(plan)
         cages = [plan["cages"]] if plan["cages"]["ensembles"] else []
         for scene in (*plan["scenes"].values(), *cages):
-            if not (file := path.parent / "scenes" / f"{scene['file']}.yaml").is_file():
+            file = path.parent / "scenes" / f"{scene['file']}.yaml"
+            if not file.is_file():
                 raise ValueError(f"got the scene {scene['file']}, expected a file {file}")
 
 
 def _check_references(plan: Plan) -> None:
-    """Refuses unknown references and scenes of sweeps, and impossible points."""
+    """Refuses unknown references and scenes of sweeps, and impossible points.
+
+    plan: data of config/accuracy.yaml.
+    """
     references = plan["references"]
     for name, scene in plan["scenes"].items():
         for reference in scene["references"]:
-            check_known(reference, references, f"scenes.{name}.references")
+            check_allowed(reference, references, f"scenes.{name}.references")
     for name, sweep in plan["sweeps"].items():
-        check_known(sweep["from"], (*references, _SCENE), f"sweeps.{name}.from")
-        check_known(reference_name(sweep), (*references, FIRST), f"sweeps.{name}.against")
+        check_allowed(sweep["from"], (*references, _SCENE), f"sweeps.{name}.from")
+        check_allowed(reference_name(sweep), (*references, FIRST), f"sweeps.{name}.against")
         for only in sweep["only"]:
-            check_known(only, plan["scenes"], f"sweeps.{name}.only")
+            check_allowed(only, plan["scenes"], f"sweeps.{name}.only")
         with place_of_errors(f"sweeps.{name}"):
             sweep_points(plan, name)
 
 
 def _check_rows(plan: Plan) -> None:
-    """Refuses unknown sweeps and labels in rows of tables."""
+    """Refuses unknown sweeps and labels in rows of tables.
+
+    plan: data of config/accuracy.yaml.
+    """
     for table in ("table", "effects"):
         for row in plan[table]:
-            check_known(row["sweep"], plan["sweeps"], f"{table}.sweep")
+            check_allowed(row["sweep"], plan["sweeps"], f"{table}.sweep")
             labels = [point.label for point in sweep_points(plan, row["sweep"])]
-            check_known(row["label"], labels, f"{table}, {row['sweep']}")
+            check_allowed(row["label"], labels, f"{table}, {row['sweep']}")
     for row in plan["effects"]:
         sweep = plan["sweeps"][row["sweep"]]
-        check_known(reference_name(sweep), (FIRST,), f"sweeps.{row['sweep']}.against")
+        check_allowed(reference_name(sweep), (FIRST,), f"sweeps.{row['sweep']}.against")
 
 
 def reference_name(sweep: Mapping[str, Any]) -> str:
-    """Returns the reference of the errors of a sweep, or `first`."""
+    """Returns the name of the reference of the errors of a sweep, or `FIRST`.
+
+    sweep: its block in the plan.
+    """
     return sweep["against"] or sweep["from"]
 
 
 def scene_settings(plan: Plan, scene: str) -> dict[str, str]:
-    """Returns the changes of a scene at all its points, as YAML texts by key."""
+    """Returns the changes of a scene at all its points, as YAML texts by key.
+
+    plan: data of config/accuracy.yaml.
+    """
     return _texts(plan["scenes"][scene]["set"])
 
 
 def sweep_jobs(plan: Plan) -> list[tuple[str, str]]:
-    """Returns every scene with each of its references and sweeps."""
+    """Returns pairs of names: every scene with each of its references, and each sweep run on it.
+
+    plan: data of config/accuracy.yaml.
+    """
     return [
         (name, sweep)
         for name, scene in plan["scenes"].items()
@@ -163,30 +181,47 @@ def sweep_jobs(plan: Plan) -> list[tuple[str, str]]:
 
 
 def _takes_part(plan: Plan, scene: str, name: str) -> bool:
-    """Whether a sweep is run on a scene."""
-    references, sweep = plan["scenes"][scene]["references"], plan["sweeps"][name]
+    """Whether a sweep of a name is run on a scene, which must have its reference.
+
+    plan: data of config/accuracy.yaml.
+    """
+    references = plan["scenes"][scene]["references"]
+    sweep = plan["sweeps"][name]
     includes_scene = scene in sweep["only"] if sweep["only"] else bool(references)
     return includes_scene and reference_name(sweep) in (*references, FIRST)
 
 
 def groove_sweeps(plan: Plan) -> list[str]:
-    """Returns the sweeps of lives with worn grooves over the loss at their end."""
+    """Returns the sweeps of lives with worn grooves over the loss at their end.
+
+    plan: data of config/accuracy.yaml.
+    """
     return [name for name, sweep in plan["sweeps"].items() if "end" in sweep["grid"]]
 
 
 def cell_sweeps(plan: Plan) -> list[str]:
-    """Returns the sweeps of lives over cells and steps of worn grooves."""
+    """Returns the sweeps of lives over cells and steps of worn grooves.
+
+    plan: data of config/accuracy.yaml.
+    """
     return [name for name, sweep in plan["sweeps"].items() if "cells" in sweep["grid"]]
 
 
 def effect_jobs(plan: Plan) -> list[tuple[str, str]]:
-    """Returns scenes and sweeps for the tables of effects and of worn grooves."""
+    """Returns the pairs of `sweep_jobs` for the tables of effects and of worn grooves.
+
+    plan: data of config/accuracy.yaml.
+    """
     sweeps = {row["sweep"] for row in plan["effects"]} | {*groove_sweeps(plan), *cell_sweeps(plan)}
     return [(scene, sweep) for scene, sweep in sweep_jobs(plan) if sweep in sweeps]
 
 
 def sweep_points(plan: Plan, name: str) -> list[SweepPoint]:
-    """Returns the points of a sweep, or a reference and its check."""
+    """Returns the points of a sweep, or those of a reference and of its check.
+
+    plan: data of config/accuracy.yaml.
+    name: of the sweep or the reference.
+    """
     if name in plan["references"]:
         reference = plan["references"][name]
         return [
@@ -198,7 +233,7 @@ def sweep_points(plan: Plan, name: str) -> list[SweepPoint]:
     return [
         _point(
             plan,
-            ", ".join(map(_shown, values)),
+            ", ".join(map(_label_text, values)),
             sweep["from"] if sweep["from"] != _SCENE else reference_name(sweep),
             {**base, **sweep["set"]},
             dict(zip(sweep["grid"], values, strict=True)),
@@ -208,8 +243,14 @@ def sweep_points(plan: Plan, name: str) -> list[SweepPoint]:
 
 
 def decisive_settings(plan: Plan, scene: str, name: str) -> dict[str, Any]:
-    """Returns the settings that decide a sweep or a reference on a scene, without its file."""
-    sweep, points = plan["sweeps"].get(name, {}), sweep_points(plan, name)
+    """Returns the settings that decide a sweep or a reference on a scene, without its file.
+
+    They are plain data; a job runs again when they change.
+
+    plan: data of config/accuracy.yaml.
+    """
+    sweep = plan["sweeps"].get(name, {})
+    points = sweep_points(plan, name)
     return {
         "scene": scene_settings(plan, scene),
         "sweep": {key: sweep.get(key, "") for key in ("title", "kind", "from", "against")},
@@ -226,11 +267,18 @@ def _point(
     base: Mapping[str, Any],
     changes: Mapping[str, Any],
 ) -> SweepPoint:
-    """Makes a point from the settings of its sweep, `base`, and its own changes."""
+    """Returns a point from the settings of its sweep, `base`, and its own changes.
+
+    plan: data of config/accuracy.yaml.
+    label: that sets the point apart from others of the sweep.
+    reference: name of the reference whose model it has, unless a setting says otherwise.
+    base, changes: values by keys of a scene, of `_SPECIAL` and of `_NUMBERS`.
+    ValueError: a setting that is not allowed.
+    """
     merged = {**base, **changes}
     for key, allowed in _SPECIAL.items():
         if key in merged:
-            check_known(merged[key], allowed, key)
+            check_allowed(merged[key], allowed, key)
     for key in _NUMBERS:
         if not _number(merged.get(key, 1.0)) > 0.0:
             raise ValueError(f"{key}: got {merged[key]}, expected a number > 0")
@@ -248,8 +296,8 @@ def _point(
     )
 
 
-def check_known(value: Any, allowed: Iterable[Any], place: str) -> None:
-    """Refuses a value that is not allowed."""
+def check_allowed(value: Any, allowed: Iterable[Any], place: str) -> None:
+    """Raises a ValueError that names the place of a value that is not allowed."""
     if value not in allowed:
         raise ValueError(f"{place}: got {value}, expected {', '.join(map(str, allowed))}")
 
@@ -262,7 +310,7 @@ def _texts(settings: Mapping[str, Any]) -> dict[str, str]:
             quadrature, _, points = str(value).partition(" ")
             texts |= {"model.quadrature": quadrature, "model.strips": points}
         elif key in _BY_NAME:
-            check_known(value, _BY_NAME[key], key)
+            check_allowed(value, _BY_NAME[key], key)
             texts |= _texts(_BY_NAME[key][value])
         else:
             texts[key] = _yaml(value)
@@ -270,20 +318,21 @@ def _texts(settings: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _yaml(value: Any) -> str:
-    """Writes a value as YAML on one line."""
+    """Returns a value as YAML on one line."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key}: {_yaml(part)}" for key, part in value.items()) + "}"
     return yaml_number(value) if isinstance(value, float) else json.dumps(value)
 
 
 def _number(value: Any) -> float:
-    """Reads the number at the end of a value; NaN if there is none."""
+    """Returns the number at the end of a value, such as 50 of "strips 50"; NaN without one."""
+    *_, last_word = str(value).rpartition(" ")
     try:
-        return float(str(value).rpartition(" ")[2])
+        return float(last_word)
     except ValueError:
         return float("nan")
 
 
-def _shown(value: Any) -> str:
-    """Writes a value for a label."""
+def _label_text(value: Any) -> str:
+    """Returns a value as it stands in a label."""
     return f"{value:g}" if isinstance(value, float) else str(value).replace("_", " ")

@@ -17,7 +17,7 @@ from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
-from bearingwear.sides import of_bearing
+from bearingwear.sides import values_of_bearing
 from bearingwear.solvers.bearing.fitted_hertz import fitted_displacement, fitted_factors
 from bearingwear.solvers.bearing.outputs import wear_values
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
@@ -34,7 +34,7 @@ from bearingwear.studies.dataset import dataset_of_rows
 from kerneljit.interrupt import Interrupt
 from workflow.studies.accuracy.plan import (
     SweepPoint,
-    check_known,
+    check_allowed,
     read_accuracy,
     reference_name,
     scene_settings,
@@ -52,17 +52,26 @@ FEWEST_BALLS = 3  # that hold the race in the middle without a radial load
 
 
 def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
-    """Solves all points of a sweep of a plan, or of a reference, on one of its scenes.
+    """Step: returns the solved and timed points of a sweep, or of a reference, on a scene.
 
     A solve is repeated as often as the plan states, or until the repeats have taken its `seconds`.
+
+    plan: file of the plan, which names the scene and the sweep.
+
+    Returns the variables of `SWEEP` over `point`.
     """
     accuracy = read_accuracy(plan)
-    check_known(scene, accuracy["scenes"], f"{plan}: scenes")
-    check_known(sweep, (*accuracy["references"], *accuracy["sweeps"]), f"{plan}: sweeps")
+    check_allowed(scene, accuracy["scenes"], f"{plan}: scenes")
+    check_allowed(sweep, (*accuracy["references"], *accuracy["sweeps"]), f"{plan}: sweeps")
     file = plan.parent / "scenes" / f"{accuracy['scenes'][scene]['file']}.yaml"
-    settings, points = scene_settings(accuracy, scene), list(sweep_points(accuracy, sweep))
-    timed_as = accuracy["repeats"], accuracy["seconds"]
-    values_at = partial(_values_at, file, settings, timed_as)
+    points = sweep_points(accuracy, sweep)
+    values_at = partial(
+        _values_at,
+        file=file,
+        settings=scene_settings(accuracy, scene),
+        repeats=accuracy["repeats"],
+        seconds=accuracy["seconds"],
+    )
     # one after the other: points that share the cores would take longer
     answers = answers_at(values_at, points, workers=1, label=f"{scene}, {sweep}")
     rows = [
@@ -85,19 +94,28 @@ def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
 
 
 def _values_at(
-    file: Path, settings: Mapping[str, str], timed_as: tuple[int, float], point: SweepPoint
+    point: SweepPoint, file: Path, settings: Mapping[str, str], repeats: int, seconds: float
 ) -> dict[str, float]:
-    """Solves a point of a scene in a file."""
-    return point_values(load_scene(file, point.overrides(settings)), point, *timed_as)
+    """Returns `point_values` of a point of a scene in a file.
+
+    settings: changes of the scene at all points, as YAML texts by key.
+    """
+    scene = load_scene(file, point.overrides(settings))
+    return point_values(scene, point, repeats, seconds)
 
 
 def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:
-    """Solves and times a point; returns its values by the names of the variables."""
+    """Solves and times a point; returns its values by the names of `SWEEP`.
+
+    Where it was not solved, they are the status alone.
+
+    repeats, seconds: as of `timed_solve`.
+    """
     base_scene = scene_with_end(scene_with_growth(scene, point.warmth), point.end)
     scene = scene_on_rotor(base_scene, point.machine)
     run = runner(scene, point)
     short_model = replace(scene.model, simulated_turns=0.25, evaluated_turns=None)
-    runner(replace(scene, model=short_model), point)()  # compiles
+    runner(replace(scene, model=short_model), point)()  # compiles the kernels
     values, wall, processor = timed_solve(run, repeats, seconds)
     row = {"status": float(values["status"])}
     if values["status"] != code.OK:
@@ -112,7 +130,7 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
     for name in ("simulated_turns", "coriolis_energy_share", "azimuth_energy_share"):
         row[name] = float(values.get(name, np.nan))
     if "qv_error_estimate" in values:
-        bearing_values = values if scene.pair is None else of_bearing(values, 0)
+        bearing_values = values if scene.pair is None else values_of_bearing(values, 0)
         row["estimate_total_qv"] = float(bearing_values["qv_error_estimate"])
         row["estimate_residual_preload"] = float(bearing_values["residual_preload_error_estimate"])
         row["estimate_wear_rate"] = float(bearing_values["wear_rate_error_estimate"])
@@ -123,7 +141,13 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
 def life_quantities(
     new_scene: Scene, point: SweepPoint, repeats: int, seconds: float
 ) -> dict[str, float]:
-    """Computes and times the life from new; returns nothing where the model has no life."""
+    """Computes and times the life from new; returns its values by the names of the variables.
+
+    The values are {} where the model computes no life.
+
+    point: setting of the sweep.
+    repeats, seconds: as of `timed_solve`.
+    """
     if point.fidelity != "steady" or asymmetries(new_scene) or not new_scene.wear.end_of_life:
         return {}
     row = {"wear_over_gap": wear_over_gap(new_scene)}
@@ -135,7 +159,9 @@ def life_quantities(
         if "life_error_estimate" in life_values:
             row["estimate_life"] = float(life_values["life_error_estimate"])
         if "history_total_qv" in life_values:
-            bearing_values = life_values if new_scene.pair is None else of_bearing(life_values, 0)
+            bearing_values = (
+                life_values if new_scene.pair is None else values_of_bearing(life_values, 0)
+            )
             row["end_qv"] = float(bearing_values["history_total_qv"][-1])
         row["life_wall_time"] = statistics.median(wall)
         row["life_processor_time"] = statistics.median(processor)
@@ -151,22 +177,31 @@ class TimedSolve(NamedTuple):
 
 
 def timed_solve(run: Callable[[], dict], repeats: int, seconds: float) -> TimedSolve:
-    """Runs a solve so often, or until the repeats have taken some seconds."""
+    """Runs a solve several times, and returns the last values and all times.
+
+    run: solves, and returns the values by name.
+    repeats: most repeats.
+    seconds: time [s] after which no further one is started.
+    """
     wall: list[float] = []
     processor: list[float] = []
     values: dict = {}
     while len(wall) < repeats and sum(wall) < seconds:
-        started, used = time.perf_counter(), time.process_time()
+        wall_start = time.perf_counter()
+        processor_start = time.process_time()
         values = run()
-        processor.append(time.process_time() - used)
-        wall.append(time.perf_counter() - started)
+        processor.append(time.process_time() - processor_start)
+        wall.append(time.perf_counter() - wall_start)
     return TimedSolve(values, wall, processor)
 
 
 def quantities(scene: Scene, values: dict) -> dict[str, float]:
-    """Returns the quantities with errors, in a pair those of the first bearing."""
+    """Returns `QUANTITIES` of a solve by name, in a pair those of the first bearing.
+
+    values: of the solve.
+    """
     if scene.pair is not None:
-        values = of_bearing(values, 0)
+        values = values_of_bearing(values, 0)
     qv = values["qv"].mean(axis=0)
     row = {
         "total_qv": float(values["total_qv"]),
@@ -180,11 +215,14 @@ def quantities(scene: Scene, values: dict) -> dict[str, float]:
     return row
 
 
-# The ways of solving a point
+# Solvers of a point
 
 
 def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
-    """Returns a function that solves a point."""
+    """Returns a function without arguments that solves a scene as a point states.
+
+    It returns the values of the solve by name.
+    """
     fidelity = point.fidelity
     if fidelity == "race_control":
         return lambda: solve(scene, fidelity).values
@@ -193,17 +231,18 @@ def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
         return lambda: solve(thrust, fidelity).values
     if fidelity == "three_balls":
         return lambda: three_balls(scene)
-    trial = scene.without_cage if fidelity == "no_cage" else scene
+    dynamic_scene = scene.without_cage if fidelity == "no_cage" else scene
     if not (point.start or point.hertz):
-        return lambda: solve(trial, "dynamic").values
-    return lambda: dynamic_values(trial, point.start or "steady", point.hertz == "fit")
+        return lambda: solve(dynamic_scene, "dynamic").values
+    start = point.start or "steady"
+    return lambda: dynamic_values(dynamic_scene, start, fit=point.hertz == "fit")
 
 
 def three_balls(scene: Scene) -> dict:
-    """Solves the dynamic model with three balls under their share of the preload, without cage.
+    """Returns values of the dynamic model with three balls under their share of the preload.
 
-    Only thrust acts. A single ball would push the race aside. The values are converted to those of
-    the whole bearing.
+    Only thrust acts, and there is no cage. A single ball would push the race aside. The values are
+    converted to those of the whole bearing.
     """
     share = FEWEST_BALLS / scene.bearing.ball_count
     full = thrust_alone(scene)
@@ -217,16 +256,22 @@ def three_balls(scene: Scene) -> dict:
     if values["status"] == code.OK:
         for name in ("total_qv", "residual_preload", "race_wear_rate"):
             values[name] = values[name] / share
-        # the balls lose as much as those of the whole bearing, a groove is worn by fewer
+        # A ball wears as in the whole bearing; the grooves, the rest of the loss, by fewer balls.
         D = 1e-3 * three.bearing.ball_diameter_mm - values["ball_diameter_loss"]
-        balls = np.mean(2.0 * values["ball_wear_rate"] / (np.pi * D * D))
-        rate = values["ball_diameter_loss_rate"]
-        values["ball_diameter_loss_rate"] = balls + (rate - balls) / share
+        ball_rate = np.mean(2.0 * values["ball_wear_rate"] / (np.pi * D * D))
+        groove_rate = values["ball_diameter_loss_rate"] - ball_rate
+        values["ball_diameter_loss_rate"] = ball_rate + groove_rate / share
     return values
 
 
 def dynamic_values(scene: Scene, start: str, fit: bool) -> dict:
-    """Solves the dynamic model from a start, with exact or fitted Hertz factors."""
+    """Returns values of the dynamic model from a start, with exact or fitted Hertz factors.
+
+    Where the status is not OK, it may be the only value.
+
+    start: of `STARTS`.
+    fit: whether the Hertz factors are those of Hamrock and Brewe's fit.
+    """
     system = DynamicSystem.of(scene, first_motion(scene, start))
     if fit:
         use_fitted_hertz(scene, system)
@@ -248,7 +293,10 @@ def dynamic_values(scene: Scene, start: str, fit: bool) -> dict:
 
 
 def first_motion(scene: Scene, start: str) -> np.ndarray:
-    """Returns the motion (w_x, w_y, w_z, Omega) from which all balls, or each of them, start."""
+    """Returns the motion w_x, w_y, w_z, Omega (4,) or (n, 4) [rad/s] from which balls start.
+
+    start: of `STARTS`; the steady motion stands in for one by race control that does not exist.
+    """
     if start == "kinematic":
         return ThrustProblem.of(scene).kinematic_start(OUTER_CONTROL)
     if start == "race_control":
@@ -259,7 +307,7 @@ def first_motion(scene: Scene, start: str) -> np.ndarray:
 
 
 def use_fitted_hertz(scene: Scene, system: DynamicSystem) -> None:
-    """Replaces the exact Hertz factors by fitted ones; only without a cage."""
+    """Replaces the exact Hertz factors of a system by fitted ones. The system has no cage."""
     bearing = system.bearing
     table = hertz_table(bearing.g, bearing.D, fitted_factors)
     system.bearing = bearing._replace(hertz=table)
@@ -268,14 +316,16 @@ def use_fitted_hertz(scene: Scene, system: DynamicSystem) -> None:
 
 
 def major_ratio(system: DynamicSystem, angle: np.ndarray) -> np.ndarray:
-    """Returns the ratios (n, 2) of fitted to exact semi-major axes at the same load."""
-    g, D = system.bearing.g, system.bearing.D
-    return np.array(
-        [
-            [
-                fitted_factors(g, race, D[j], c)[1] / exact_factors(g, race, D[j], c)[1]
-                for race, c in zip((-1.0, 1.0), np.cos(angle[j]), strict=True)
-            ]
-            for j in range(len(D))
-        ]
-    )
+    """Returns the ratios (n, 2) of fitted to exact semi-major axes at the same load.
+
+    angle: contact angles (n, 2) [rad] of n balls at both races.
+    """
+    g = system.bearing.g
+    ratios = np.empty(angle.shape)
+    for j, D in enumerate(system.bearing.D):
+        for k, race in enumerate((-1.0, 1.0)):  # inner, outer
+            cosine = np.cos(angle[j, k])
+            _, fitted_axis, *_ = fitted_factors(g, race, D, cosine)
+            _, exact_axis, *_ = exact_factors(g, race, D, cosine)
+            ratios[j, k] = fitted_axis / exact_axis
+    return ratios

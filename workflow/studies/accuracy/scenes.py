@@ -28,9 +28,9 @@ WORN_APART = 2e-5
 def scene_on_rotor(scene: Scene, machine: str) -> Scene:
     """Returns the scene for a point of the sweep `machine`.
 
-    alone: the scene itself. alike: two such bearings on a rotor, by its preload method. pushed: an
-    axial force of half the preload acts on that rotor. worn_apart: the balls of the second bearing
-    are worn more.
+    machine: "alone" or "" for the scene itself; "alike" for two such bearings on a rotor, preloaded
+        by its method; "pushed" for an axial force of half the preload on that rotor; "worn_apart"
+        for more wear on the balls of the second bearing.
     """
     if machine in ("", "alone"):
         return scene
@@ -53,10 +53,10 @@ NETWORK_KELVIN = 10.0
 def scene_with_growth(scene: Scene, warmth: str) -> Scene:
     """Returns the scene for a point of the sweep `warmth`.
 
-    mounted: the scene itself. at_speed: the rings grow at speed; a missing bore is assumed.
-    warm_ring: also, the inner ring is 5 K and the balls are 2.5 K warmer than the outer ring.
-    network: the temperatures follow from the friction heat; each conductance alone carries it away
-    at 10 K.
+    warmth: "mounted" or "" for the scene itself; "at_speed" for rings that grow at speed, where a
+        missing bore is assumed; "warm_ring" for, besides, an inner ring that is 5 K and balls that
+        are 2.5 K warmer than the outer ring; "network" for temperatures by the friction heat, which
+        each conductance alone carries away at `NETWORK_KELVIN`.
     """
     if warmth in ("", "mounted"):
         return scene
@@ -78,14 +78,16 @@ PRELOAD_LEFT = 0.4
 
 
 def scene_with_end(scene: Scene, end: str) -> Scene:
-    """Returns the scene with a life up to a loss of so many gaps at the contact's edge, A a^2.
+    """Returns the scene with a life that ends at a loss, or at `PRELOAD_LEFT` before.
 
-    It ends earlier if the preload falls to 40 %.
+    end: number as text, the loss over the gap A a^2 at the contact's edge; empty for the scene
+        itself.
     """
     if not end:
         return scene
 
     def with_end(loss_um: float, method: str) -> Scene:
+        """Returns the scene whose life ends at a loss, with a preload method."""
         limits = EndOfLife(ball_diameter_loss_um=loss_um, preload_fraction=PRELOAD_LEFT)
         operation = replace(scene.operation, preload_method=method)
         wear = replace(scene.wear, end_of_life=limits, ball_diameter_loss_um=(0.0,))
@@ -96,7 +98,7 @@ def scene_with_end(scene: Scene, end: str) -> Scene:
 
 
 def life_of_point(new_scene: Scene, point: SweepPoint) -> dict:
-    """Returns the values of a life, by `life` or with the cells and steps of a point."""
+    """Returns the values of a life by name, with the cells and steps of a point if it has any."""
     if not (point.cells or point.step):
         return life(new_scene, point.fidelity).values
     along, across = map(int, point.cells.split(" x ")) if point.cells else EXACT_GROOVES.cells

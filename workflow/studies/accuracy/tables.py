@@ -2,15 +2,17 @@
 
 import csv
 import io
+import itertools
 import math
 
 import numpy as np
 import xarray as xr
 
 from bearingwear.document.table import cell_text
+from bearingwear.kernels.status import OK
 from bearingwear.results.units import display, span
-from workflow.studies.accuracy.checked_table import Agreement, CheckedTable
-from workflow.studies.accuracy.gather import distinct_texts, points_where, reduce_known
+from workflow.studies.accuracy.checked_table import ROUNDED_DIGITS, Agreement, CheckedTable
+from workflow.studies.accuracy.gather import distinct_texts, finite_statistic, points_where
 from workflow.studies.accuracy.plan import FIRST, Plan, reference_name
 
 _PERCENT = display("1", shown="%")
@@ -34,9 +36,15 @@ LOOSE = Agreement(10.0, 0.1)
 """Agreement of single scenes: runs with a cage diverge after some turns."""
 LOOSE_ERROR = LOOSE._replace(unit="%")
 
+_LEAST_TRUE_ERROR = 1e-9
+"""Errors below this one are rounding, and count as this one in ratios."""
+
 
 def points_csv(trade: xr.Dataset) -> str:
-    """Returns CSV with a row for each point."""
+    """Returns the variables of all points as CSV, a row for each point.
+
+    trade: all points of the study over `point`.
+    """
     order = ("scene", "sweep", "kind", "against", "label", "settings")
     columns = [str(name) for name in trade if name not in (*order, "sweep_title")]
     text = io.StringIO()
@@ -53,20 +61,28 @@ def points_csv(trade: xr.Dataset) -> str:
 
 
 def row_cells(trade: xr.Dataset, row: Plan) -> list:
-    """Returns number of scenes, errors in percent and relative speed; NaN if not known."""
+    """Returns the cells of a row: number of scenes, errors [%] and relative speed; NaN for none.
+
+    trade: all points of the study over `point`.
+    row: block of the plan's `table`, with `sweep` and `label`.
+    """
     points = points_where(trade, sweep=row["sweep"], label=row["label"])
-    solved = points.isel(point=points["status"].values == 0)
+    solved = points.isel(point=points["status"].values == OK)
     errors = []
     for name, quantity in ERRORS.items():
         statistic = np.median if name == _MEDIAN else np.max
-        errors.append(reduce_known(statistic, np.abs(solved[f"error_{quantity}"].values)))
+        errors.append(finite_statistic(statistic, np.abs(solved[f"error_{quantity}"].values)))
     ratio = solved["reference_time"].values / solved["wall_time"].values
-    faster = reduce_known(np.median, ratio)
+    faster = finite_statistic(np.median, ratio)
     return [solved.sizes["point"], *(100.0 * error for error in errors), faster]
 
 
 def row_section(plan: Plan, row: Plan) -> str:
-    """Returns the section of the table to which a row belongs."""
+    """Returns the section of the table, of `SECTIONS`, to which a block of the plan belongs.
+
+    plan: data of config/accuracy.yaml.
+    row: block of the plan's `table`.
+    """
     sweep = plan["sweeps"][row["sweep"]]
     if sweep["kind"] == "model":
         return "model"
@@ -74,16 +90,19 @@ def row_section(plan: Plan, row: Plan) -> str:
 
 
 def section_tables(trade: xr.Dataset, plan: Plan) -> list[CheckedTable]:
-    """Returns a table for each section: errors and speed of its settings."""
-    tables, tolerance = [], plan["tolerance"]
+    """Returns a table of errors and speeds of settings for each section that has any.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    """
+    tolerance = plan["tolerance"]
+    tables = []
     for name, title in SECTIONS.items():
         floor = tolerance["floor"] if name == "steady" else tolerance["floor_dynamic"]
-        error = Agreement(
-            1.05 * tolerance["error"], 100.0 * floor, "%"
-        )  # and what digits round off
+        errors = Agreement(ROUNDED_DIGITS * tolerance["error"], 100.0 * floor, "%")
         columns = {
             "scenes": Agreement(1.0),
-            **dict.fromkeys(ERRORS, error),
+            **dict.fromkeys(ERRORS, errors),
             "speed": Agreement(tolerance["time"]),
         }
         rows = [
@@ -97,7 +116,11 @@ def section_tables(trade: xr.Dataset, plan: Plan) -> list[CheckedTable]:
 
 
 def accuracy_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
-    """Returns the part: tables of settings and models, of presets and of error estimates."""
+    """Returns paragraphs, and tables of settings and models, of presets and of error estimates.
+
+    trade: all points of the study over `point`.
+    plan: data of config/accuracy.yaml.
+    """
     tolerance = plan["tolerance"]
     table_sweeps = [row["sweep"] for row in plan["table"]]
     scenes_in_table = trade["scene"].values[np.isin(trade["sweep"].values, table_sweeps)]
@@ -142,76 +165,120 @@ def accuracy_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
 
 
 def weight_sentence(trade: xr.Dataset) -> str:
-    """States the wear rate of a cage without weight, relative to one with weight."""
+    """Returns a sentence on the wear rate of a cage without weight, relative to one with weight.
+
+    trade: all points of the study over `point`.
+    """
     points = points_where(trade, sweep="weight")
-    ratios = 1.0 + points["error_cage_wear_rate"].values[1::2]  # each against the point before it
+    # of each scene: a point with weight, then one without, whose error is against the former
+    ratios = 1.0 + points["error_cage_wear_rate"].values[1::2]
     times = f"{span(ratios)} times as fast as a cage with weight"
     return f"Over the averaged turns, a weightless cage wears {times}."
 
 
 def neglected_work_words(trade: xr.Dataset) -> str:
-    """States the largest work of the neglected forces over the scenes, relative to the heat."""
+    """Returns words for the largest work of each neglected force over the scenes, over the heat.
+
+    trade: all points of the study over `point`.
+    """
     points = points_where(trade, sweep="long", label="reference")
+    force_words = {
+        "coriolis_energy_share": "Coriolis force",
+        "azimuth_energy_share": "circumferential component",
+    }
     texts = []
-    for name, text in (
-        ("coriolis", "Coriolis force"),
-        ("azimuth", "circumferential component"),
-    ):
-        largest = reduce_known(np.max, np.abs(points[f"{name}_energy_share"].values))
-        texts.append(f"{_PERCENT.text(largest)} % for the {text}")
+    for name, words in force_words.items():
+        largest = finite_statistic(np.max, np.abs(points[name].values))
+        texts.append(f"{_PERCENT.text(largest)} % for the {words}")
     return " and ".join(texts)
 
 
 def presets_table(trade: xr.Dataset) -> CheckedTable:
-    """Returns a table of the errors and the speed of draft and standard in each scene."""
+    """Returns a table of the errors of draft and standard in each scene, and of their speeds.
+
+    The speed is relative to that of the next finer preset.
+
+    trade: all points of the study over `point`.
+    """
     rows: list[list] = []
-    for sweep, quantity in (("steady", "life"), ("dynamic", "wear_rate")):
-        points = points_where(trade, sweep=f"preset_{sweep}")
+    for solve, quantity in (("steady", "life"), ("dynamic", "wear_rate")):
+        points = points_where(trade, sweep=f"preset_{solve}")
         for scene in distinct_texts(points, "scene"):
-            points_of_preset = {
-                label: points_where(points, scene=scene, label=label).isel(point=0)
-                for label in ("draft", "standard", "reference")
+            point_by_preset = {
+                preset: points_where(points, scene=scene, label=preset).isel(point=0)
+                for preset in ("draft", "standard", "reference")
             }
-            for (preset, point), slower in zip(
-                points_of_preset.items(), [*points_of_preset.values()][1:], strict=False
-            ):
+            for preset, finer_preset in itertools.pairwise(point_by_preset):
+                point = point_by_preset[preset]
                 errors = [
                     100.0 * abs(float(point[f"error_{name}"]))
                     for name in ("total_qv", "contact_qv", quantity)
                 ]
-                speed = float(slower["wall_time"] / point["wall_time"])
-                rows.append([sweep, scene, preset, *errors, speed])
-    columns = dict.fromkeys(("QV", "contact", "life"), LOOSE_ERROR) | {"speed": LOOSE}
-    title, axes = "Presets by scene", ("solve", "scene", "preset")
-    return CheckedTable(title=title, axes=axes, columns=columns, rows=rows)
+                speed = float(point_by_preset[finer_preset]["wall_time"] / point["wall_time"])
+                rows.append([solve, scene, preset, *errors, speed])
+    return CheckedTable(
+        title="Presets by scene",
+        axes=("solve", "scene", "preset"),
+        columns=dict.fromkeys(("QV", "contact", "life"), LOOSE_ERROR) | {"speed": LOOSE},
+        rows=rows,
+    )
 
 
 def estimates_table(trade: xr.Dataset) -> CheckedTable:
-    """Returns a table of how often the error estimates of results cover the true error."""
-    quantities = {"total_qv": "QV", "residual_preload": "preload", "wear_rate": "wear rate"}
-    columns = {"points": LOOSE, "covered": LOOSE_ERROR, "estimate/error": LOOSE}
-    rows = []
-    for name, text in (quantities | {"life": "life"}).items():
-        for solve, reference in (("steady", "steady"), ("dynamic", "long")):
-            points = points_where(trade, against=reference, kind="numerical")
-            error = np.abs(points[f"error_{name}"].values)
-            uncertainty = {
-                s: reference_uncertainty(trade, s, reference, name)
-                for s in set(points["scene"].values)
-            }
-            estimate = points[f"estimate_{name}"].values
-            least_error = error - [uncertainty[s] for s in points["scene"].values]
-            is_known = np.isfinite(error) & np.isfinite(estimate)
-            is_covered = (estimate >= least_error)[is_known]
-            share = 100.0 * np.mean(is_covered) if is_known.any() else math.nan
-            ratio = reduce_known(np.median, (estimate / np.maximum(error, 1e-9))[is_known])
-            rows.append([text, solve, int(is_known.sum()), float(share), ratio])
-    title, axes = "Estimated and true errors", ("estimate of", "solve")
-    return CheckedTable(title=title, axes=axes, columns=columns, rows=rows)
+    """Returns a table of how often the error estimates of results cover the true error.
+
+    trade: all points of the study over `point`.
+    """
+    quantities = {
+        "total_qv": "QV",
+        "residual_preload": "preload",
+        "wear_rate": "wear rate",
+        "life": "life",
+    }
+    rows = [
+        [text, solve, *_estimate_cells(trade, name, reference)]
+        for name, text in quantities.items()
+        for solve, reference in (("steady", "steady"), ("dynamic", "long"))
+    ]
+    return CheckedTable(
+        title="Estimated and true errors",
+        axes=("estimate of", "solve"),
+        columns={"points": LOOSE, "covered": LOOSE_ERROR, "estimate/error": LOOSE},
+        rows=rows,
+    )
+
+
+def _estimate_cells(trade: xr.Dataset, name: str, reference: str) -> tuple[int, float, float]:
+    """Returns how many points have an estimate, the share [%] covered, and estimate over error.
+
+    An error is covered if it exceeds its estimate by no more than the reference's uncertainty.
+
+    trade: all points of the study over `point`.
+    name: of the quantity.
+    reference: name of the reference of the points.
+    """
+    points = points_where(trade, against=reference, kind="numerical")
+    scenes = points["scene"].values
+    error = np.abs(points[f"error_{name}"].values)
+    estimate = points[f"estimate_{name}"].values
+    uncertainties = {
+        scene: reference_uncertainty(trade, scene, reference, name) for scene in set(scenes)
+    }
+    least_error = error - [uncertainties[scene] for scene in scenes]
+    has_both = np.isfinite(error) & np.isfinite(estimate)
+    is_covered = (estimate >= least_error)[has_both]
+    share = 100.0 * float(np.mean(is_covered)) if has_both.any() else math.nan
+    ratios = estimate / np.maximum(error, _LEAST_TRUE_ERROR)
+    return int(has_both.sum()), share, finite_statistic(np.median, ratios[has_both])
 
 
 def reference_uncertainty(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
-    """Returns the uncertainty of a reference: its error estimate plus its difference to a check."""
+    """Returns the relative uncertainty of a reference on a scene, in a quantity of a name.
+
+    It is the reference's error estimate plus its difference from its check.
+
+    trade: all points of the study over `point`.
+    """
     points = points_where(trade, scene=scene, sweep=reference)
     estimates = points_where(points, label="reference")[f"estimate_{name}"].values
     differences = np.abs(points_where(points, label="check")[f"error_{name}"].values)

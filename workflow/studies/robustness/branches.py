@@ -15,8 +15,8 @@ from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.steady import steady_values
 from bearingwear.studies.dataset import dataset_of_rows
-from workflow.studies.robustness.draw import bare, with_values
-from workflow.studies.robustness.plan import KeyAxis, base_scene, entry, read_robustness
+from workflow.studies.robustness.draw import with_values, without_cage_and_end
+from workflow.studies.robustness.plan import KeyAxis, base_scene, plan_entry, read_robustness
 from workflow.studies.robustness.run import study_attributes
 
 BRANCH_WAYS = ("up", "down", "anew")
@@ -32,15 +32,19 @@ _BRANCH = table(
 )
 
 
-def branch(plan: Path, name: str) -> xr.Dataset:
-    """Follows the steady states of a branch of a plan up and down its axis, and searches them anew.
+def branch_states(plan: Path, name: str) -> xr.Dataset:
+    """Step: returns the steady states along an axis, followed up and down and searched anew.
 
-    Returns a dataset over `way` (up, down, anew) and `along`.
+    plan: file of the plan.
+    name: of the branch in the plan.
+
+    Returns the variables of `_BRANCH` over `way` (up, down, anew) and `along`.
     """
     robustness = read_robustness(plan)
-    branch_plan = entry(robustness, plan, "branches", name)
+    branch_plan = plan_entry(robustness, plan, "branches", name)
     axis = record(KeyAxis, branch_plan["along"], "along")
-    base = bare(with_values(load_scene(base_scene(robustness, plan)).to_dict(), branch_plan["set"]))
+    scene_data = load_scene(base_scene(robustness, plan)).to_dict()
+    base = without_cage_and_end(with_values(scene_data, branch_plan["set"]))
     rows = []
     for way in BRANCH_WAYS:
         previous: np.ndarray | None = None
@@ -65,7 +69,11 @@ def branch(plan: Path, name: str) -> xr.Dataset:
 def _next_state(
     data: Mapping[str, Any], previous: np.ndarray | None
 ) -> tuple[dict[str, Any], np.ndarray | None]:
-    """Solves a steady state from the previous motion; returns its row and the next start."""
+    """Returns the values of a steady state by name, and the motion from which to start the next.
+
+    data: plain data of the scene.
+    previous: motion (4,) of the state before, from which the solver starts; None for a new search.
+    """
     scene = scene_from_dict(data)
     problem = ThrustProblem.of(scene)
     D = float(parameters.ball_diameters(scene)[0])

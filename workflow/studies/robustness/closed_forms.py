@@ -8,14 +8,19 @@ from workflow.studies.robustness.draw import at_rest, elastic_approach
 
 
 def closed_form(limit: str, value: float | None, scene: Scene) -> float:
-    """Estimates `maps.excess` by a closed form, from rolling at the free angle and loads at rest.
+    """Returns a number that is positive beyond a limit, by a closed form.
 
-    contact: only the outer race holds the ball against the centrifugal force of rolling, and the
-    ball no longer reaches the inner race at its position at rest. gyroscopic_slip: the share s of
-    the friction mu (Q_i + Q_o) R balances the gyroscopic moment. skid: drag exceeds 2 mu Q_i, the
-    most that the inner race can transmit (rolling on the outer race takes half of it).
+    The balls roll at the free angle, under loads at rest.
+
+    limit: "contact", where only the outer race holds the ball against the centrifugal force of
+        rolling, and the ball no longer reaches the inner race at its position at rest;
+        "gyroscopic_slip", where the share s of the friction mu (Q_i + Q_o) R balances the
+        gyroscopic moment; "skid", where drag exceeds 2 mu Q_i, the most that the inner race can
+        transmit (rolling on the outer race takes half of it).
+    value: of the share s; not used for the other limits.
     """
-    g, m = parameters.geometry(scene), parameters.operating_point(scene)
+    g = parameters.geometry(scene)
+    m = parameters.operating_point(scene)
     D = float(parameters.ball_diameters(scene)[0])
     _, rest = at_rest(scene)
     # Both races meet at rest along one line; it shortens as the ball wears.

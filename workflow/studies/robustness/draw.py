@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.params import BallState, Geometry
 from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.changes import with_changes
@@ -15,6 +16,9 @@ from bearingwear.scene.scene import Scene, most_balls
 from bearingwear.scene.warmth import LARGEST_STRAIN
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.mounted import mounted_geometry
+
+_LARGEST_LOSS_UM = 0.099e3
+"""Largest loss [um] for each mm of ball diameter: a scene refuses a tenth of the diameter."""
 
 CERAMIC = {
     "youngs_modulus_GPa": 310.0,
@@ -27,24 +31,24 @@ CERAMIC = {
 
 
 def with_values(base: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns a scene's data with keys like `operation.preload_N` replaced."""
-    keys = {
-        # a scene refuses 31.7 strips
-        key: round(value) if key == "model.strips" else value
-        for key, value in values.items()
-        if "." in key
-    }
-    return copy.deepcopy(with_changes(base, keys))
+    """Returns a copy of a scene's data with other values of its keys.
+
+    base: plain data of a scene.
+    values: by keys such as `operation.preload_N`; keys without a point are left out.
+    """
+    changes = {key: value for key, value in values.items() if "." in key}
+    if "model.strips" in changes:
+        changes["model.strips"] = round(changes["model.strips"])  # a whole number
+    return copy.deepcopy(with_changes(base, changes))
 
 
-def bare(data: dict[str, Any]) -> dict[str, Any]:
-    """Removes cage and end of life from a scene's data."""
-    data["cage"], data["wear"]["end_of_life"] = None, None
-    return data
+def without_cage_and_end(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns a scene's data without its cage and its end of life."""
+    return {**data, "cage": None, "wear": {**data["wear"], "end_of_life": None}}
 
 
 def drawn_scene(base: Mapping[str, Any], draw: Mapping[str, Any]) -> Scene:
-    """Makes the scene of a draw.
+    """Returns the scene of a draw.
 
     Besides keys of a scene, a draw may have: `ball_diameter_mm` and `pitch_ratio` (pitch over ball
     diameter), to which the cage is scaled; `fill` (ball count over the largest that fits);
@@ -60,34 +64,21 @@ def drawn_scene(base: Mapping[str, Any], draw: Mapping[str, Any]) -> Scene:
     `second_loss_ratio` (as `loss_ratio`, in the second bearing) and `in_tandem` (bearings on the
     first side); `worn_ratio` (loss that ends the life, over the gap at the edge of a contact).
 
+    base: plain data of the scene that the draw changes.
     SceneError: the draw makes no valid bearing.
     """
     data = with_values(base, draw)
-    bearing, operation = data["bearing"], data["operation"]
     data["materials"]["silicon_nitride"] = CERAMIC
     data["wear"]["end_of_life"] = None
-    pitch_ratio = bearing["pitch_diameter_mm"] / bearing["ball_diameter_mm"]
-    D = bearing["ball_diameter_mm"] = draw.get("ball_diameter_mm", bearing["ball_diameter_mm"])
-    dm = bearing["pitch_diameter_mm"] = D * draw.get("pitch_ratio", pitch_ratio)
-    if "fill" in draw:
-        bearing["ball_count"] = max(3, math.floor(draw["fill"] * most_balls(1.001 * D, dm)))
-    if "speed_m_s" in draw:
-        operation["shaft_speed_rpm"] = draw["speed_m_s"] / (0.5e-3 * dm) / parameters.RPM
-    operation["outer_speed_rpm"] = draw.get("outer_ratio", 0.0) * operation["shaft_speed_rpm"]
+    data["wear"]["ball_diameter_loss_um"] = 0.0
+    _set_size_and_speed(data, draw)
+    D, dm = data["bearing"]["ball_diameter_mm"], data["bearing"]["pitch_diameter_mm"]
     _fit_cage(data, draw, D, dm)
     _warm(data, draw, D, dm)
-    data["wear"]["ball_diameter_loss_um"] = 0.0
-    if "stress_GPa" in draw or "loss_ratio" in draw:
-        scene = scene_from_dict(data)
-        if "stress_GPa" in draw:
-            data["operation"]["preload_N"] = preload_at_pressure(scene, 1e9 * draw["stress_GPa"])
-            scene = scene_from_dict(data)
-        if draw.get("loss_ratio", 0.0) > 0.0:
-            loss = 1e6 * draw["loss_ratio"] * elastic_approach(scene)
-            data["wear"]["ball_diameter_loss_um"] = min(loss, 0.099e3 * D)
-    for name, key in (("radial_ratio", "radial_load_N"), ("rotating_ratio", "rotating_load_N")):
-        load = draw.get(name, 0.0) * data["operation"]["preload_N"]
-        data["operation"][key] = [0.0, load] if key == "radial_load_N" else load
+    _set_preload_and_loss(data, draw, D)
+    preload = data["operation"]["preload_N"]
+    data["operation"]["radial_load_N"] = [0.0, draw.get("radial_ratio", 0.0) * preload]
+    data["operation"]["rotating_load_N"] = draw.get("rotating_ratio", 0.0) * preload
     if draw.get("pair", "none") != "none":
         data["arrangement"] = _drawn_pair(data, draw, D)
     if "worn_ratio" in draw:
@@ -95,25 +86,71 @@ def drawn_scene(base: Mapping[str, Any], draw: Mapping[str, Any]) -> Scene:
     return scene_from_dict(data)
 
 
+def _set_size_and_speed(data: dict[str, Any], draw: Mapping[str, Any]) -> None:
+    """Sets the drawn diameters, number of balls and speeds in a scene's data.
+
+    draw: drawn values; see `drawn_scene`.
+    """
+    bearing, operation = data["bearing"], data["operation"]
+    pitch_ratio = bearing["pitch_diameter_mm"] / bearing["ball_diameter_mm"]
+    D = draw.get("ball_diameter_mm", bearing["ball_diameter_mm"])
+    dm = D * draw.get("pitch_ratio", pitch_ratio)
+    bearing["ball_diameter_mm"] = D
+    bearing["pitch_diameter_mm"] = dm
+    if "fill" in draw:
+        # a little larger balls, lest they touch
+        bearing["ball_count"] = max(3, math.floor(draw["fill"] * most_balls(1.001 * D, dm)))
+    if "speed_m_s" in draw:
+        operation["shaft_speed_rpm"] = draw["speed_m_s"] / (0.5e-3 * dm) / parameters.RPM
+    operation["outer_speed_rpm"] = draw.get("outer_ratio", 0.0) * operation["shaft_speed_rpm"]
+
+
+def _set_preload_and_loss(data: dict[str, Any], draw: Mapping[str, Any], D: float) -> None:
+    """Sets the drawn preload and loss of ball diameter in a scene's data.
+
+    D: ball diameter [mm].
+
+    draw: drawn values; see `drawn_scene`.
+    """
+    if "stress_GPa" in draw or "loss_ratio" in draw:
+        scene = scene_from_dict(data)
+        if "stress_GPa" in draw:
+            data["operation"]["preload_N"] = preload_at_pressure(scene, 1e9 * draw["stress_GPa"])
+            scene = scene_from_dict(data)
+        if draw.get("loss_ratio", 0.0) > 0.0:
+            loss_um = 1e6 * draw["loss_ratio"] * elastic_approach(scene)
+            data["wear"]["ball_diameter_loss_um"] = min(loss_um, _LARGEST_LOSS_UM * D)
+
+
 def _end_of_life(data: dict[str, Any], worn_ratio: float, D: float) -> dict[str, float]:
-    """Returns limits of the loss, counted from the present one, and of the residual preload."""
-    present = data["wear"]["ball_diameter_loss_um"]
-    data["wear"]["end_of_life"] = {"ball_diameter_loss_um": present + 1.0}
+    """Returns the end of life of a scene's data: limits of the loss and of the residual preload.
+
+    worn_ratio: further loss, over the gap at the edge of a contact.
+    D: ball diameter [mm].
+    """
+    present_um = data["wear"]["ball_diameter_loss_um"]
+    data["wear"]["end_of_life"] = {"ball_diameter_loss_um": present_um + 1.0}
     scene = scene_from_dict(data)
     scene = replace(scene, operation=replace(scene.operation, preload_method="constant_force"))
-    by_um = wear_over_gap(scene)
+    gaps_of_1_um = wear_over_gap(scene)
+    loss_um = present_um + worn_ratio / gaps_of_1_um
     return {
-        "ball_diameter_loss_um": min(present + worn_ratio / by_um, 0.099e3 * D),
+        "ball_diameter_loss_um": min(loss_um, _LARGEST_LOSS_UM * D),
         "preload_fraction": 0.4,
     }
 
 
 def _drawn_pair(data: dict[str, Any], draw: Mapping[str, Any], D: float) -> dict[str, Any]:
-    """Returns a pair with the drawn differences; its kind follows from the preload method."""
-    scene, preload = scene_from_dict(data), data["operation"]["preload_N"]
+    """Returns the arrangement of a pair, as plain data; the preload method decides its kind.
+
+    draw: drawn values; see `drawn_scene`.
+    data: of the scene of a bearing.
+    D: ball diameter [mm].
+    """
+    scene = scene_from_dict(data)
+    preload = data["operation"]["preload_N"]
     approach = elastic_approach(scene)
-    method = scene.operation.preload_method
-    kind = PAIRS[method]
+    kind = PAIRS[scene.operation.preload_method]
     arrangement: dict[str, Any] = {
         "kind": kind,
         "orientation": draw["pair"],
@@ -126,20 +163,26 @@ def _drawn_pair(data: dict[str, Any], draw: Mapping[str, Any], D: float) -> dict
         stiffness = 1e-6 * draw.get("spring_ratio", 0.0) * preload / approach
         arrangement["spring_stiffness_N_um"] = min(stiffness, 1e6)
     if "second_loss_ratio" in draw:
-        loss = min(1e6 * draw["second_loss_ratio"] * approach, 0.099e3 * D)
-        arrangement["second"] = {"wear.ball_diameter_loss_um": loss}
+        loss_um = 1e6 * draw["second_loss_ratio"] * approach
+        arrangement["second"] = {"wear.ball_diameter_loss_um": min(loss_um, _LARGEST_LOSS_UM * D)}
     return arrangement
 
 
 def _fit_cage(data: dict[str, Any], draw: Mapping[str, Any], D: float, dm: float) -> None:
-    """Scales the cage to the pitch circle, or removes it."""
+    """Scales the cage in a scene's data to the pitch circle dm [mm], or removes it.
+
+    D: ball diameter [mm]. The cage is usual for it: 0.9 D thick and 1.5 D wide.
+
+    draw: drawn values; see `drawn_scene`.
+    """
     guide = draw.get("cage", "none")
     if guide == "none":
         data["cage"] = None
         return
     cage = data["cage"]
     cage["guiding_race"] = guide
-    cage["inner_diameter_mm"], cage["outer_diameter_mm"] = dm - 0.45 * D, dm + 0.45 * D
+    cage["inner_diameter_mm"] = dm - 0.45 * D
+    cage["outer_diameter_mm"] = dm + 0.45 * D
     cage["width_mm"] = 1.5 * D
     gap = dm * math.sin(math.pi / data["bearing"]["ball_count"]) - D
     cage["pocket_clearance_mm"] = draw.get("pocket_clearance_ratio", 0.1) * 0.9 * max(gap, 0.0)
@@ -147,7 +190,12 @@ def _fit_cage(data: dict[str, Any], draw: Mapping[str, Any], D: float, dm: float
 
 
 def _warm(data: dict[str, Any], draw: Mapping[str, Any], D: float, dm: float) -> None:
-    """Sets the source of the temperatures, and rings and fits of the pitch circle's size."""
+    """Sets the source of temperatures in a scene's data, and rings and fits for the pitch circle.
+
+    D, dm: diameters of balls and pitch circle [mm].
+
+    draw: drawn values; see `drawn_scene`.
+    """
     if "warmth" not in draw:
         return
     bearing = data["bearing"]
@@ -162,12 +210,12 @@ def _warm(data: dict[str, Any], draw: Mapping[str, Any], D: float, dm: float) ->
     }
 
 
-def at_rest(scene: Scene):
+def at_rest(scene: Scene) -> tuple[Geometry, BallState]:
     """Returns geometry and state of a ball of the unworn bearing at rest under its preload."""
     geometry = mounted_geometry(scene)
-    load = orbit_load(0.0, 0.0, 0.0)
+    no_load = orbit_load(0.0, 0.0, 0.0)
     _, state = thrust_equilibrium(
-        geometry, geometry.D0, load, float(scene.operation.preload_N), 0.0, True, cold_start()
+        geometry, geometry.D0, no_load, float(scene.operation.preload_N), 0.0, True, cold_start()
     )
     return geometry, state
 
@@ -179,7 +227,10 @@ def elastic_approach(scene: Scene) -> float:
 
 
 def preload_at_pressure(scene: Scene, pressure: float) -> float:
-    """Returns the preload at which the outer contact has about this pressure, at rest [N]."""
+    """Returns the preload [N] at which the outer contact has about a pressure [Pa], at rest.
+
+    It lies within what a scene may have.
+    """
     geometry, state = at_rest(scene)
     hertz = state.hertz_o
     Q = (pressure * math.pi * hertz.c_a * hertz.c_b / 1.5) ** 3

@@ -58,7 +58,10 @@ SHARES = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5, 0.7, 1.0]
 
 
 def edges(values: np.ndarray, log: bool) -> np.ndarray:
-    """Returns the edges of the cells around the points of an axis."""
+    """Returns the edges (n + 1,) of the cells around the points (n,) of an axis.
+
+    log: whether the points are evenly spaced in logarithm.
+    """
     points = np.log(values) if log else values
     middle = 0.5 * (points[1:] + points[:-1])
     ends = [1.5 * points[0] - 0.5 * points[1], 1.5 * points[-1] - 0.5 * points[-2]]
@@ -70,12 +73,15 @@ def edges(values: np.ndarray, log: bool) -> np.ndarray:
 
 
 def map_figure(solved: Path) -> Figure:
-    """Draws a map with its boundaries from its file."""
+    """Step: returns the figure of a map in a file."""
     return figure_of_map(load_kind(solved, "maps"))
 
 
 def figure_of_map(solved: xr.Dataset) -> Figure:
-    """Draws the gyroscopic slip of verified states, the status of the others, and boundaries."""
+    """Returns a figure of a map: slip of verified states, status of the others, and boundaries.
+
+    solved: dataset of `state_map`.
+    """
     figure, panels = new_figure(1, 1, 6.6, 4.6)
     axes = panels[0, 0]
     axes.grid(False)
@@ -106,7 +112,10 @@ def figure_of_map(solved: xr.Dataset) -> Figure:
 
 
 def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
-    """Draws boundaries and their closed forms; returns their keys."""
+    """Draws the boundaries in a map and their closed forms; returns their entries of the legend.
+
+    solved: dataset of `state_map`.
+    """
     handles = []
     for limit, style in _LIMITS.items():
         boundary = solved.get(f"boundary_{limit}")
@@ -121,9 +130,13 @@ def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
 
 
 def map_title(solved: xr.Dataset) -> str:
-    """States how many points of a map are verified, and whether the others have a reason."""
+    """Returns a title on the number of verified points of a map, and on reasons for the others.
+
+    solved: dataset of `state_map`.
+    """
     status = solved["status"].values
-    verified, total = int((status == OK).sum()), status.size
+    verified = int((status == OK).sum())
+    total = status.size
     title = f"{solved.attrs['shown']}: {verified} of {total} points verified"
     if np.isin(status, WITHOUT_REASON).any():
         return f"{title}; no reason is given for some of the others"
@@ -151,12 +164,15 @@ _NANO = {"loss_rate": 1e9}
 
 
 def branches_figure(solved: Path) -> Figure:
-    """Draws the branches of a file."""
+    """Step: returns the figure of the branches in a file."""
     return figure_of_branches(load_kind(solved, "branches"))
 
 
 def figure_of_branches(solved: xr.Dataset) -> Figure:
-    """Draws steady states followed up and down, and searched anew."""
+    """Returns a figure of steady states followed up and down an axis, and searched anew.
+
+    solved: dataset of `branch_states`.
+    """
     figure, panels = new_figure(1, 3, 7.6, 3.0)
     along = solved["along"].values
     ways = solved.attrs["ways"].split()
@@ -174,13 +190,17 @@ def figure_of_branches(solved: xr.Dataset) -> Figure:
 
 
 def hysteresis(solved: xr.Dataset) -> str:
-    """States whether both directions give the same states, or where they differ."""
+    """Returns a phrase on whether both directions give the same states, or on where they differ.
+
+    solved: dataset of `branch_states`.
+    """
     ways = solved.attrs["ways"].split()
     up, down = (solved["total_qv"].values[ways.index(way)] for way in ("up", "down"))
-    only_one = np.isfinite(up) != np.isfinite(down)
-    apart = np.abs(up / down - 1.0) > 1e-4  # False where only one is finite
-    if (only_one | apart).any():
-        affected = solved["along"].values[only_one | apart]
+    is_missing_once = np.isfinite(up) != np.isfinite(down)
+    # far beyond the error of a solve; false where a state is missing
+    differs = np.abs(up / down - 1.0) > 1e-4
+    if (is_missing_once | differs).any():
+        affected = solved["along"].values[is_missing_once | differs]
         _, _, unit = AXIS_LABELS[solved.attrs["key"]].partition(" (")
         ends = f"{affected.min():.3g} to {affected.max():.3g} {unit.rstrip(')')}"
         return f"two steady states from {ends.strip()}"

@@ -16,7 +16,7 @@ _KINDS = ("scene_classes", "maps")
 
 
 def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Counts the outcomes in files of random scenes and of maps; a file is a `set`.
+    """Step: returns the outcomes in files of random scenes and of maps; a file is a `set`.
 
     Returns over `set` and `end` (a status each): count; over `set`: name, kind, trials, no_bearing,
     verified, multiple_states (with more than one steady state), largest_qv_ratio (largest relative
@@ -31,13 +31,13 @@ def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
         dataset = load_kind(path, *_KINDS)
         names = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
         shared = {key: dataset.attrs[key] for key in names if key in dataset.attrs}
-        rows.append(_row(dataset))
+        rows.append(_outcomes(dataset))
     variables = {}
     for key in rows[0]:
         column = [row[key] for row in rows]
         dims = ("set", "end") if key == "count" else ("set",)
-        text = isinstance(column[0], str)
-        variables[key] = (dims, np.array(column, dtype=object) if text else np.array(column))
+        dtype = object if isinstance(column[0], str) else None
+        variables[key] = (dims, np.array(column, dtype=dtype))
     return xr.Dataset(
         variables,
         attrs=shared
@@ -45,30 +45,29 @@ def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
     )
 
 
-def _row(dataset: xr.Dataset) -> dict[str, Any]:
-    """Returns the numbers of a file."""
+def _outcomes(dataset: xr.Dataset) -> dict[str, Any]:
+    """Returns the variables of `counted_ends` for the dataset of a file."""
     status = dataset["status"].values.ravel()
     messages = dataset["violations"].values.ravel().astype(str)
-    crashed = np.char.startswith(messages, "crashed")
-    solved = (status != REFUSED) | crashed
-    wrong = crashed | ((status == OK) & (messages != ""))
-    unexplained = np.isin(status, WITHOUT_REASON)
-    verified = (status == OK) & ~wrong
-    states, qv_ratio = (
-        dataset[key].values if key in dataset else np.zeros(1)
-        for key in ("states", "largest_qv_ratio")
-    )
+    is_crash = np.char.startswith(messages, "crashed")
+    is_bearing = (status != REFUSED) | is_crash
+    is_wrong = is_crash | ((status == OK) & (messages != ""))
+    is_unexplained = np.isin(status, WITHOUT_REASON)
+    is_verified = (status == OK) & ~is_wrong
+    # maps have neither
+    states = dataset["states"].values if "states" in dataset else np.zeros(1)
+    qv_ratio = dataset["largest_qv_ratio"].values if "largest_qv_ratio" in dataset else np.zeros(1)
     return {
         "name": dataset.attrs["name"],
         "kind": dataset.attrs["kind"],
-        "trials": int(solved.sum()),
-        "no_bearing": int((~solved).sum()),
-        "verified": int(verified.sum()),
+        "trials": int(is_bearing.sum()),
+        "no_bearing": int((~is_bearing).sum()),
+        "verified": int(is_verified.sum()),
         "multiple_states": int((states > 1).sum()),
         "largest_qv_ratio": float(qv_ratio.max()),
-        "refused": int((solved & ~verified & ~unexplained & ~wrong).sum()),
-        "unexplained": int(unexplained.sum()),
-        "violations": int(wrong.sum()),
-        "first_violation": str(messages[wrong][0]) if wrong.any() else "",
+        "refused": int((is_bearing & ~is_verified & ~is_unexplained & ~is_wrong).sum()),
+        "unexplained": int(is_unexplained.sum()),
+        "violations": int(is_wrong.sum()),
+        "first_violation": str(messages[is_wrong][0]) if is_wrong.any() else "",
         "count": [int((status == code).sum()) for code in range(len(STATUS_NAMES))],
     }

@@ -23,9 +23,11 @@ _MAY_BE_MISSING = frozenset(
 
 
 def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
-    """Returns what is wrong with a life; the list is empty for a valid one.
+    """Returns lines on what is wrong with a life; the list is empty for a valid one.
 
-    A life that stops early has a status that says so, and is a lower bound.
+    A life that stops early, and has a status that says so, is valid.
+
+    values: of the result of the life.
     """
     status = int(values["status"])
     if status == code.UNVERIFIED:
@@ -40,20 +42,27 @@ def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
 
 
 def _finiteness_violations(values: Mapping[str, Any]) -> list[str]:
-    """Returns a line for each value that should be a number and is not."""
+    """Returns a line for each value that should be a number or infinite and is not.
+
+    values: of the result of the life, by name.
+    """
     problems = []
     for name, value in values.items():
+        if name in _MAY_BE_MISSING or name.endswith("part_temperature"):
+            continue
         numbers = np.asarray(value, dtype=float)
-        is_known = np.isfinite(numbers) | np.isposinf(numbers)
-        temperatures = name.endswith("part_temperature")
-        if not (name in _MAY_BE_MISSING or temperatures or is_known.all()):
+        if not (np.isfinite(numbers) | np.isposinf(numbers)).all():
             problems.append(f"{name} is not finite")
     return problems
 
 
 def _balance_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
-    """Returns a line where the preload or the loss at the end is wrong."""
-    spring_force, problems = scene.operation.preload_N, []
+    """Returns lines on a preload that is not the spring's, and on a loss beyond the limit.
+
+    values: of the result of the life, by name.
+    """
+    problems = []
+    spring_force = scene.operation.preload_N
     if scene.operation.preload_method == "constant_force":
         preloads = values["history_residual_preload"]
         if not np.abs(preloads / spring_force - 1.0).max() <= 1e-6:
@@ -70,12 +79,16 @@ def _balance_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
 
 
 def _wear_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
-    """Returns a line for each volume that breaks Archard's law, and for depths that shrink."""
-    time, problems = values["history_time"], []
-    ball, race = parameters.wear_factors(scene)
+    """Returns a line for each volume that breaks Archard's law, and for depths that shrink.
+
+    values: of the result of the life, by name.
+    """
+    problems = []
+    time = values["history_time"]
+    ball_factor, race_factor = parameters.wear_factors(scene)  # volume over work of friction
     volume_rates = {
-        "history_race_worn_volume": scene.bearing.ball_count * race * values["history_qv"],
-        "history_one_ball_worn_volume": ball * values["history_qv"].sum(axis=1),
+        "history_race_worn_volume": scene.bearing.ball_count * race_factor * values["history_qv"],
+        "history_one_ball_worn_volume": ball_factor * values["history_qv"].sum(axis=1),
     }
     for name, rate in volume_rates.items():
         # Where QV rises fivefold within eight steps, trapezoids err by 3 % themselves.

@@ -1,8 +1,9 @@
 """Solves steady states over two axes, and finds the boundaries at limits."""
 
-import itertools
+from __future__ import annotations
+
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,12 +20,12 @@ from bearingwear.scene.scene import Scene
 from bearingwear.studies.answers import answer_values, answers_at
 from bearingwear.studies.dataset import dataset_of_rows
 from workflow.studies.robustness.closed_forms import closed_form
-from workflow.studies.robustness.draw import bare, with_values
+from workflow.studies.robustness.draw import with_values, without_cage_and_end
 from workflow.studies.robustness.plan import (
     KeyAxis,
     base_scene,
-    entry,
     limit_values,
+    plan_entry,
     read_robustness,
 )
 from workflow.studies.robustness.run import solved_values, study_attributes, violations
@@ -38,33 +39,37 @@ MAP_STATES = table(
 )
 X, Y = (Variable(name, (name,), "", "value of a key") for name in "xy")
 
+_BISECTIONS = 20
+"""Halvings of an interval of an axis, to a millionth of it."""
+
 
 def state_map(plan: Path, name: str) -> xr.Dataset:
-    """Solves the steady states of a map of a plan, and finds its boundaries along y.
+    """Step: returns the steady states of a map, and the boundaries along y at its limits.
 
-    Each boundary is found from solutions, and estimated by closed forms.
+    plan: file of the plan.
+    name: of the map in the plan.
+
+    Returns the variables of `MAP_STATES` over y and x, and over x the boundary of each limit by
+        solutions and its estimate by closed forms.
     """
     robustness = read_robustness(plan)
-    map_plan = entry(robustness, plan, "maps", name)
-    x_axis, y_axis = record(KeyAxis, map_plan["x"], "x"), record(KeyAxis, map_plan["y"], "y")
-    limits, scene = limit_values(robustness, name), base_scene(robustness, plan)
-    base = bare(with_values(load_scene(scene).to_dict(), map_plan["set"]))
-    keys, axes = (y_axis.key, x_axis.key), {Y: y_axis.values, X: x_axis.values}
-    points = [dict(zip(keys, values, strict=True)) for values in itertools.product(*axes.values())]
+    map_plan = plan_entry(robustness, plan, "maps", name)
+    x_axis = record(KeyAxis, map_plan["x"], "x")
+    y_axis = record(KeyAxis, map_plan["y"], "y")
+    scene_data = load_scene(base_scene(robustness, plan)).to_dict()
+    base = without_cage_and_end(with_values(scene_data, map_plan["set"]))
+    points = [{y_axis.key: y, x_axis.key: x} for y in y_axis.values for x in x_axis.values]
     answers = answers_at(partial(map_state, base), points, workers=1, label=name)
     states = [answer_values(answer) for answer in answers]
-    borders = []
+    limits = limit_values(robustness, name)
+    boundaries = []
     for k, x in enumerate(x_axis.values):
         line = MapLine(base, x_axis.key, x, y_axis)
         solutions = states[k :: len(x_axis.values)]
-        border = {}
-        for limit, value in limits.items():
-            border[f"boundary_{limit}"] = line.boundary(limit, value, solutions)
-            border[f"estimate_{limit}"] = line.estimate(limit, value)
-        borders.append(border)
+        boundaries.append(_line_boundaries(line, limits, solutions))
     states_map = dataset_of_rows(
         MAP_STATES,
-        axes,
+        {Y: y_axis.values, X: x_axis.values},
         states,
         **study_attributes("maps", name),
         shown=map_plan["title"],
@@ -74,16 +79,36 @@ def state_map(plan: Path, name: str) -> xr.Dataset:
         y_log=int(y_axis.is_log),
     )
     text = "limit along y, from solutions or from a closed form"
-    limit_variables = table(*(Variable(key, (), "", text) for key in borders[0]))
-    lines = dataset_of_rows(limit_variables, {X: x_axis.values}, borders)
+    limit_variables = table(*(Variable(key, (), "", text) for key in boundaries[0]))
+    lines = dataset_of_rows(limit_variables, {X: x_axis.values}, boundaries)
     for key in lines:
-        value = limits[str(key).partition("_")[2]]
-        lines[key].attrs |= {} if value is None else {"limit": value}
+        _, _, limit = str(key).partition("_")
+        value = limits[limit]
+        if value is not None:
+            lines[key].attrs["limit"] = value
     return states_map.merge(lines, combine_attrs="override")
 
 
+def _line_boundaries(
+    line: MapLine, limits: Mapping[str, float | None], solutions: Sequence[Mapping[str, Any]]
+) -> dict[str, float]:
+    """Returns `boundary_LIMIT` and `estimate_LIMIT`, values of y, for each limit.
+
+    limits: values by name; contact has none.
+    solutions: rows of `MAP_STATES` on the line.
+    """
+    boundaries = {}
+    for limit, value in limits.items():
+        boundaries[f"boundary_{limit}"] = line.boundary(limit, value, solutions)
+        boundaries[f"estimate_{limit}"] = line.estimate(limit, value)
+    return boundaries
+
+
 def map_state(base: Mapping[str, Any], values: Mapping[str, float]) -> dict[str, Any]:
-    """Solves a scene with other values of some keys; returns a row of `MAP_STATES`."""
+    """Returns the values of `MAP_STATES` of a scene with other values of some keys.
+
+    base: plain data of the scene.
+    """
     scene = scene_from_dict(with_values(base, values))
     solution = solved_values(scene, "steady")
     problems = "; ".join(violations(scene, "steady", solution))
@@ -95,7 +120,12 @@ def map_state(base: Mapping[str, Any], values: Mapping[str, float]) -> dict[str,
 
 
 class MapLine:
-    """The steady states of a map at one value of x."""
+    """The steady states of a map at a value of x.
+
+    base: plain data of the scene of the map.
+    key: of x.
+    axis: along y.
+    """
 
     def __init__(self, base: Mapping[str, Any], key: str, x: float, axis: KeyAxis) -> None:
         self.base = with_values(base, {key: x})
@@ -105,26 +135,38 @@ class MapLine:
         """Returns the scene at a value of y."""
         return scene_from_dict(with_values(self.base, {self.axis.key: y}))
 
-    def boundary(self, limit: str, value: float | None, solutions: list[dict]) -> float:
-        """Returns y where a limit is passed, from the solutions on the axis; NaN if never."""
-        beyond = partial(excess, limit, value)
-        return crossing(
-            self.axis,
-            list(map(beyond, solutions)),
-            lambda y: beyond(map_state(self.base, {self.axis.key: y})),
-        )
+    def boundary(
+        self, limit: str, value: float | None, solutions: Sequence[Mapping[str, Any]]
+    ) -> float:
+        """Returns y where a limit is passed, from the solutions on the axis; NaN if never.
+
+        value: of the limit; None for loss of contact.
+        """
+
+        def excess_at(y: float) -> float:
+            return excess(limit, value, map_state(self.base, {self.axis.key: y}))
+
+        numbers = [excess(limit, value, solution) for solution in solutions]
+        return crossing(self.axis, numbers, excess_at)
 
     def estimate(self, limit: str, value: float | None) -> float:
-        """Returns y where closed forms pass a limit; NaN if they do not."""
+        """Returns y where closed forms pass a limit; NaN if they do not.
 
-        def beyond(y: float) -> float:
+        value: of the limit; None for loss of contact.
+        """
+
+        def excess_at(y: float) -> float:
             return closed_form(limit, value, self.scene(y))
 
-        return crossing(self.axis, list(map(beyond, self.axis.values)), beyond)
+        return crossing(self.axis, [excess_at(y) for y in self.axis.values], excess_at)
 
 
 def excess(limit: str, value: float | None, values: Mapping[str, Any]) -> float:
-    """Returns a number that is positive beyond a limit; NaN if a row of `MAP_STATES` lacks it."""
+    """Returns a number that is positive beyond a limit; NaN if the state lacks the quantity.
+
+    value: of the limit; None for loss of contact.
+    values: of `MAP_STATES` of the state.
+    """
     if value is None:
         return 1.0 if values["status"] in (code.CONTACT_LOST, code.PRELOAD_GONE) else -1.0
     if limit == "gyroscopic_slip":
@@ -135,19 +177,22 @@ def excess(limit: str, value: float | None, values: Mapping[str, Any]) -> float:
 def crossing(axis: KeyAxis, numbers: list[float], number_at: Callable[[float], float]) -> float:
     """Returns where a number changes sign for the last time along an axis; NaN if never.
 
-    numbers: at the points of the axis. number_at: computes it elsewhere, for bisection.
+    numbers: at the points of the axis.
+    number_at: computes it elsewhere, for bisection; where it is not finite, NaN is returned.
     """
-    values = axis.values
-    for k in range(len(numbers) - 2, -1, -1):
-        if numbers[k] * numbers[k + 1] < 0.0:
-            break
-    else:
+    changes = [k for k in range(len(numbers) - 1) if numbers[k] * numbers[k + 1] < 0.0]
+    if not changes:
         return math.nan
-    low, high, sign = values[k], values[k + 1], math.copysign(1.0, numbers[k])
-    for _ in range(20):
+    k = changes[-1]
+    low, high = axis.values[k], axis.values[k + 1]
+    sign = math.copysign(1.0, numbers[k])
+    for _ in range(_BISECTIONS):
         middle = math.sqrt(low * high) if axis.is_log and low > 0.0 else 0.5 * (low + high)
-        value = number_at(middle)
-        if not math.isfinite(value):
+        number = number_at(middle)
+        if not math.isfinite(number):
             return math.nan
-        low, high = (middle, high) if value * sign > 0.0 else (low, middle)
+        if number * sign > 0.0:
+            low = middle
+        else:
+            high = middle
     return 0.5 * (low + high)

@@ -53,11 +53,18 @@ STAND_INS = (
 
 
 def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None) -> None:
-    """Refuses ends that do not rise, or have no logarithm."""
-    for name, ends in (("log", log), ("even", even)):
-        if ends is not None and (ends[0] > ends[1] or (name == "log" and not ends[0] > 0.0)):
-            positive = " > 0" if name == "log" else ""
-            raise SceneError(name, f"got {list(ends)}, expected two increasing numbers{positive}")
+    """Raises a SceneError for ends of a range that do not rise, or have no logarithm.
+
+    log, even: lower and upper end of a logarithmic and of a linear range; None without it.
+    """
+    if log is not None:
+        low, high = log
+        if low > high or not low > 0.0:
+            raise SceneError("log", f"got {list(log)}, expected two increasing numbers > 0")
+    if even is not None:
+        low, high = even
+        if low > high:
+            raise SceneError("even", f"got {list(even)}, expected two increasing numbers")
 
 
 @keyed
@@ -77,7 +84,10 @@ class Draw:
             raise ValueError("got nothing to draw from, expected log, even or of")
 
     def value(self, chance: random.Random) -> Any:
-        """Draws a value."""
+        """Returns a drawn value.
+
+        chance: generator, whose state advances.
+        """
         is_range = self.log is not None or self.even is not None
         if self.of and (not is_range or chance.random() < (self.share or 0.0)):
             return chance.choice(self.of)
@@ -89,21 +99,29 @@ class Draw:
 
 
 def draws(blocks: Mapping[str, Any]) -> dict[str, Draw]:
-    """Reads the draws of a class by key. Raises SceneError for the first wrong block."""
-    draw_of_key = {}
+    """Returns the distributions of the drawn values of a class, by key.
+
+    blocks: plain data of each distribution, by keys of a scene or of `STAND_INS`.
+    SceneError: the first key or block that is not allowed.
+    """
+    draws_by_key = {}
     for key, block in blocks.items():
         if "." not in key and key not in STAND_INS:
             raise SceneError(f"draw.{key}", f"got {key}, expected {', '.join(STAND_INS)}")
         try:
-            draw_of_key[key] = record(Draw, block)
+            draws_by_key[key] = record(Draw, block)
         except SceneError as error:
-            place = ".".join(filter(None, ("draw", key, error.key)))
+            place = f"draw.{key}.{error.key}" if error.key else f"draw.{key}"
             raise SceneError(place, error.problem) from None
-    return draw_of_key
+    return draws_by_key
 
 
 def drawn_values(draw: Mapping[str, Draw], seed: int, count: int) -> Iterator[dict[str, Any]]:
-    """Yields the drawn values of so many scenes; the same seed gives the same values."""
+    """Yields the drawn values of each scene by key; the same seed gives the same values.
+
+    draw: distributions by key.
+    count: number of scenes.
+    """
     for k in range(count):
         chance = random.Random(f"{seed}-{k}")
         yield {key: value_draw.value(chance) for key, value_draw in draw.items()}
@@ -130,7 +148,7 @@ class KeyAxis:
 
     @property
     def values(self) -> tuple[float, ...]:
-        """Returns the points."""
+        """Returns the values of the key at all points, rising."""
         shares = [k / (self.points - 1) for k in range(self.points)]
         if self.log is not None:
             low, high = self.log
@@ -141,50 +159,74 @@ class KeyAxis:
 
 
 def read_robustness(path: Path) -> dict[str, Any]:
-    """Reads a plan like config/robustness.yaml, with defaults. Raises UsageError."""
+    """Returns a plan like config/robustness.yaml, with defaults. Raises UsageError."""
     return validated_config(path, "robustness", check_robustness)
 
 
 def check_robustness(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> None:
-    """Reads the scene and refuses impossible draws and axes. Raises ValueError."""
-    earlier: list[str] = []
-    for name, scene_class in plan["scene_classes"].items():
-        place, parent = f"{path}: scene_classes.{name}", scene_class["like"]
-        if parent and parent not in earlier:
-            allowed = ", ".join(earlier) or "none, because no class precedes it"
-            raise ValueError(f"{place}.like: got {parent}, expected {allowed}")
-        try:
-            draws(scene_class["draw"])
-        except SceneError as error:
-            raise ValueError(f"{place}.{error.key}: {error.problem}") from None
-        earlier.append(name)
-    for kind, axes in (("maps", "xy"), ("branches", ("along",))):
-        for name, entry_plan in plan[kind].items():
+    """Raises a ValueError for draws, axes or a base scene that are not allowed.
+
+    plan: data that agrees with the schema.
+    path: of its file, for errors and to find the scene.
+    """
+    _check_scene_classes(plan["scene_classes"], f"{path}: scene_classes")
+    for kind, axes in (("maps", ("x", "y")), ("branches", ("along",))):
+        for name, block in plan[kind].items():
             for axis in axes:
-                record(KeyAxis, entry_plan[axis], f"{path}: {kind}.{name}.{axis}")
-    if earlier or plan["maps"] or plan["branches"]:
+                record(KeyAxis, block[axis], f"{path}: {kind}.{name}.{axis}")
+    if plan["scene_classes"] or plan["maps"] or plan["branches"]:
         load_scene(base_scene(plan, path))
 
 
+def _check_scene_classes(scene_classes: Mapping[str, Any], place: str) -> None:
+    """Raises a ValueError for draws that are not allowed, or a class like one below it.
+
+    scene_classes: blocks of the plan, by name.
+    place: of the classes, for errors.
+    """
+    classes_above: list[str] = []
+    for name, scene_class in scene_classes.items():
+        parent = scene_class["like"]
+        if parent and parent not in classes_above:
+            allowed = ", ".join(classes_above) or "none, because no class precedes it"
+            raise ValueError(f"{place}.{name}.like: got {parent}, expected {allowed}")
+        try:
+            draws(scene_class["draw"])
+        except SceneError as error:
+            raise ValueError(f"{place}.{name}.{error.key}: {error.problem}") from None
+        classes_above.append(name)
+
+
 def base_scene(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> Path:
-    """Returns the file of the base scene of all others; it lies in `scenes/` beside the plan."""
+    """Returns the file of the scene that all others change, in `scenes/` beside the plan."""
     return path.parent / "scenes" / f"{plan['scene']}.yaml"
 
 
-def entry(plan: Mapping[str, Any], path: Path, kind: str, name: str) -> dict[str, Any]:
-    """Returns a class of scenes, a map or a branch of a plan. Raises UsageError without it."""
+def plan_entry(plan: Mapping[str, Any], path: Path, kind: str, name: str) -> dict[str, Any]:
+    """Returns the block of a class of scenes, a map or a branch in a plan.
+
+    path: of the plan, for errors.
+    kind {"scene_classes", "maps", "branches"}
+    UsageError: the plan has no such block.
+    """
     if name not in plan[kind]:
         raise UsageError(f"{path}: {kind}: got {name}, expected {', '.join(plan[kind])}")
     return plan[kind][name]
 
 
 def draw_blocks(plan: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """Returns the blocks of all draws of a class, with inherited ones."""
+    """Returns the blocks of the draws of a class by key, with those of the class it is like.
+
+    plan: data of config/robustness.yaml.
+    """
     scene_class = plan["scene_classes"][name]
     inherited = draw_blocks(plan, scene_class["like"]) if scene_class["like"] else {}
     return inherited | scene_class["draw"]
 
 
 def limit_values(plan: Mapping[str, Any], name: str) -> dict[str, float | None]:
-    """Returns the limits to locate in a map, with their values; contact has none."""
+    """Returns the values of the limits to locate in a map, by name; None for `contact`.
+
+    plan: data of config/robustness.yaml.
+    """
     return {limit: plan["limits"].get(limit) for limit in plan["maps"][name]["limits"]}

@@ -14,7 +14,7 @@ from bearingwear.lives.life import life
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.sides import of_bearing
+from bearingwear.sides import values_of_bearing
 from bearingwear.solvers.result import MAY_BE_INFINITE
 from bearingwear.solvers.solve import case_values
 from bearingwear.studies.answers import REFUSED, answers_at
@@ -27,7 +27,7 @@ from workflow.studies.robustness.plan import (
     draw_blocks,
     drawn_values,
     draws,
-    entry,
+    plan_entry,
     read_robustness,
 )
 
@@ -46,27 +46,37 @@ LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-9, 1e-5
 
 
 def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1) -> xr.Dataset:
-    """Solves random scenes of a class of a plan; returns `TRIALS` and the drawn keys over `trial`.
+    """Step: returns the outcomes of random scenes of a class, and their drawn values.
 
+    plan: file of the plan.
+    name: of the class in the plan.
     count: number of scenes, by default that of the plan.
+
+    Returns the variables of `TRIALS`, and one for each drawn key, over `trial`.
     """
     robustness = read_robustness(plan)
-    scene_class = entry(robustness, plan, "scene_classes", name)
+    scene_class = plan_entry(robustness, plan, "scene_classes", name)
     count = count or scene_class["scenes"]
     base = load_scene(base_scene(robustness, plan)).to_dict()
-    fidelity, draw = scene_class["fidelity"], draw_blocks(robustness, name)
-    trials = list(drawn_values(draws(draw), seed, count))
-    kinds = {key: "O" if isinstance(trials[0][key], str) else "f8" for key in draw}
-    keys = table(*(Variable(key, (), "", "value drawn", kind) for key, kind in kinds.items()))
-    ends = answers_at(partial(outcome_of, base, fidelity=fidelity), trials, workers=1, label=name)
-    rows = [{**end, **values} for end, values in zip(ends, trials, strict=True)]
+    fidelity = scene_class["fidelity"]
+    distributions = draws(draw_blocks(robustness, name))
+    trials = list(drawn_values(distributions, seed, count))
+    dtypes = {key: "O" if isinstance(trials[0][key], str) else "f8" for key in distributions}
+    keys = table(*(Variable(key, (), "", "value drawn", dtype) for key, dtype in dtypes.items()))
+    outcome = partial(outcome_of, base, fidelity=fidelity)
+    outcomes = answers_at(outcome, trials, workers=1, label=name)
+    rows = [{**outcome, **values} for outcome, values in zip(outcomes, trials, strict=True)]
     attributes = study_attributes("scene_classes", name) | {"fidelity": fidelity, "seed": seed}
     return dataset_of_rows(TRIALS | keys, {"trial": count}, rows, **attributes)
 
 
 def outcome_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) -> dict[str, Any]:
-    """Solves a random scene; returns a value for each variable over `trial`."""
-    end: dict[str, Any] = {
+    """Solves a scene with drawn values; returns the values of `TRIALS`.
+
+    base: plain data of the scene that the draw changes.
+    fidelity: model to solve, or `WORN_LIFE`.
+    """
+    outcome: dict[str, Any] = {
         "status": REFUSED,
         "violations": "",
         "states": 0,
@@ -75,30 +85,33 @@ def outcome_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str
     try:
         scene = drawn_scene(base, values)
     except SceneError:
-        return end
+        return outcome
     try:
         solution = life(scene).values if fidelity == WORN_LIFE else solved_values(scene, fidelity)
-    except Exception as error:  # noqa: BLE001 - a crash is a finding, the others go on
-        return end | {"violations": f"crashed: {type(error).__name__}: {error}"}
-    end["status"] = solution["status"]
+    except Exception as error:  # noqa: BLE001 - a crash is an outcome, the other scenes go on
+        return outcome | {"violations": f"crashed: {type(error).__name__}: {error}"}
+    outcome["status"] = solution["status"]
     if fidelity == WORN_LIFE:
-        return end | {"violations": "; ".join(life_violations(scene, solution))}
-    end["violations"] = "; ".join(violations(scene, fidelity, solution))
+        return outcome | {"violations": "; ".join(life_violations(scene, solution))}
+    outcome["violations"] = "; ".join(violations(scene, fidelity, solution))
     if solution["status"] == code.OK and fidelity == "steady":
-        # along the states found, of a pair those of both bearings
-        qv = np.atleast_2d(solution["steady_state_total_qv"])
-        end["states"] = qv.shape[1]
-        end["largest_qv_ratio"] = np.nanmax(np.abs(qv / qv[:, :1] - 1.0))
-    return end
+        qv = np.atleast_2d(solution["steady_state_total_qv"])  # (bearings, states)
+        outcome["states"] = qv.shape[1]
+        outcome["largest_qv_ratio"] = np.nanmax(np.abs(qv / qv[:, :1] - 1.0))
+    return outcome
 
 
 def solved_values(scene: Scene, fidelity: str) -> dict[str, Any]:
-    """Returns values of a solve, as `bearingwear.solve` finds them."""
-    return case_values(scene, fidelity, None, None)[0]
+    """Returns the values of a solved case by name, those of `bearingwear.solve`."""
+    values, *_ = case_values(scene, fidelity, None, None)
+    return values
 
 
 def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
-    """Returns what is wrong with a solve; the list is empty for a valid one."""
+    """Returns lines on what is wrong with a solved case; the list is empty for a valid one.
+
+    values: of the solved case, by name.
+    """
     status = int(values["status"])
     if status in WITHOUT_REASON:
         return [STATUS_NAMES[status]]
@@ -120,20 +133,21 @@ def _pair_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> 
     """Returns a line for each violation in either bearing, or in the balance of the rotor.
 
     The list is empty for a valid pair.
+
+    values: of the solved case, by name.
     """
     problems = []
     for k, side in enumerate(scene.sides):
-        by_bearing = {name: value for name, value in values.items() if name != "status"}
-        bearing_values = of_bearing(by_bearing, k)
+        pair_values = {name: value for name, value in values.items() if name != "status"}
         # NaN pads what only one bearing has: further steady states, error estimates
-        finite_values = {
+        bearing_values = {
             name: value
-            for name, value in bearing_values.items()
+            for name, value in values_of_bearing(pair_values, k).items()
             if not (name.startswith("steady_state_") or name.endswith(_ESTIMATES))
         }
         problems += [
             f"bearing {k + 1}: {text}"
-            for text in _bearing_violations(side, fidelity, finite_values)
+            for text in _bearing_violations(side, fidelity, bearing_values)
         ]
     residual = values["rotor_balance_residual"]
     if not residual <= _tolerance(np.max(values["equilibrium_rounding"])):
@@ -142,7 +156,10 @@ def _pair_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> 
 
 
 def _bearing_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
-    """Returns a line for each number of a bearing that is missing or beyond its tolerance."""
+    """Returns a line for each number of a bearing that is missing or beyond its tolerance.
+
+    values: of the solved case, by name.
+    """
     problems = [
         f"{name} is not finite"
         for name, value in values.items()
@@ -166,17 +183,24 @@ def finite_numbers(name: str, value: Any) -> np.ndarray:
 
 
 def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
-    """Returns the largest residuals of a correct answer, which depend on rounding."""
-    flows = {"heat_flow_residual": 1e-5} if "heat_flow_residual" in values else {}
+    """Returns the largest residuals of a correct answer by their names.
+
+    Those of the race control and the steady model depend on estimates of the rounding errors.
+
+    values: of the solved case, by name.
+    """
+    heat_flow = {"heat_flow_residual": 1e-5} if "heat_flow_residual" in values else {}
     if fidelity == "dynamic":
-        return flows | {"equilibrium_residual": 1e-6, "energy_account_error": 1e-3}
-    rounding = {"equilibrium_residual": "equilibrium_rounding"}
+        return heat_flow | {"equilibrium_residual": 1e-6, "energy_account_error": 1e-3}
+    rounding_names = {"equilibrium_residual": "equilibrium_rounding"}
     if fidelity == "steady":
-        rounding |= {
+        rounding_names |= {
             "friction_residual": "friction_rounding",
             "power_balance_error": "power_rounding",
         }
-    return flows | {name: _tolerance(values[key]) for name, key in rounding.items()}
+    return heat_flow | {
+        name: _tolerance(values[rounding]) for name, rounding in rounding_names.items()
+    }
 
 
 def _tolerance(rounding: float) -> float:
@@ -185,5 +209,5 @@ def _tolerance(rounding: float) -> float:
 
 
 def study_attributes(kind: str, name: str) -> dict[str, str]:
-    """Returns attributes that distinguish the files of the study."""
+    """Returns the attributes of a file of the study: title, kind and name."""
     return {"title": f"Robustness: {kind}, {name}", "kind": kind, "name": name}

@@ -17,14 +17,21 @@ NO_REASON = [STATUS_NAMES[code] for code in (OK, *WITHOUT_REASON)]
 
 
 def ends_table(counts: Path) -> str:
-    """Returns a table of the outcomes of the scenes, as Markdown."""
+    """Step: returns a table of the outcomes of random scenes and of maps, as Markdown.
+
+    counts: file of `counted_ends`.
+    """
     outcomes = load_with_axes(counts, set=(), end=())
-    rows = [_row(outcomes.isel(set=k)) for k in range(outcomes.sizes["set"])]
+    rows = [_outcome_cells(outcomes.isel(set=k)) for k in range(outcomes.sizes["set"])]
     units = dict.fromkeys(rows[0], "") | {"maximum difference in QV": "%"}
     return block_markdown(points_block("", units, [[*row.values()] for row in rows])) + "\n"
 
 
-def _row(outcome: xr.Dataset) -> dict[str, int | float | str]:
+def _outcome_cells(outcome: xr.Dataset) -> dict[str, int | float | str]:
+    """Returns the cells of the row of a file by the heads of their columns.
+
+    outcome: of `counted_ends`, at the file.
+    """
     reasons = [
         f"{name_in_words(name)} {int(count)}"
         for name, count in zip(outcome.attrs["ends"].split(), outcome["count"].values, strict=True)
@@ -44,7 +51,11 @@ def _row(outcome: xr.Dataset) -> dict[str, int | float | str]:
 
 
 def wrong_answers(counts: Path) -> str:
-    """States that no verified answer is wrong; raises NotSolved with the first wrong one."""
+    """Step: returns a line that says that no verified answer is wrong.
+
+    counts: file of `counted_ends`.
+    NotSolved: some are wrong; the line names the first.
+    """
     outcomes = load_with_axes(counts, set=(), end=())
     wrong = int(outcomes["violations"].sum())
     if wrong:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import load_quantiles
 from bearingwear.results.units import digits, printed_unit, scale_of
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.studies.design.choice import design_files, limit_margins, limits_of, line_of_scene
 from bearingwear.studies.design.document.sheets import (
     NONE_VIOLATED,
@@ -33,7 +34,7 @@ from bearingwear.studies.design.recommend import best_method
 
 X_LABEL = "initial preload (N)"
 _DECADES = 30.0
-"""Of a quantity, the ratio from which its axis is logarithmic."""
+"""Ratio of the largest value to the smallest from which an axis is logarithmic."""
 
 Bands = Mapping[str, tuple[float, float]]
 """Lives between which those of most bearings lie [h], by method."""
@@ -51,7 +52,10 @@ PreloadPoints = Mapping[str, Sequence[PointOverPreload]]
 
 
 def preload_points(design: xr.Dataset, recommendation: xr.Dataset) -> PreloadPoints:
-    """Returns the preloads of a map at the scene's friction and speed, and the recommended one."""
+    """Returns the points at the preloads of a map and at the recommended one, rising, by method.
+
+    They are those at the scene's own friction and speed.
+    """
     recommended = dict(methods(recommendation))
     points = {}
     for method, line in methods(line_of_scene(design)):
@@ -71,10 +75,11 @@ def design_charts(
 ) -> str:
     """Step: returns the question of the study and its charts as JSON.
 
-    Files are those of `design_answer`.
+    The arguments are those of `design_answer`.
     """
     lives, recommended, sampled = design_files(design, recommendation, uncertainty)
-    sampled = sampled if spread is None else load_quantiles(spread)[0]
+    if spread is not None:
+        sampled = load_quantiles(spread)[0]
     question = "Which preload and preload method give the longest life?"
     if limits_of(lives).given:
         requirements = _achieved_requirements(recommended)
@@ -89,63 +94,59 @@ def design_charts(
 
 
 def _achieved_requirements(recommendation: xr.Dataset) -> str:
-    """Returns the requirements, each with what the recommended bearing achieves."""
-    best, limits = best_method(recommendation), limits_of(recommendation).given
-    texts = [limit_text(name, value) for name, value in limits.items()]
-    if best is None:
-        return "; ".join(texts)
-    point = recommendation.isel(preload_method=best)
-    for k, (name, value) in enumerate(limits.items()):
-        measure = LIMITED[name]
-        achieved_value = digits(measure.shown(float(measure.worst(point))))
-        achieved = f"{achieved_value} {printed_unit(measure.unit)}"
-        margin = f"margin {100.0 * abs(float(measure.margins(point, value))):.0f} %"
-        where = critical_condition_words(recommendation, point, name)
-        if where:
-            where = f" {where}" if where.startswith("at ") else f", {where}"
-        texts[k] += f" (achieved: {achieved}{where}; {margin})"
+    """Returns the requirements in words, each with what the recommended bearing achieves."""
+    best = best_method(recommendation)
+    texts = []
+    for name, limit in limits_of(recommendation).given.items():
+        text = limit_text(name, limit)
+        if best is not None:
+            point = recommendation.isel(preload_method=best)
+            measure = LIMITED[name]
+            achieved = digits(measure.shown(float(measure.worst(point))))
+            margin_percent = 100.0 * abs(float(measure.margins(point, limit)))
+            where = critical_condition_words(recommendation, point, name)
+            if where:
+                where = f" {where}" if where.startswith("at ") else f", {where}"
+            text += (
+                f" (achieved: {achieved} {printed_unit(measure.unit)}{where}; "
+                f"margin {margin_percent:.0f} %)"
+            )
+        texts.append(text)
     return "; ".join(texts)
 
 
 def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands) -> Iterator[Chart]:
-    """Yields the life over the preload, then each quantity of the short tables."""
-    scene, limits = scene_of(design), limits_of(design).given
-    recommended = {method: float(point["preload"]) for method, point in methods(recommendation)}
-    lines = preload_points(design, recommendation)
-    violated = {method: _violated_ranges(line) for method, line in lines.items()}
-    preloads = [point.preload for line in lines.values() for point in line]
-    *rows, violations = brief_rows([point.values for line in lines.values() for point in line])
-    for row in rows:
-        is_life = row is rows[0]
-        values, notes = iter(row.values), iter(violations.values)
-        chart_lines = []
-        for method, line in lines.items():
-            points = [(point.preload, _finite_or_none(next(values))) for point in line]
-            stars = [(x, y) for x, y in points if x == recommended[method] and y is not None]
-            chart_lines.append(
-                ChartLine(
-                    name=method_words(scene, method),
-                    method=method,
-                    points=points,
-                    ends=[_end_words(point.values) for point in line] if is_life else (),
-                    notes=[next(notes).replace(NONE_VIOLATED, "") for _ in line],
-                    beyond=violated[method],
-                    star=stars[0] if stars else None,
-                    band=bands.get(method) if is_life else None,
-                )
-            )
-        key = "life_h" if is_life else row.name
-        measure, limit = LIMITED.get(key), limits.get(key)
-        if limit is not None and measure and not is_life:  # lives are in hours in files, too
+    """Yields the charts of the life over the preload, then of each quantity of the short tables."""
+    limits = limits_of(design).given
+    points = preload_points(design, recommendation)
+    preloads = [point.preload for line in points.values() for point in line]
+    life_row, *rows, violations = brief_rows(
+        [point.values for line in points.values() for point in line]
+    )
+    for row in (life_row, *rows):
+        is_life = row is life_row
+        measure = LIMITED.get(row.name)
+        limit = None
+        if measure is not None and row.name in limits:
             _, factor = scale_of(row.unit)
-            limit = factor * measure.file_limit(limit, 1.0)
+            limit = factor * measure.file_limit(limits[row.name], 1.0)
         bounds = [bound for band in bands.values() for bound in band] if is_life else []
         positive = [value for value in (*row.values, *bounds) if value > 0.0]
+        lines = _chart_lines(points, recommendation, row.values, violations.values)
+        if is_life:
+            lines = [
+                replace(
+                    line,
+                    ends=[_end_words(point.values) for point in points[line.method]],
+                    band=bands.get(line.method),
+                )
+                for line in lines
+            ]
         yield Chart(
             title="Life versus initial preload" if is_life else row.label,
             x_label=X_LABEL,
             y_label=row.head,
-            lines=chart_lines,
+            lines=lines,
             limit=limit,
             at_least=bool(measure and measure.falls),
             log_x=max(preloads) > _DECADES * min(preloads),
@@ -153,35 +154,79 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
         )
 
 
+def _chart_lines(
+    points: PreloadPoints,
+    recommendation: xr.Dataset,
+    values: Sequence[float],
+    violations: Sequence[str],
+) -> list[ChartLine]:
+    """Returns a line over the preload for each method, with a star at the recommended preload.
+
+    values, violations: of a quantity, and the violated requirements, at all points of one method
+        after the other.
+    """
+    scene = plain_scene(recommendation)
+    recommended = dict(methods(recommendation))
+    values_left = iter(values)
+    violations_left = iter(violations)
+    lines = []
+    for method, line in points.items():
+        coordinates = [(point.preload, _finite_or_none(next(values_left))) for point in line]
+        preload = float(recommended[method]["preload"])
+        stars = [(x, y) for x, y in coordinates if x == preload and y is not None]
+        lines.append(
+            ChartLine(
+                name=method_words(scene, method),
+                method=method,
+                points=coordinates,
+                notes=[next(violations_left).replace(NONE_VIOLATED, "") for _ in line],
+                beyond=_violated_ranges(line),
+                star=stars[0] if stars else None,
+            )
+        )
+    return lines
+
+
 def _end_words(point: xr.Dataset) -> str:
-    """Returns the criterion that ends the life of a point; empty where it is not known."""
+    """Returns the words for the criterion that ends the life of a point; empty if not known."""
     end = ending_measure(point)
     return end.words if end else ""
 
 
 def _finite_or_none(value: float) -> float | None:
+    """Returns a finite number unchanged, and None for NaN and infinity, which JSON lacks."""
     return value if math.isfinite(value) else None
 
 
 def _violated_ranges(line: Sequence[PointOverPreload]) -> list[tuple[float, float]]:
-    """Returns ranges of the preload in which a limit is violated.
+    """Returns the ranges of the preload [N] in which a limit is violated.
 
-    Their ends lie between two preloads, where the least margin, if it goes evenly, is zero.
+    Their ends lie between two preloads, where the least margin is zero if it changes evenly; they
+    are in the middle next to a point with a margin of 1 or more, which says little.
+
+    line: points with rising preload.
     """
     margins = [_least_margin(point.values) for point in line]
-    log_preloads = np.log([point.preload for point in line])
-    edges = [float(log_preloads[0])] if margins[0] < -SAME else []
-    for k, (a, b) in enumerate(zip(margins, margins[1:], strict=False)):
-        if (a < -SAME) != (b < -SAME):
-            share = min(max(a / (a - b), 0.0), 1.0) if abs(a) < 1.0 and abs(b) < 1.0 else 0.5
-            edges.append(float(log_preloads[k] + share * (log_preloads[k + 1] - log_preloads[k])))
-    edges += [float(log_preloads[-1])] if len(edges) % 2 else []
-    ends = [float(f"{math.exp(edge):.4g}") for edge in edges]
-    return list(zip(ends[::2], ends[1::2], strict=True))
+    log_preloads = np.log([point.preload for point in line]).tolist()
+    edges = [log_preloads[0]] if margins[0] < -SAME else []
+    for k in range(len(line) - 1):
+        start, end = margins[k], margins[k + 1]
+        if (start < -SAME) != (end < -SAME):
+            share = 0.5
+            if abs(start) < 1.0 and abs(end) < 1.0:
+                share = min(max(start / (start - end), 0.0), 1.0)
+            edges.append(log_preloads[k] + share * (log_preloads[k + 1] - log_preloads[k]))
+    if len(edges) % 2:
+        edges.append(log_preloads[-1])
+    preloads = [float(f"{math.exp(edge):.4g}") for edge in edges]
+    return list(zip(preloads[::2], preloads[1::2], strict=True))
 
 
 def _least_margin(point: xr.Dataset) -> float:
-    """Returns the least margin to all limits; -1 where a point is unsolved or impractical."""
+    """Returns the least relative margin of all limits; -1 at an unsolved or impractical point.
+
+    It is infinite without limits.
+    """
     if int(point["status"]) != OK or int(point["impractical"]):
         return -1.0
     margins = limit_margins(point, limits_of(point))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,19 +18,18 @@ from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Display, Rough, digits, display
 from bearingwear.results.variables import CASE
-from bearingwear.results.words import name_in_words, scene_of
+from bearingwear.results.words import name_in_words, plain_scene
 from bearingwear.studies.design.choice import limits_of
 from bearingwear.studies.design.plan import CHECKED_FIDELITIES
 from bearingwear.studies.design.recommend import RECOMMENDATION
 
 LOSS_RATE = display("m s-1", shown="um/1000 h")
 SHARE_LABEL = "maximum gyroscopic slip share"
+WITHOUT_CAGE = "The scene has no cage."
 WITH_CAGE = (
-    "The scene has no cage.",
     "Only the dynamic cases include the cage, whose pockets slow and wear the balls. This "
-    "increases the wear depth, especially if wear.counts is ball.",
+    "increases the wear depth, especially if wear.counts is ball."
 )
-"""Sentences without a cage, and with one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +37,7 @@ class Compared:
     """A number by both models."""
 
     preload: float  # [N]
-    name: str
+    name: str  # with the unit
     steady: float
     dynamic: float
     # both estimates of the numerical error together, relative; NaN where there is none
@@ -46,7 +45,7 @@ class Compared:
 
     @property
     def difference(self) -> float:
-        """Relative difference of the dynamic value from the steady one."""
+        """Returns the relative difference of the dynamic value from the steady one."""
         return self.dynamic / self.steady - 1.0
 
     @property
@@ -66,41 +65,58 @@ class CheckedPreload:
 
 
 def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
-    """Step: returns steady and dynamic numbers of some preloads, and whether they agree."""
+    """Step: returns a table of steady and dynamic numbers at some preloads, as Markdown.
+
+    recommendation: file for the scene of the cases.
+    cases: files, a steady and a dynamic case at each preload.
+    """
     recommended = load(recommendation)
     cases_by_preload = _cases_by_preload(recommended, cases)
-    points = [_checked_preload(preload, pair) for preload, pair in sorted(cases_by_preload.items())]
-    scene = scene_of(recommended)
-    first = scene_of(next(iter(cases_by_preload.values()))["steady"])
+    points = [
+        _checked_preload(preload, cases_by_fidelity)
+        for preload, cases_by_fidelity in sorted(cases_by_preload.items())
+    ]
+    steady_case = next(iter(cases_by_preload.values()))["steady"]
     limit = limits_of(recommended).gyroscopic_slip_share
-    method = name_in_words(first["operation"]["preload_method"])
-    has_preload = np.isfinite(recommended["preload"].values).any()
-    middle = "the recommended preload" if has_preload else "the scene's preload (no recommendation)"
-    operation, friction = scene["operation"], scene["friction"]["ball_race"]
-    explanation = (
-        f"The values apply to a new bearing ({method}, {operation['shaft_speed_rpm']:g} r/min, "
-        f"friction coefficient {friction:g}) at and near {middle}. The wear life is based on the "
-        f"wear of the {name_in_words(scene['wear']['counts'])}. {WITH_CAGE['cage' in first]} Each "
-        "dynamic run starts from the steady state. Agreement therefore means that the motion "
-        "remains in that state, not that every initial state leads to it. The gyroscopic slip "
-        "share has no error estimate."
-    )
     drifts = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
     document = Document(
         (
-            f"Dynamic model at the recommended preload of {scene['name']}",
+            f"Dynamic model at the recommended preload of {plain_scene(recommended)['name']}",
             agreement(points),
-            explanation,
+            _explanation(recommended, plain_scene(steady_case)),
         ),
         blocks=(_numbers_block(points, limit), Block("Drift of the means", lines=drifts)),
     )
     return as_markdown(document)
 
 
-def _numbers_block(points: Sequence[CheckedPreload], limit: float | None) -> Block:
-    """Returns a line for each number by both models; of an unsolved preload, its statuses.
+def _explanation(recommendation: xr.Dataset, case_scene: Mapping[str, Any]) -> str:
+    """Returns sentences on the condition to which the numbers apply, and what agreement means.
 
-    limit: of the gyroscopic slip share.
+    case_scene: plain data of the scene of a case.
+    """
+    scene = plain_scene(recommendation)
+    method = name_in_words(case_scene["operation"]["preload_method"])
+    has_preload = np.isfinite(recommendation["preload"].values).any()
+    middle = "the recommended preload" if has_preload else "the scene's preload (no recommendation)"
+    operation = scene["operation"]
+    friction = scene["friction"]["ball_race"]
+    cage_sentences = WITH_CAGE if "cage" in case_scene else WITHOUT_CAGE
+    return (
+        f"The values apply to a new bearing ({method}, {operation['shaft_speed_rpm']:g} r/min, "
+        f"friction coefficient {friction:g}) at and near {middle}. The wear life is based on the "
+        f"wear of the {name_in_words(scene['wear']['counts'])}. {cage_sentences} Each "
+        "dynamic run starts from the steady state. Agreement therefore means that the motion "
+        "remains in that state, not that every initial state leads to it. The gyroscopic slip "
+        "share has no error estimate."
+    )
+
+
+def _numbers_block(points: Sequence[CheckedPreload], limit: float | None) -> Block:
+    """Returns a table with a line for each number by both models; of an unsolved preload, statuses.
+
+    points: at all checked preloads.
+    limit: of the gyroscopic slip share; None without one.
     """
     lines: list[tuple[Any, ...]] = []
     for point in points:
@@ -126,14 +142,16 @@ def _numbers_block(points: Sequence[CheckedPreload], limit: float | None) -> Blo
 
 
 def _verdict(number: Compared, limit: float | None) -> str:
-    """Returns whether the difference exceeds the errors; for the slip share, which models meet it.
+    """Returns "yes" if the difference exceeds the errors, "no" if not, a dash if these are unknown.
 
-    limit: of the gyroscopic slip share.
+    For the slip share, it is how many models violate its limit.
+
+    limit: of the gyroscopic slip share; None without one.
     """
     if number.name == SHARE_LABEL and limit is not None:
-        allowed = (number.steady <= limit) + (number.dynamic <= limit)
-        words = ("both violate", "one violates", "both satisfy")
-        return f"{words[allowed]} the requirement of {limit:g}"
+        violations = sum(not share <= limit for share in (number.steady, number.dynamic))
+        words = ("both satisfy", "one violates", "both violate")
+        return f"{words[violations]} the requirement of {limit:g}"
     if not np.isfinite(number.errors):
         return "–"
     return "yes" if number.exceeds_errors else "no"
@@ -142,10 +160,13 @@ def _verdict(number: Compared, limit: float | None) -> str:
 def _cases_by_preload(
     recommendation: xr.Dataset, paths: Sequence[str | Path]
 ) -> dict[float, dict[str, xr.Dataset]]:
-    """Reads the steady and the dynamic case of each preload, by preload and fidelity."""
+    """Returns the steady and the dynamic case of each preload in files, by preload and fidelity.
+
+    CaseFileError: no recommendation, a file of another scene or kind, or a missing case.
+    """
     if recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError("got no recommendation, expected recommendation.nc of a design study")
-    name = scene_of(recommendation)["name"]
+    name = plain_scene(recommendation)["name"]
     cases: dict[float, dict[str, xr.Dataset]] = {}
     for path in paths:
         case = load(path)
@@ -154,33 +175,41 @@ def _cases_by_preload(
             raise CaseFileError(
                 f"{path}: got a file of another kind, expected a steady or dynamic case"
             )
-        scene = scene_of(case)
+        scene = plain_scene(case)
         if scene["name"] != name:
             raise CaseFileError(f"{path}: got the scene {scene['name']}, expected {name}")
         cases.setdefault(scene["operation"]["preload_N"], {})[str(fidelity)] = case
-    for preload, pair in cases.items():
+    for preload, cases_by_fidelity in cases.items():
         for fidelity in CHECKED_FIDELITIES:
-            if fidelity not in pair:
+            if fidelity not in cases_by_fidelity:
                 raise CaseFileError(f"preload {preload:g} N: got no {fidelity} case")
     return cases
 
 
-def _checked_preload(preload: float, pair: dict[str, xr.Dataset]) -> CheckedPreload:
-    """Returns a preload of which the cases by both models are given, by fidelity."""
-    status = {fidelity: STATUS_NAMES[int(case["status"])] for fidelity, case in pair.items()}
-    solved = set(status.values()) == {STATUS_NAMES[OK]}
+def _checked_preload(preload: float, cases: Mapping[str, xr.Dataset]) -> CheckedPreload:
+    """Returns the numbers of both models at a preload [N], and their statuses.
+
+    cases: the case by each model, with the keys `steady` and `dynamic`.
+    """
+    steady, dynamic = cases["steady"], cases["dynamic"]
+    status = {fidelity: STATUS_NAMES[int(case["status"])] for fidelity, case in cases.items()}
+    is_solved = set(status.values()) == {STATUS_NAMES[OK]}
     return CheckedPreload(
         preload=preload,
-        numbers=_compared_numbers(preload, pair["steady"], pair["dynamic"]) if solved else [],
-        settled=str(pair["dynamic"].attrs.get("settled", "–")),
+        numbers=_compared_numbers(preload, steady, dynamic) if is_solved else [],
+        settled=str(dynamic.attrs.get("settled", "–")),
         status=status,
     )
 
 
 def _compared_numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Compared]:
-    """Returns QV, wear rate and slip share by both models."""
+    """Returns QV, wear rate and slip share of a case by both models.
+
+    steady, dynamic: solved cases of a new bearing at the preload [N].
+    """
 
     def compared(label: str, variable: str, error: str, unit: Display) -> Compared:
+        """Returns a variable by both models, with the sum of their relative error estimates."""
         cases = steady, dynamic
         errors = (float(case[error]) if error in case else np.nan for case in cases)
         return Compared(
@@ -191,7 +220,8 @@ def _compared_numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -
             errors=sum(errors),
         )
 
-    share, rate = "gyroscopic_slip_share", "ball_diameter_loss_rate"
+    share = "gyroscopic_slip_share"
+    rate = "ball_diameter_loss_rate"
     power = display("W", steady["total_qv"], dynamic["total_qv"])
     return [
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
@@ -206,11 +236,15 @@ def _compared_numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -
 
 
 def agreement(points: Sequence[CheckedPreload]) -> str:
-    """States whether both models agree, by how much they differ, and what was not solved."""
+    """Returns whether both models agree, by how much they differ, and what was not solved.
+
+    points: at all checked preloads.
+    """
     numbers = [number for point in points for number in point.numbers]
-    sentences = ["The dynamic model cannot be compared with the steady values."]
     if numbers:
         sentences = _agreement_sentences(numbers)
+    else:
+        sentences = ["The dynamic model cannot be compared with the steady values."]
     unsolved = [
         f"{fidelity} at {digits(point.preload)} N: {name_in_words(status)}"
         for point in points
@@ -223,29 +257,37 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
 
 
 def _agreement_sentences(numbers: Sequence[Compared]) -> list[str]:
-    """States whether both models agree, and the largest difference of each quantity."""
-    # of each name the last: beyond the estimates if any is, and there the largest
-    order = sorted(numbers, key=lambda n: (n.exceeds_errors, abs(n.difference)))
-    worst = {number.name: number for number in order}
+    """Returns sentences on whether both models agree, and on the largest difference by quantity.
+
+    numbers: at all preloads, among them slip shares.
+    """
+    # the last number of each name stays: one beyond the estimates if any is, then the largest
+    ordered = sorted(numbers, key=lambda n: (n.exceeds_errors, abs(n.difference)))
+    worst = {number.name: number for number in ordered}
     share = worst.pop(SHARE_LABEL)
     with_errors = [number for number in worst.values() if np.isfinite(number.errors)]
     within = "; ".join(_difference_text(n) for n in with_errors if not n.exceeds_errors)
     beyond = "; ".join(_difference_text(n) for n in with_errors if n.exceeds_errors)
-    agrees = "agrees" if within else "does not agree"
-    verdict = f"{agrees} with the steady values of the map within the estimated numerical errors"
     if within and beyond:
         verdict = "agrees only partly with the steady values of the map"
+    else:
+        verb = "agrees" if within else "does not agree"
+        verdict = f"{verb} with the steady values of the map within the estimated numerical errors"
+    sentences = [f"The dynamic model {verdict}."]
+    if within:
+        sentences.append(f"Largest differences within the error estimates: {within}.")
+    if beyond:
+        sentences.append(f"Differences beyond the error estimates: {beyond}.")
     return [
-        f"The dynamic model {verdict}.",
-        *([f"Largest differences within the error estimates: {within}."] if within else []),
-        *([f"Differences beyond the error estimates: {beyond}."] if beyond else []),
+        *sentences,
         f"The largest difference in the {SHARE_LABEL} is {_percent_text(share)}.",
     ]
 
 
 def _difference_text(number: Compared) -> str:
     """Returns the name of a number without its unit, its difference, and its errors."""
-    name, errors = number.name.partition(" (")[0], plain(100.0 * number.errors, 2)
+    name, _, _ = number.name.partition(" (")
+    errors = plain(100.0 * number.errors, 2)
     return f"{name}, {_percent_text(number)} (estimates: {errors} %)"
 
 

@@ -15,8 +15,8 @@ from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
 from bearingwear.results.units import digits, printed_unit
-from bearingwear.results.words import methods, percent_in_text, scene_of
-from bearingwear.scene.arrangement import held_by
+from bearingwear.results.words import methods, percent_in_text, plain_scene
+from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines, minimum_preload_words
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
@@ -27,7 +27,7 @@ from bearingwear.studies.design.document.words import (
     LIMIT_WORDS,
     NONE_BECAUSE,
     ending_measure,
-    without_limits,
+    no_requirement_words,
 )
 from bearingwear.studies.design.document.worst_conditions import (
     life_condition_words,
@@ -66,7 +66,7 @@ class RecommendedPoint(NamedTuple):
 
     @property
     def preload(self) -> float:
-        """The initial preload [N]."""
+        """Returns the initial preload [N]."""
         return float(self.point["preload"])
 
 
@@ -102,15 +102,17 @@ def points_with_short_life(recommendation: xr.Dataset) -> list[RecommendedPoint]
 
 def method_names(dataset: xr.Dataset) -> list[str]:
     """Returns the preload methods of a file in words."""
-    return [method_words(scene_of(dataset), method) for method, _ in methods(dataset)]
+    return [method_words(plain_scene(dataset), method) for method, _ in methods(dataset)]
 
 
 def headline(recommendation: xr.Dataset) -> str:
-    """States which preload to take, and what keeps it from a longer life."""
-    scene, points = scene_of(recommendation), recommended_points(recommendation)
+    """Returns a title that says which preload to take, and what keeps it from a longer life."""
+    scene = plain_scene(recommendation)
+    points = recommended_points(recommendation)
     name = scene["name"]
     if not limits_of(recommendation).given:
-        return f"{name}: {without_limits(recommendation.attrs[NONE_BECAUSE])[0]}"
+        text, _ = no_requirement_words(recommendation.attrs[NONE_BECAUSE])
+        return f"{name}: {text}"
     if points:
         point = points[0].point
         text = setting_words(scene, points[0]) + _running_preload_words(point)
@@ -133,22 +135,32 @@ def setting_words(scene: Mapping[str, Any], point: RecommendedPoint) -> str:
 
 
 def _running_preload_words(point: xr.Dataset) -> str:
-    """Returns the running preload of a fixed position, unless it is nearly the initial one."""
-    running = float(point["residual_preload_at_start"])
-    is_spring = PRELOAD_METHODS[int(point["preload_method"])] != "fixed_position"
-    if is_spring or not abs(math.log(running / float(point["preload"]))) > math.log(_RUNS_APART):
+    """Returns the running preload of a fixed position; empty if it is nearly the initial one.
+
+    It is empty for a constant force, too.
+
+    point: recommendation of a method.
+    """
+    if PRELOAD_METHODS[int(point["preload_method"])] != "fixed_position":
         return ""
-    return f" ({digits(running)} N at speed)"
+    running = float(point["residual_preload_at_start"])
+    log_ratio = math.log(running / float(point["preload"]))
+    if abs(log_ratio) > math.log(_RUNS_APART):
+        return f" ({digits(running)} N at speed)"
+    return ""
 
 
 def _why_not_longer(recommendation: xr.Dataset, point: xr.Dataset) -> str:
-    """States what keeps a recommended preload from one with a longer life."""
+    """Returns a phrase on what keeps a recommended preload from one with a longer life.
+
+    point: recommendation of a method.
+    """
     name = ACTIVE[int(point["active_limit"])]
     if name in LIMITED:
         return limit_met_words(recommendation, point)
     if name != "end_of_range":
         return LIMIT_WORDS[name]
-    scene_preload = scene_of(recommendation)["operation"]["preload_N"]
+    scene_preload = plain_scene(recommendation)["operation"]["preload_N"]
     less = "less" if float(point["preload"]) < scene_preload else "more"
     beyond = float(point.get("beyond_preload", math.nan))
     if not math.isfinite(beyond):
@@ -158,41 +170,49 @@ def _why_not_longer(recommendation: xr.Dataset, point: xr.Dataset) -> str:
 
 
 def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None]) -> str:
-    """States the life at the recommended preload, its spread, and what ends it.
+    """Returns a sentence on the life at the recommended preload, its spread, and what ends it.
 
+    recommendation: with at least one preload.
     spreads: of the life, by method; None where it was not sampled.
     """
     method, point, life = recommended_points(recommendation)[0]
-    scene, where = scene_of(recommendation), life_condition_words(recommendation, point)
-    text = f"The computed life{f' {where}' if where else ''} is {digits(life)} h"
+    scene = plain_scene(recommendation)
+    where = life_condition_words(recommendation, point)
+    subject = f"The computed life {where}" if where else "The computed life"
+    text = f"{subject} is {digits(life)} h"
     if spread := spreads[method]:
         text += f" ({BEARINGS_BETWEEN}: {spread.bearings.text} h)"
     elif band := band_by_wear(scene, life)[0]:
         text += f" ({BEARINGS_BETWEEN}, wear only: {band.text} h)"
-    if end := ending_measure(point):
+    end = ending_measure(point)
+    if end is not None:
         limit_text = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
-        reaches = "falls to" if end.falls else "reaches"
-        text += f"; it ends when the {end.words} {reaches} {printed_unit(limit_text)}"
-        ending = worst_condition(recommendation, point, "life")
-        if scene.get("duty") and ending and not end.of_wear:
-            text += f" in the case {ending['case']}"
+        verb = "falls to" if end.falls else "reaches"
+        text += f"; it ends when the {end.words} {verb} {printed_unit(limit_text)}"
+        ending_condition = worst_condition(recommendation, point, "life")
+        if scene.get("duty") and ending_condition and not end.of_wear:
+            text += f" in the case {ending_condition['case']}"
     return f"{text}."
 
 
 def similar_life_sentences(recommendation: xr.Dataset) -> list[str]:
-    """States that the other method gives about the same life; empty if its life is much shorter."""
+    """Returns a sentence on the other method if its life is about the same; else an empty list."""
     best, *others = recommended_points(recommendation)
     if not others or others[0].life < SIMILAR * best.life:
         return []
-    other = setting_words(scene_of(recommendation), others[0])
+    other = setting_words(plain_scene(recommendation), others[0])
     hours = digits(others[0].life)
     return [f"Within the spread of lives, {other} gives the same life: {hours} h."]
 
 
 def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
-    """States the minimum preload by the maker if known, beside the recommended one if any."""
-    scene = scene_of(recommendation)
-    if points := recommended_points(recommendation):
+    """Returns sentences on the minimum preload by the maker, beside the recommended one if any.
+
+    The list is empty where the maker's minimum is not known.
+    """
+    scene = plain_scene(recommendation)
+    points = recommended_points(recommendation)
+    if points:
         operation = scene["operation"] | {"preload_N": points[0].preload}
         return [sentence(line) for line in minimum_preload_lines(scene | {"operation": operation})]
     words = minimum_preload_words([scene])
@@ -200,32 +220,44 @@ def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
 
 
 def trust_sentence(recommendation: xr.Dataset) -> str:
-    """States what the life may be used for."""
-    scene = scene_of(recommendation)
-    if calibration := scene.get("calibrated"):
+    """Returns a sentence on what the life may be used for: comparison, or more if calibrated."""
+    scene = plain_scene(recommendation)
+    calibration = scene.get("calibrated")
+    if calibration:
         return f"{CALIBRATED.format(**calibration)}."
-    if film_sentences := film_lines(scene):
+    film_sentences = film_lines(scene)
+    if film_sentences:
         return " ".join([f"{NO_CLOCK}.", *film_sentences])
-    is_short = recommended_points(recommendation)[0].life < SHORT_LIFE
-    return f"{NO_CLOCK}{', and lubricant films are not modelled' if is_short else ''}."
+    if recommended_points(recommendation)[0].life < SHORT_LIFE:
+        return f"{NO_CLOCK}, and lubricant films are not modelled."
+    return f"{NO_CLOCK}."
 
 
 def setting_sentence(recommendation: xr.Dataset) -> str:
-    """States the recommended preload, of a fixed position as an offset, and its tolerance."""
+    """Returns a sentence on the recommended preload and its tolerance, if that is known.
+
+    A fixed position is specified as a spacer offset.
+
+    recommendation: with at least one preload.
+    """
     best = recommended_points(recommendation)[0]
     low, high = float(best.point["least_preload"]), float(best.point["most_preload"])
     has_tolerance = low <= high
-    text, unit = preload_text(best.point), "N"
-    middle, ends = best.preload, (low, high)
+    text = preload_text(best.point)
     side = _side_words(recommendation, best)
-    setting = f"a preload of {text}\N{NO-BREAK SPACE}N{side}"
     if best.method == "fixed_position":
-        middle, unit = spacer_offset(recommendation, best.preload), "µm"
-        if has_tolerance:
-            ends = spacer_offset(recommendation, low), spacer_offset(recommendation, high)
+        unit = "µm"
+        middle = spacer_offset(recommendation, best.preload)
         setting = f"a spacer offset of {middle:.3g}\N{NO-BREAK SPACE}µm ({text} N at rest{side})"
+    else:
+        unit = "N"
+        middle = best.preload
+        setting = f"a preload of {text}\N{NO-BREAK SPACE}N{side}"
     if not has_tolerance:
         return f"Specify {setting}."
+    ends = [low, high]
+    if best.method == "fixed_position":
+        ends = [spacer_offset(recommendation, end) for end in ends]
     minus, plus = (_rounded_down(abs(end - middle)) for end in ends)
     return (
         f"Specify {setting}, tolerance +{plus:g}/\N{MINUS SIGN}{minus:g}\N{NO-BREAK SPACE}{unit}. "
@@ -235,8 +267,11 @@ def setting_sentence(recommendation: xr.Dataset) -> str:
 
 
 def _side_words(recommendation: xr.Dataset, best: RecommendedPoint) -> str:
-    """States that a preload is that of each side of a tandem set, and of which pair if rigid."""
-    arrangement = scene_of(recommendation).get("arrangement") or {}
+    """Returns words on the preload of a tandem set: on each side, and of which pair if rigid.
+
+    They are empty for other arrangements.
+    """
+    arrangement = plain_scene(recommendation).get("arrangement") or {}
     if max(arrangement.get("tandem") or [1]) == 1:
         return ""
     words = " on each side"
@@ -247,22 +282,26 @@ def _side_words(recommendation: xr.Dataset, best: RecommendedPoint) -> str:
 
 
 def _rounded_down(tolerance: float) -> float:
-    """Returns a tolerance with two digits that is not larger."""
+    """Returns the largest number with two digits that a tolerance contains; zero for none."""
     if not tolerance > 0.0:
         return 0.0
     unit = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
-    return float(f"{math.floor(tolerance / unit * (1.0 + 1e-9)) * unit:.2g}")
+    units = math.floor(tolerance / unit * (1.0 + 1e-9))  # beyond rounding errors
+    return float(f"{units * unit:.2g}")
 
 
 def spacer_offset(recommendation: xr.Dataset, preload: float) -> float:
-    """Returns the approach of both bearings under a preload, at rest and as mounted [µm]."""
-    scene = held_by(scene_from_dict(scene_of(recommendation)), "fixed_position", preload)
+    """Returns the approach [µm] of both bearings of a rigid pair under a preload [N], as mounted.
+
+    A single bearing counts twice.
+    """
+    scene = with_method(scene_from_dict(plain_scene(recommendation)), "fixed_position", preload)
     sides = scene.sides
     return 1e6 * sum(map(static_place, sides)) * 2.0 / len(sides)
 
 
-def none_title(recommendation: xr.Dataset) -> str:
-    """Returns the heading of `none_sentences`, which names the methods without a preload."""
+def no_preload_title(recommendation: xr.Dataset) -> str:
+    """Returns the title of `no_preload_sentences`, which names the methods without a preload."""
     if not recommended_points(recommendation):
         return "Why no preload is recommended"
     reasons = json.loads(recommendation.attrs.get(NONE_BECAUSE, "{}"))
@@ -270,11 +309,14 @@ def none_title(recommendation: xr.Dataset) -> str:
     return f"Why no preload is recommended with {names}"
 
 
-def none_sentences(recommendation: xr.Dataset) -> list[str]:
-    """States why no preload is recommended, in a sentence for each method without one."""
+def no_preload_sentences(recommendation: xr.Dataset) -> list[str]:
+    """Returns a sentence for each method without a preload on why it has none.
+
+    Without requirements, it is advice to state some.
+    """
     reasons = recommendation.attrs.get(NONE_BECAUSE, "{}")
     if not limits_of(recommendation).given:
-        _, advice = without_limits(reasons)
+        _, advice = no_requirement_words(reasons)
         return [advice] if advice else []
     return [
         f"With {_method_in_sentence(recommendation, method)}, no preload satisfies all "
@@ -285,5 +327,6 @@ def none_sentences(recommendation: xr.Dataset) -> list[str]:
 
 def _method_in_sentence(recommendation: xr.Dataset, method: str) -> str:
     """Returns the words of a method, with an article if it is a kind of pair."""
-    scene = scene_of(recommendation)
-    return f"{'a ' * is_pair(scene)}{method_words(scene, method)}"
+    scene = plain_scene(recommendation)
+    words = method_words(scene, method)
+    return f"a {words}" if is_pair(scene) else words

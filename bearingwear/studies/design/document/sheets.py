@@ -23,12 +23,11 @@ from bearingwear.document.table import dataset_csv, flag_names
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.results.netcdf import load
-from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, Spread, load_quantiles, spread_of
 from bearingwear.results.units import Rough, ascii_text, digits
 from bearingwear.results.variable import SECONDS_PER_HOUR
 from bearingwear.results.warnings import WARNING, warning_line
-from bearingwear.results.words import methods, name_in_words, scene_of
+from bearingwear.results.words import methods, name_in_words, plain_scene
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.studies.design.changes import (
     FRICTION_KEY,
@@ -50,8 +49,8 @@ from bearingwear.studies.design.document.sentences import (
     life_sentence,
     makers_minimum_sentences,
     method_names,
-    none_sentences,
-    none_title,
+    no_preload_sentences,
+    no_preload_title,
     recommended_points,
     sentence,
     setting_sentence,
@@ -106,18 +105,20 @@ def design_answer(
     uncertainty: Path | None = None,
     spread: Path | None = None,
 ) -> str:
-    """Step: returns which preload to take, as the page reads it.
+    """Step: returns the document of a recommended preload as JSON for the page.
 
-    design, recommendation, uncertainty: as of `design_files`.
-    spread: quantiles of lives at the recommended preloads, in place of `uncertainty`.
+    design, recommendation, uncertainty: files of a map, of its recommendation and of the study of
+        uncertainty.
+    spread: file of quantiles of lives at the recommended preloads, in place of `uncertainty`.
     """
     lives, recommended, sampled = design_files(design, recommendation, uncertainty)
-    sampled = sampled if spread is None else load_quantiles(spread)[0]
+    if spread is not None:
+        sampled = load_quantiles(spread)[0]
     return preload_document(recommended, lives, sampled).stored
 
 
 def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) -> tuple[str, str]:
-    """Step: returns the whole map as CSV, and which preload to take as Markdown."""
+    """Step: returns the whole map as CSV, and the recommended preload as Markdown."""
     lives, recommended, sampled = design_files(design, recommendation, uncertainty)
     heads = ("preload_method", "friction", "shaft_speed (rpm)", "preload (N)")
     document = preload_document(recommended, lives, sampled)
@@ -125,7 +126,10 @@ def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) 
 
 
 def recommendation_sheet(file: Any) -> Document:
-    """Returns the sheet of an open file of a recommendation."""
+    """Returns the sheet of a recommendation.
+
+    file: open netCDF file.
+    """
     return preload_document(load(file.filepath()))
 
 
@@ -134,13 +138,13 @@ def preload_document(
     design: xr.Dataset | None = None,
     uncertainty: xr.Dataset | None = None,
 ) -> Document:
-    """Returns which preload to take for a scene.
+    """Returns the document of the recommended preload of a scene.
 
     design: a map of lives beside the recommendation.
     uncertainty: quantiles of the lives at the recommended preloads.
     """
-    scene = scene_of(recommendation)
-    stated = stated_warnings(recommendation)
+    scene = plain_scene(recommendation)
+    warnings = stated_warnings(recommendation)
     spreads = recommended_spreads(recommendation, uncertainty)
     has_preload = bool(recommended_points(recommendation))
     blocks = []
@@ -149,26 +153,34 @@ def preload_document(
         lines = (expected_life, *bound_lines(scene), *similar_life_sentences(recommendation))
         blocks.append(Block("Expected life", lines=lines, place="verdict"))
         blocks.append(_setting_block(recommendation))
-    blocks += _none_blocks(recommendation)
+    blocks += _no_preload_blocks(recommendation)
     if has_preload:
         blocks += [_recommended_block(recommendation, spreads), _changes_block(recommendation)]
-    if stated:
-        lines = tuple(f"{sentence(w['sentence'])} {sentence(w['advice'])}" for w in stated)
+    if warnings:
+        lines = tuple(f"{sentence(w['sentence'])} {sentence(w['advice'])}" for w in warnings)
         blocks.append(Block("Warnings (worst values)", lines=lines, place="strip"))
     blocks += machine_blocks(recommendation)
-    blocks += [] if design is None else [_map_block(design)]
-    blocks += [] if uncertainty is None else sampled_blocks(uncertainty)
+    if design is not None:
+        blocks.append(_map_block(design))
+    if uncertainty is not None:
+        blocks += sampled_blocks(uncertainty)
     subtitle = f"{conditions_words(recommendation)}; {_friction_words(scene)}"
-    figures = ("design", "map", "uncertainty")
-    heading = (headline(recommendation), subtitle)
-    facts = _facts(recommendation, stated)
-    subject = "Recommended preload" if has_preload else "Preload"
-    return Document(heading, facts, tuple(blocks), figures, subject)
+    return Document(
+        heading=(headline(recommendation), subtitle),
+        facts=_facts(recommendation, warnings),
+        blocks=tuple(blocks),
+        figures=("design", "map", "uncertainty"),
+        subject="Recommended preload" if has_preload else "Preload",
+    )
 
 
-def _facts(recommendation: xr.Dataset, stated: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Returns the facts of the document, with the warnings that it states."""
-    scene, limits = scene_of(recommendation), limits_of(recommendation).given
+def _facts(recommendation: xr.Dataset, warnings: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Returns the facts of the document, by the keys under which JSON shows them.
+
+    warnings: of `stated_warnings`.
+    """
+    scene = plain_scene(recommendation)
+    limits = limits_of(recommendation).given
     return {
         "kind": "recommendation",
         "scene": scene["name"],
@@ -179,12 +191,12 @@ def _facts(recommendation: xr.Dataset, stated: Sequence[Mapping[str, Any]]) -> d
         "worst": extent_words(recommendation),
         "life_at": lives_condition_words(recommendation),
         DECIDING: deciding_by_method(recommendation),
-        "warnings": [warning_line(warning).removeprefix(WARNING) for warning in stated],
+        "warnings": [warning_line(warning).removeprefix(WARNING) for warning in warnings],
     }
 
 
 def _setting_block(recommendation: xr.Dataset) -> Block:
-    """Returns what to specify, and what the life may be used for."""
+    """Returns sentences on what to specify, the maker's minimum, and what the life is good for."""
     lines = (
         setting_sentence(recommendation),
         *makers_minimum_sentences(recommendation),
@@ -193,13 +205,16 @@ def _setting_block(recommendation: xr.Dataset) -> Block:
     return Block("Setting the preload", lines=lines, place="lead")
 
 
-def _none_blocks(recommendation: xr.Dataset) -> list[Block]:
-    """Returns why a method has no preload, or what a requirement would do; empty otherwise."""
-    reasons = none_sentences(recommendation)
+def _no_preload_blocks(recommendation: xr.Dataset) -> list[Block]:
+    """Returns a block on why a method has no preload, or on what a requirement would do.
+
+    The list is empty where each method has a preload.
+    """
+    reasons = no_preload_sentences(recommendation)
     if not reasons:
         return []
     has_limits = bool(limits_of(recommendation).given)
-    title = none_title(recommendation) if has_limits else "Effect of a requirement"
+    title = no_preload_title(recommendation) if has_limits else "Effect of a requirement"
     has_preload = bool(recommended_points(recommendation))
     minimum = [] if has_preload else makers_minimum_sentences(recommendation)
     return [Block(title, lines=(*reasons, *minimum), place="lead")]
@@ -214,8 +229,8 @@ def _friction_words(scene: Mapping[str, Any]) -> str:
 def recommended_spreads(
     recommendation: xr.Dataset, uncertainty: xr.Dataset | None
 ) -> dict[str, Spread | None]:
-    """Returns the spread of the life at each recommended preload, by method; None if unknown."""
-    scene = scene_of(recommendation)
+    """Returns the spread of the life at each recommended preload, by method; None without one."""
+    scene = plain_scene(recommendation)
     uncertainties = [] if uncertainty is None else [uncertainty]
     mu = scene["friction"].get("ball_race")
     return {
@@ -225,7 +240,10 @@ def recommended_spreads(
 
 
 def _recommended_block(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None]) -> Block:
-    """Returns the preload of each method, what limits it, its life, and the worst values there."""
+    """Returns a table of the preload of each method, its limit, its life, and its worst values.
+
+    spreads: of the lives, of `recommended_spreads`.
+    """
     rows = [
         *_preload_rows(recommendation),
         *_life_rows(recommendation, spreads),
@@ -242,7 +260,7 @@ def _recommended_block(recommendation: xr.Dataset, spreads: Mapping[str, Spread 
 def _preload_rows(recommendation: xr.Dataset) -> list[Row]:
     """Returns rows of the preload of each method, its range, its offset, and what limits it."""
 
-    def row(label: str, name: str) -> Row:
+    def preload_row(label: str, name: str) -> Row:
         return Row(label, "N", _floats(recommendation[name]), name, given=True)
 
     points = methods(recommendation)
@@ -253,7 +271,7 @@ def _preload_rows(recommendation: xr.Dataset) -> list[Row]:
         for method, point in points
     )
     rows = [
-        row("initial preload", "preload"),
+        preload_row("initial preload", "preload"),
         _tolerance_row(recommendation, "  lower tolerance limit", "least_preload"),
         _tolerance_row(recommendation, "  upper tolerance limit", "most_preload"),
     ]
@@ -274,14 +292,21 @@ def _tolerance_row(recommendation: xr.Dataset, label: str, name: str) -> Row:
 
 
 def _limited_by_words(point: xr.Dataset) -> str:
-    """Returns what keeps the preload of a method from one with a longer life."""
+    """Returns the words for what keeps the preload of a method from one with a longer life.
+
+    point: recommendation of the method.
+    """
     name = ACTIVE[int(point["active_limit"])]
     return active_limit_words(name, lambda extreme: float(point[extreme]))
 
 
 def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None]) -> list[Row]:
-    """Returns rows of the lives, their numerical error, their grooves and their spread."""
-    scene, lives = scene_of(recommendation), _floats(recommendation["life"])
+    """Returns rows of the lives, their numerical error, their grooves and their spread.
+
+    spreads: of the lives by method; None where it was not sampled.
+    """
+    scene = plain_scene(recommendation)
+    lives = _floats(recommendation["life"])
     counts = scene["wear"]["counts"].replace("_and_", " + ")
     rows = [Row(f"life, {counts}", "h", lives, "life")]
     if np.count_nonzero(np.array(lives) > 0.0) > 1:
@@ -322,7 +347,10 @@ def _groove_rows(recommendation: xr.Dataset) -> list[Row]:
 
 
 def _worst_value_rows(recommendation: xr.Dataset) -> list[Row]:
-    """Returns rows of the worst values from new to the end of life, and of the preload then."""
+    """Returns rows of the worst values from new to the end of life, and of the preload at the end.
+
+    They are the measures of short tables and those that are limited, if their values are known.
+    """
     limits = limits_of(recommendation).given
     rows = []
     for measure in LIMITED.values():
@@ -334,40 +362,46 @@ def _worst_value_rows(recommendation: xr.Dataset) -> list[Row]:
             if name != "life" and is_known:
                 label, _ = RECOMMENDED_WORDS[name]
                 rows.append(_measure_row(measure, label, recommendation[name].values, name))
-    label, _ = RECOMMENDED_WORDS[AT_END]
-    at_end = recommendation[AT_END].values
-    return [*rows, quantity_row(label, "N", at_end, AT_END)] if np.isfinite(at_end).any() else rows
+    preloads_at_end = recommendation[AT_END].values
+    if np.isfinite(preloads_at_end).any():
+        label, _ = RECOMMENDED_WORDS[AT_END]
+        rows.append(quantity_row(label, "N", preloads_at_end, AT_END))
+    return rows
 
 
 def _measure_row(measure: Measure, label: str, values: Iterable[Any], name: str) -> Row:
-    """Returns values [SI] of a measure in the unit in which it is required."""
+    """Returns the row of values [SI] of a measure, in the unit of its limit."""
     unit = "" if measure.unit == "1" else measure.unit
     return Row(label, unit, tuple(float(measure.shown(value)) for value in values), name)
 
 
 def _worst_note(recommendation: xr.Dataset, name: str) -> str:
-    """Returns where a quantity is the worst, by each method that has a preload.
+    """Returns the conditions in which a quantity is the worst with each method, in words.
 
     A life over a duty that ends by a depth of wear ends in all phases.
+
+    name: of the quantity, or `active_limit` for the one that limits the preload.
     """
-    words, has_duty = [], bool(scene_of(recommendation).get("duty"))
+    words = []
+    is_life_over_duty = name == "life" and bool(plain_scene(recommendation).get("duty"))
     for _, point in methods(recommendation):
-        if name == "life" and has_duty and (end := ending_measure(point)) and end.of_wear:
+        if is_life_over_duty and (end := ending_measure(point)) and end.of_wear:
             words.append("all phases")
             continue
         active = ACTIVE[int(point["active_limit"])]
         is_of_limit = name == "active_limit" and active in LIMITED
         extreme = critical_extreme(point, active) if is_of_limit else name
         words.append(brief_condition_words(recommendation, point, extreme))
-    return " / ".join(dict.fromkeys(filter(None, words)))
+    return " / ".join(dict.fromkeys(word for word in words if word))
 
 
-def _floats(values: Any) -> tuple[float, ...]:
+def _floats(values: Iterable[Any]) -> tuple[float, ...]:
+    """Returns the values of a variable as plain numbers."""
     return tuple(float(value) for value in values)
 
 
 def _changes_block(recommendation: xr.Dataset) -> Block:
-    """Returns values of assumptions at which the other method becomes better."""
+    """Returns a table of the values of assumptions at which the other method becomes better."""
     title = "What would change the choice"
     names = flag_names(recommendation["change"])
     rows = tuple(_change_row(recommendation.isel(change=k), name) for k, name in enumerate(names))
@@ -377,28 +411,35 @@ def _changes_block(recommendation: xr.Dataset) -> Block:
 
 
 def _change_row(change: xr.Dataset, name: str) -> Row:
-    """Returns the value of an assumption now, and those at which the other method is better."""
-    words, unit = change_words(name)
-    below, above = float(change["other_better_below"]), float(change["other_better_above"])
-    if name == GROOVE_KEY:
-        which = "with" if math.isfinite(below) else "not with"
-        return Row(words, unit, ("worn", f"{which} a Hertzian groove"), name)
+    """Returns the row of an assumption: its value now, and where the other method is better.
 
-    def text(value: float) -> str:
+    change: variables of `CHANGES` at the assumption of that name.
+    """
+    words, unit = change_words(name)
+    below = float(change["other_better_below"])
+    above = float(change["other_better_above"])
+    if name == GROOVE_KEY:
+        preposition = "with" if math.isfinite(below) else "not with"
+        return Row(words, unit, ("worn", f"{preposition} a Hertzian groove"), name)
+
+    def value_text(value: float) -> str:
         return digits((100.0 if unit == "%" else 1.0) * value)
 
-    ends = [
-        f"{side} {text(end)}"
-        for side, end in (("below", below), ("above", above))
-        if math.isfinite(end)
-    ]
-    low, high = (text(float(change[end])) for end in ("tried_from", "tried_to"))
-    other_better = " or ".join(ends) or f"not within {low} to {high}"
-    return Row(words, unit, (text(float(change["value_now"])), other_better), name)
+    phrases = []
+    if math.isfinite(below):
+        phrases.append(f"below {value_text(below)}")
+    if math.isfinite(above):
+        phrases.append(f"above {value_text(above)}")
+    if not phrases:
+        low = value_text(float(change["tried_from"]))
+        high = value_text(float(change["tried_to"]))
+        phrases.append(f"not within {low} to {high}")
+    now = value_text(float(change["value_now"]))
+    return Row(words, unit, (now, " or ".join(phrases)), name)
 
 
 def change_words(name: str) -> tuple[str, str]:
-    """Returns words and unit of what may be otherwise than assumed."""
+    """Returns the words and the unit of an assumption that may change; see `Change.name`."""
     if name in CHANGE_WORDS:
         return CHANGE_WORDS[name]
     measure = LIMITED[name.removeprefix(LIMIT_KEY)]
@@ -406,7 +447,11 @@ def change_words(name: str) -> tuple[str, str]:
 
 
 def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
-    """Returns the lives at points, the worst of some measures, and the violated requirements."""
+    """Returns rows of a short table of design points, with a value for each.
+
+    They are the life, the worst values of `SHORT_TABLE`, the residual preload at the end, and the
+    violated requirements.
+    """
     life_row = Row("life", "h", tuple(float(point["life"]) for point in points), "life")
     rows = []
     for measure in SHORT_TABLE:
@@ -419,31 +464,33 @@ def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
 
 
 def violated_words(point: xr.Dataset) -> str:
-    """Returns which requirements a point violates, or why it has no life."""
+    """Returns which requirements a design point violates, or why it has no life, in words."""
     if int(point["status"]) != OK:
         return f"not solved: {name_in_words(STATUS_NAMES[int(point['status'])])}"
     limits = limits_of(point)
     margins = zip(limits.effective, limit_margins(point, limits), strict=True)
     violated = [LIMITED[name].words for name, margin in margins if not margin >= -SAME]
-    if flag := int(point["impractical"]):
-        violated.append(f"impractical design: {name_in_words(IMPRACTICAL_FLAGS[flag])}")
-    if float(point["life"]) == 0.0 and (ending := ending_measure(point)) is not None:
-        violated.append(f"{ending.words}: end-of-life criterion met when new")
+    impractical_flag = int(point["impractical"])
+    if impractical_flag:
+        flag_name = IMPRACTICAL_FLAGS[impractical_flag]
+        violated.append(f"impractical design: {name_in_words(flag_name)}")
+    if float(point["life"]) == 0.0:
+        ending = ending_measure(point)
+        if ending is not None:
+            violated.append(f"{ending.words}: end-of-life criterion met when new")
     return ", ".join(violated) or NONE_VIOLATED
 
 
 def _map_block(design: xr.Dataset) -> Block:
-    """Returns every preload of the map, by each method, at the scene's friction and speed."""
-    scene, lines = scene_of(design), methods(line_of_scene(design))
-    preloads, names, points = [], [], []
-    for k, preload in enumerate(design["preload"].values):
-        for method, line in lines:
-            preloads.append(float(preload))
-            names.append(method_words(scene, method))
-            points.append(line.isel(preload=k))
+    """Returns a table of every preload of the map, by each method, at the scene's own speed."""
+    lines = methods(line_of_scene(design))
+    count = design.sizes["preload"]
+    points = [line.isel(preload=k) for k in range(count) for _, line in lines]
+    preloads = _floats(point["preload"] for point in points)
+    names = tuple(method_names(design)) * count
     rows = [
-        Row("preload", "N", tuple(preloads), "preload", given=True),
-        Row("preload method", "", tuple(names), "preload_method"),
+        Row("preload", "N", preloads, "preload", given=True),
+        Row("preload method", "", names, "preload_method"),
         *brief_rows(points),
     ]
     return Block("Life and requirements against preload", rows=tuple(rows), axes=2, place="charted")

@@ -21,8 +21,11 @@ LIMIT_WORDS = {name: measure.words for name, measure in LIMITED.items()} | {
 
 
 def active_limit_words(name: str, extremes: Callable[[str], Any]) -> str:
-    """Returns what keeps a preload from a longer life: for a measure, the kind that decides.
+    """Returns the words for what keeps a preload from a longer life.
 
+    For a limited measure, they name the extreme that decides, if its value is known.
+
+    name: of `LIMIT_WORDS`.
     extremes: function from the name of an extreme to its value at the preload.
     """
     measure = LIMITED.get(name)
@@ -33,14 +36,20 @@ def active_limit_words(name: str, extremes: Callable[[str], Any]) -> str:
 
 
 def ending_measure(point: Any) -> Measure | None:
-    """Returns the criterion that determines the end of life; None where it is not known."""
+    """Returns the measure that ends a life; None if it was not solved or no criterion ends it.
+
+    point: dataset of a single life.
+    """
     criterion = point["end_criterion"]
     name = criterion.attrs["flag_meanings"].split()[int(criterion)]
     return ENDS.get(name) if int(point["status"]) == OK else None
 
 
 def limit_text(name: str, value: float) -> str:
-    """Returns a requirement in words."""
+    """Returns a requirement in words, such as "contact pressure at most 1.5 GPa".
+
+    name: key of `LIMITED`, in whose unit the value is.
+    """
     measure = LIMITED[name]
     side = "at least" if measure.falls else "at most"
     unit = "" if measure.unit == "1" else f" {printed_unit(measure.unit)}"
@@ -74,12 +83,12 @@ WHAT_LIMITS = (
 """Advice where no requirement was given."""
 
 
-def without_limits(attribute: str) -> tuple[str, str]:
+def no_requirement_words(reasons_json: str) -> tuple[str, str]:
     """Returns a headline where no requirement was given, and advice, which may be empty.
 
-    attribute: `NONE_BECAUSE` of the recommendation.
+    reasons_json: attribute `NONE_BECAUSE` of the recommendation.
     """
-    reasons = dict.fromkeys(json.loads(attribute).values())
+    reasons = dict.fromkeys(json.loads(reasons_json).values())
     if NO_LIMIT in reasons:
         return AS_LITTLE, WHAT_LIMITS
     return f"{NO_LIMIT}; {'; '.join(reasons)}", ""

@@ -17,7 +17,7 @@ from bearingwear.document.bearing_line import (
 from bearingwear.measures import LIMITED
 from bearingwear.results.units import printed_unit
 from bearingwear.results.warnings import warnings_in
-from bearingwear.results.words import scene_of
+from bearingwear.results.words import plain_scene
 from bearingwear.studies.design.choice import ACTIVE, limits_of
 from bearingwear.studies.design.conditions import (
     AT_END_OF_LIFE,
@@ -42,45 +42,56 @@ _WEAR_WORDS = {NEW: "new", AT_END_OF_LIFE: "worn", BETWEEN: "during the life"}
 
 def _speed_and_warm_up_words(dataset: xr.Dataset) -> str:
     """Returns the speeds at which the requirements of a file apply, and whether in a warm-up."""
-    words, seconds = _speed_range_words(dataset), limits_of(dataset).warmup_s
+    words = _speed_range_words(dataset)
+    seconds = limits_of(dataset).warmup_s
     if seconds is None:
         return words
-    return f"{words} and during the warm-up{f' with a {seconds:g} s ramp' if seconds else ''}"
+    words += " and during the warm-up"
+    return f"{words} with a {seconds:g} s ramp" if seconds else words
 
 
 def _speed_range_words(dataset: xr.Dataset) -> str:
-    """Returns the range of speeds, over all cases: `from rest to 9000 r/min`."""
-    operations = [case["operation"] for case in scenes_by_case(scene_of(dataset)).values()]
+    """Returns the speeds at which requirements apply in words, such as "from rest to 9000 r/min".
+
+    The range is over all cases of the scene.
+    """
+    operations = [case["operation"] for case in scenes_by_case(plain_scene(dataset)).values()]
     speeds = [
         abs(operation["shaft_speed_rpm"]) or abs(operation.get("outer_speed_rpm") or 0.0)
         for operation in operations
     ]
-    highest, lowest = max(speeds), min(speeds)
+    lowest, highest = min(speeds), max(speeds)
     if limits_of(dataset).at_speed_only:
-        return f"at {'' if lowest == highest else f'{lowest:g} to '}{highest:g} r/min only"
+        if lowest == highest:
+            return f"at {highest:g} r/min only"
+        return f"at {lowest:g} to {highest:g} r/min only"
     lowest_speeds = [operation.get("lowest_speed_rpm") or 0.0 for operation in operations]
     lowest = min(*lowest_speeds, highest)
     if lowest == highest:
         return f"at {highest:g} r/min" if highest else "at rest"
-    return f"from {f'{lowest:g}' if lowest else 'rest'} to {highest:g} r/min"
+    start = f"{lowest:g}" if lowest else "rest"
+    return f"from {start} to {highest:g} r/min"
 
 
 def conditions_words(dataset: xr.Dataset) -> str:
-    """Returns cases and speeds of a file: `worst of 2: nominal, fast; from rest to 9000 r/min`."""
-    cases = scenes_by_case(scene_of(dataset))
+    """Returns cases and speeds in words: "worst of 2: nominal, fast; from rest to 9000 r/min"."""
+    cases = scenes_by_case(plain_scene(dataset))
     phrases = [worst_case_phrase(cases)] if len(cases) > 1 else []
     return "; ".join([*phrases, _speed_and_warm_up_words(dataset)])
 
 
 def extent_words(dataset: xr.Dataset) -> str:
-    """Returns where the values of a file are worst: speeds, cases and wear, within a sentence."""
-    cases = scenes_by_case(scene_of(dataset))
+    """Returns in words the speeds, cases and wear over which values of a file are the worst."""
+    cases = scenes_by_case(plain_scene(dataset))
     case_words = f" in {len(cases)} cases" if len(cases) > 1 else ""
     return f"{_speed_and_warm_up_words(dataset)}{case_words}, from new to the end of life"
 
 
 def deciding_by_method(recommendation: xr.Dataset) -> list[Mapping[str, Any]]:
-    """Returns for each method where each quantity is the worst; empty if the file lacks it."""
+    """Returns for each method the condition in which each quantity is the worst, by its name.
+
+    The mappings are empty if the file lacks the conditions.
+    """
     deciding: list[Mapping[str, Any]] = json.loads(recommendation.attrs.get(DECIDING, "[]"))
     return deciding or [{} for _ in range(recommendation.sizes.get("preload_method", 1))]
 
@@ -88,9 +99,10 @@ def deciding_by_method(recommendation: xr.Dataset) -> list[Mapping[str, Any]]:
 def worst_condition(
     recommendation: xr.Dataset, point: xr.Dataset, quantity: str
 ) -> Mapping[str, Any] | None:
-    """Returns where a quantity of one method is the worst; None where that is not known.
+    """Returns the condition in which a quantity of one method is the worst; None if not known.
 
     point: that of the method in the recommendation.
+    quantity: name of an extreme, or "life".
     """
     methods = recommendation["preload_method"].values.tolist()
     deciding = deciding_by_method(recommendation)[methods.index(int(point["preload_method"]))]
@@ -100,6 +112,7 @@ def worst_condition(
 def critical_extreme(point: xr.Dataset, name: str) -> str:
     """Returns the name of the extreme that decides a limit at a point.
 
+    point: recommendation of a method.
     name: key of the limit in `LIMITED`.
     """
     _, extreme = LIMITED[name].critical_extreme(lambda extreme: float(point[extreme]))
@@ -107,29 +120,40 @@ def critical_extreme(point: xr.Dataset, name: str) -> str:
 
 
 def critical_condition_words(recommendation: xr.Dataset, point: xr.Dataset, name: str) -> str:
-    """Returns the condition in which a limited measure is the worst; empty where not known."""
+    """Returns the condition in which a limited measure is the worst, in words; empty if not known.
+
+    point: recommendation of a method.
+    name: key of the limit in `LIMITED`.
+    """
     return extreme_condition_words(recommendation, point, critical_extreme(point, name))
 
 
 def extreme_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme: str) -> str:
-    """Returns the condition in which an extreme is the worst, `at 3000 r/min, at the end of life`.
+    """Returns the condition in which an extreme is the worst, in words; empty if not known.
 
-    Empty where that is not known.
+    An example is "at 3000 r/min, at the end of life".
+
+    point: recommendation of a method.
     """
     where = worst_condition(recommendation, point, extreme)
     if where is None or not np.isfinite(where["value"]):
         return ""
     has_cases = _has_cases(recommendation)
-    if _is_resting(extreme):
-        case_words = f"case {where['case']}" if has_cases else ""
-        return ", ".join(filter(None, (_WEAR_WORDS.get(where.get("wear", "")), case_words)))
-    return condition_words(where, has_cases)
+    if not _is_resting(extreme):
+        return condition_words(where, has_cases)
+    wear_words = _WEAR_WORDS.get(where.get("wear", ""))
+    words = [wear_words] if wear_words else []
+    if has_cases:
+        words.append(f"case {where['case']}")
+    return ", ".join(words)
 
 
 def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme: str) -> str:
-    """Returns the condition in which an extreme is the worst for a table, `3000 r/min, worn`.
+    """Returns the condition in which an extreme is the worst for a table; empty if not known.
 
-    Empty where that is not known.
+    An example is "3000 r/min, worn".
+
+    point: recommendation of a method.
     """
     where = worst_condition(recommendation, point, extreme)
     if where is None or not np.isfinite(where["value"]):
@@ -141,14 +165,17 @@ def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme
             words.append("mounting temperature")
         if where["temperature"] == WARMING:
             words.append(f"{warm_up_time_words(where)} into the warm-up")
-    words.append(_WEAR_WORDS.get(where.get("wear", ""), ""))
-    if not _is_resting(extreme):
-        words.append(f"bearing {where['bearing']}" if where.get("bearing") else "")
-    return ", ".join(filter(None, words))
+    wear_words = _WEAR_WORDS.get(where.get("wear", ""))
+    if wear_words:
+        words.append(wear_words)
+    if where.get("bearing") and not _is_resting(extreme):
+        words.append(f"bearing {where['bearing']}")
+    return ", ".join(words)
 
 
 def _has_cases(dataset: xr.Dataset) -> bool:
-    return bool(scene_of(dataset).get("cases"))
+    """Whether the scene of a file has further cases."""
+    return bool(plain_scene(dataset).get("cases"))
 
 
 def _is_resting(extreme: str) -> bool:
@@ -157,20 +184,25 @@ def _is_resting(extreme: str) -> bool:
 
 
 def life_condition_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
-    """Returns the speed, and the case if there are several, of a method's life; or the duty."""
-    if scene_of(recommendation).get("duty"):
+    """Returns the speed of a method's life in words, and its case if there are several.
+
+    It is "over the duty" if there is one, and empty where the condition is not known.
+
+    point: recommendation of a method.
+    """
+    if plain_scene(recommendation).get("duty"):
         return _OVER_DUTY
     where = worst_condition(recommendation, point, "life")
     if where is None:
         return ""
     words = condition_words({**where, "wear": ""})
-    cases = len(scenes_by_case(scene_of(recommendation)))
+    cases = len(scenes_by_case(plain_scene(recommendation)))
     return f"{words} (case {where['case']}, the shortest of {cases})" if cases > 1 else words
 
 
 def lives_condition_words(dataset: xr.Dataset) -> str:
-    """Returns the speed or the case of the lives of a map or a recommendation; or the duty."""
-    scene = scene_of(dataset)
+    """Returns the condition of the lives of a map or a recommendation: speed, case or duty."""
+    scene = plain_scene(dataset)
     if scene.get("duty"):
         return _OVER_DUTY
     if scene.get("cases"):
@@ -179,7 +211,12 @@ def lives_condition_words(dataset: xr.Dataset) -> str:
 
 
 def limit_met_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
-    """Returns what limits a recommended preload, `20 N/µm is just met at 3000 r/min, new`."""
+    """Returns what limits a recommended preload: "20 N/µm is just met at 3000 r/min, new".
+
+    Empty if the active limit is no requirement.
+
+    point: recommendation of a method.
+    """
     name = ACTIVE[int(point["active_limit"])]
     limits = limits_of(recommendation)
     if name not in limits.effective:
@@ -189,16 +226,17 @@ def limit_met_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
         where = f" {where}" if where.startswith(("at ", "during ")) else f" ({where})"
     if name not in limits.given:
         return f"below that, a bearing lifts off{where}"
-    measure, limit = LIMITED[name], limits.given[name]
-    shown = f"{measure.shown_limit(limit):g} {printed_unit(measure.unit)}"
+    measure = LIMITED[name]
+    limit = limits.given[name]
+    text = f"{measure.shown_limit(limit):g} {printed_unit(measure.unit)}"
     if float(measure.margins(point, limit)) < _JUST_MET:
-        return f"{shown} is just met{where}"
-    return f"limited by {shown}{where}"
+        return f"{text} is just met{where}"
+    return f"limited by {text}{where}"
 
 
 def stated_warnings(recommendation: xr.Dataset) -> list[dict[str, Any]]:
-    """Returns the warnings of a recommendation, each of which names the cases that have it."""
-    scene = scene_of(recommendation)
+    """Returns the warnings of a recommendation, each with the names of the cases that have it."""
+    scene = plain_scene(recommendation)
     return [
         warning_with_cases(warning, scene, warning.get("in_cases", ()))
         for warning in warnings_in(recommendation.attrs)

@@ -25,7 +25,7 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
 from bearingwear.results.units import display
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.studies.design.choice import (
     ACTIVE,
     NO_PRELOAD,
@@ -55,50 +55,35 @@ STIFFNESS_UNIT = display("N m-1")
 def design_figure(
     design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dataset | None
 ) -> Figure:
-    """Draws life over preload and stiffness, and the recommended preload over friction and speed.
+    """Returns a figure of life over preload and over stiffness, with the recommended preloads.
 
-    The latter only of a map that has several of both.
+    A map of several frictions and speeds adds the recommended preload over these.
     """
     has_area = min(design.sizes["friction"], design.sizes["shaft_speed"]) > 1
     figure, panels = new_figure(2 if has_area else 1, 2, 7.2, 7.4 if has_area else 4.2)
     over_preload, over_stiffness = panels[0]
     lives = line_of_scene(design)
     has_worn_grooves = bool((lives["groove"] == WORN_GROOVE).any())
-    if has_worn_grooves:
-        for method, line in methods(lives):
-            _draw_hertzian_lives(over_preload, method, line)
-    has_failed = False
-    front = pareto_front(lives)
-    for k, (method, line) in enumerate(methods(lives)):
-        is_allowed = _is_allowed(line, limits_of(design))
-        _draw_lives_over_preload(over_preload, method, line, is_allowed)
-        is_on_front = front.isel(preload_method=k).values
-        _draw_lives_over_stiffness(over_stiffness, method, line, is_allowed, is_on_front)
-        has_failed |= mark_failed(over_preload, line["preload"], line["status"], COLOURS[method], k)
+    has_failed = _draw_lives(over_preload, over_stiffness, lives)
+    for k, (method, _) in enumerate(methods(lives)):
         point = recommendation.isel(preload_method=k)
         if np.isfinite(point["preload"]):
             _draw_stars(over_preload, over_stiffness, method, point)
             if uncertainty is not None:
                 _draw_spread_bar(over_preload, method, point, uncertainty)
-    stiffness = stiffness_of(design)
-    limit = limits_of(design).given.get(stiffness.key)
-    if limit is not None:
-        over_stiffness.axvline(limit, **_LIMIT_LINE)
+    has_limit = _draw_stiffness_limit(over_stiffness, design)
     for panel in panels[0]:
         panel.set_ylabel("wear life (h)")
         if bool((lives["life"] > 0.0).any()):
             _set_logarithmic_life(panel)
     over_preload.set(xlabel="initial preload (N)", title="life against preload")
-    over_stiffness.set(
-        xlabel=STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.words}\n"),
-        title="life against stiffness",
-    )
+    over_stiffness.set_title("life against stiffness")
     set_preload_scale(over_preload, design)
     if has_area:
         _draw_choices(figure, panels[1], design)
     handles = [
-        *method_keys([method for method, _ in methods(lives)], scene_of(design)),
-        *_life_keys(scene_of(design), limit is not None, uncertainty is not None),
+        *method_keys([method for method, _ in methods(lives)], plain_scene(design)),
+        *_life_keys(plain_scene(design), has_limit, uncertainty is not None),
         *(_groove_keys() if has_worn_grooves else ()),
         *_end_keys(lives),
         *(_letter_keys(design) if has_area else ()),
@@ -108,8 +93,42 @@ def design_figure(
     return figure
 
 
+def _draw_lives(over_preload: Any, over_stiffness: Any, lives: xr.Dataset) -> bool:
+    """Draws the lives of both methods in two panels; returns whether one was not solved.
+
+    over_preload, over_stiffness: panels.
+    lives: map over preload method and preload.
+    """
+    if bool((lives["groove"] == WORN_GROOVE).any()):
+        for method, line in methods(lives):
+            _draw_hertzian_lives(over_preload, method, line)
+    has_failed = False
+    front = pareto_front(lives)
+    for k, (method, line) in enumerate(methods(lives)):
+        is_allowed = _is_allowed(line, limits_of(lives))
+        _draw_lives_over_preload(over_preload, method, line, is_allowed)
+        is_on_front = front.isel(preload_method=k).values
+        _draw_lives_over_stiffness(over_stiffness, method, line, is_allowed, is_on_front)
+        has_failed |= mark_failed(over_preload, line["preload"], line["status"], COLOURS[method], k)
+    return has_failed
+
+
+def _draw_stiffness_limit(panel: Any, design: xr.Dataset) -> bool:
+    """Labels the axis of stiffness, and draws its limit; returns whether there is one."""
+    stiffness = stiffness_of(design)
+    panel.set_xlabel(STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.words}\n"))
+    limit = limits_of(design).given.get(stiffness.key)
+    if limit is None:
+        return False
+    panel.axvline(limit, **_LIMIT_LINE)
+    return True
+
+
 def _is_allowed(line: xr.Dataset, limits: DesignLimits) -> xr.DataArray:
-    """Returns which points of a line satisfy all requirements."""
+    """Returns a mask of the points of a map that are solved, practical and within all limits.
+
+    line: map over the preload.
+    """
     is_allowed = (line["status"] == OK) & (line["impractical"] == 0)
     for margin in limit_margins(line, limits):
         is_allowed &= margin >= 0.0
@@ -117,7 +136,7 @@ def _is_allowed(line: xr.Dataset, limits: DesignLimits) -> xr.DataArray:
 
 
 def _set_logarithmic_life(panel: Any) -> None:
-    """Makes the axis of life logarithmic; matplotlib needs at least one that is above zero."""
+    """Makes the axis of life logarithmic; matplotlib requires that a life above zero is drawn."""
     panel.set_yscale("log")
     panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     panel.yaxis.set_major_formatter("{x:g}")
@@ -125,7 +144,7 @@ def _set_logarithmic_life(panel: Any) -> None:
 
 
 def set_preload_scale(panel: Any, design: xr.Dataset) -> None:
-    """Makes the axis of preload logarithmic where it spans more than a decade and a half."""
+    """Makes the axis of preload logarithmic where a map spans more than a decade and a half."""
     preloads = design["preload"].values
     if preloads[-1] > 30.0 * preloads[0]:
         panel.set_xscale("log")
@@ -135,7 +154,11 @@ def set_preload_scale(panel: Any, design: xr.Dataset) -> None:
 def _draw_lives_over_preload(
     panel: Any, method: str, line: xr.Dataset, is_allowed: xr.DataArray
 ) -> None:
-    """Draws lives of a method, pale where a requirement is violated."""
+    """Draws lives of a method, pale where a requirement is violated.
+
+    line: map over the preload, of the method.
+    is_allowed: mask of the points that violate no requirement.
+    """
     lives = line["life"].where(lambda life: life > 0.0)
     look = {"color": COLOURS[method]}
     panel.plot(line["preload"], lives, **PALE, **look)
@@ -146,16 +169,25 @@ def _draw_lives_over_preload(
 
 
 def end_changes(line: xr.Dataset) -> list[tuple[int, str]]:
-    """Returns places along the preload from which on another criterion ends the life, and which."""
+    """Returns indices of preloads from which on another criterion ends the life, and its name.
+
+    line: map over the preload.
+    """
     names = line["end_criterion"].attrs["flag_meanings"].split()
     solved = np.flatnonzero((line["status"] == OK).values)
     ends = [names[int(flag)] for flag in line["end_criterion"].values[solved]]
-    pairs = zip(solved[1:], ends, ends[1:], strict=False)
-    return [(int(k), end) for k, before, end in pairs if end != before and end in ENDS]
+    changes = []
+    for j, k in enumerate(solved.tolist()):
+        if j > 0 and ends[j] != ends[j - 1] and ends[j] in ENDS:
+            changes.append((k, ends[j]))
+    return changes
 
 
 def _draw_hertzian_lives(panel: Any, method: str, line: xr.Dataset) -> None:
-    """Draws lives with grooves that keep their shape, beside those with worn grooves."""
+    """Draws lives with grooves that keep their shape, beside those with worn grooves.
+
+    line: map over the preload, of the method.
+    """
     lives = line["hertzian_life"].where(lambda life: life > 0.0)
     panel.plot(line["preload"], lives, color=COLOURS[method], linewidth=0.8, linestyle=":")
 
@@ -163,7 +195,12 @@ def _draw_hertzian_lives(panel: Any, method: str, line: xr.Dataset) -> None:
 def _draw_lives_over_stiffness(
     panel: Any, method: str, line: xr.Dataset, is_allowed: xr.DataArray, is_on_front: np.ndarray
 ) -> None:
-    """Draws lives of a method, pale where a requirement is violated, with dots on the front."""
+    """Draws lives of a method, pale where a requirement is violated, with dots on the front.
+
+    line: map over the preload, of the method.
+    is_allowed: mask of the points that violate no requirement.
+    is_on_front: mask of the points on the Pareto front.
+    """
     lives = line["life"].where(lambda life: life > 0.0)
     stiffness = STIFFNESS_UNIT.of(stiffness_of(line).worst(line))
     look = {"color": COLOURS[method]}
@@ -174,7 +211,11 @@ def _draw_lives_over_stiffness(
 
 
 def _draw_stars(over_preload: Any, over_stiffness: Any, method: str, point: xr.Dataset) -> None:
-    """Draws stars at the recommended preload of a method."""
+    """Draws stars at the recommended preload of a method.
+
+    over_preload, over_stiffness: panels.
+    point: recommendation of the method.
+    """
     look = {"linestyle": "none", **STAR, "color": COLOURS[method], "zorder": 6}
     stiffness = STIFFNESS_UNIT.of(float(stiffness_of(point).worst(point)))
     over_preload.plot(float(point["preload"]), float(point["life"]), **look)
@@ -182,7 +223,11 @@ def _draw_stars(over_preload: Any, over_stiffness: Any, method: str, point: xr.D
 
 
 def _draw_spread_bar(panel: Any, method: str, point: xr.Dataset, uncertainty: xr.Dataset) -> None:
-    """Draws a bar at the recommended preload, between the outer quantiles of the life."""
+    """Draws a bar at the recommended preload, between the outer quantiles of the life.
+
+    point: recommendation of the method.
+    uncertainty: dataset of the study of uncertainty.
+    """
     sampled = uncertainty.sel(
         preload_method=int(point["preload_method"]),
         preload_choice=RECOMMENDED,
@@ -194,12 +239,16 @@ def _draw_spread_bar(panel: Any, method: str, point: xr.Dataset, uncertainty: xr
 
 
 def _draw_choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
-    """Draws the recommended preload of every friction and speed, with a letter for its limit."""
-    scene = scene_of(design)
+    """Draws the recommended preload of every friction and speed, with a letter for its limit.
+
+    panels: one for each preload method.
+    """
+    scene = plain_scene(design)
     preload = design["recommended_preload"]
     low, high = float(preload.min()), float(preload.max())
     image = None
-    speeds, frictions = design["shaft_speed"].values / 1e3, design["friction"].values
+    speeds = design["shaft_speed"].values / 1e3
+    frictions = design["friction"].values
     for panel, (method, area) in zip(panels, methods(design), strict=False):
         values = area["recommended_preload"].transpose("friction", "shaft_speed")
         image = panel.pcolormesh(
@@ -212,18 +261,7 @@ def _draw_choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
             vmax=high,
             rasterized=True,
         )
-        active = area["active_limit"].transpose("friction", "shaft_speed").values
-        for i, j in np.ndindex(active.shape):
-            is_dark = values.values[i, j] > 0.5 * (low + high)
-            panel.text(
-                speeds[j],
-                frictions[i],
-                LETTERS[ACTIVE[int(active[i, j])]],
-                ha="center",
-                va="center",
-                fontsize=5.5,
-                color="white" if is_dark else "0.2",
-            )
+        _draw_letters(panel, area, dark_from=0.5 * (low + high))
         panel.plot(
             scene["operation"]["shaft_speed_rpm"] / 1e3,
             scene["friction"]["ball_race"],
@@ -242,26 +280,48 @@ def _draw_choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
         bar.set_label("preload (N)")
 
 
+def _draw_letters(panel: Any, area: xr.Dataset, dark_from: float) -> None:
+    """Writes the letter of the active limit at every friction and speed.
+
+    area: map of a method.
+    dark_from: recommended preload [N] above which the background is dark.
+    """
+    preloads = area["recommended_preload"].transpose("friction", "shaft_speed").values
+    flags = area["active_limit"].transpose("friction", "shaft_speed").values
+    for i, friction in enumerate(area["friction"].values):
+        for j, speed in enumerate(area["shaft_speed"].values):
+            panel.text(
+                speed / 1e3,
+                friction,
+                LETTERS[ACTIVE[int(flags[i, j])]],
+                ha="center",
+                va="center",
+                fontsize=5.5,
+                color="white" if preloads[i, j] > dark_from else "0.2",
+            )
+
+
 def counting_key(scene: Mapping[str, Any]) -> Any:
-    """Returns the entry of the legend for what counts as wear."""
+    """Returns the entry of the legend that says whose wear counts."""
     return key(f"wear of {counted_words(scene)}", color="0.3")
 
 
 def _life_keys(scene: Mapping[str, Any], has_limit: bool, has_spread: bool) -> list[Any]:
-    """Returns the legend of the lives."""
-    limit_key = key("required stiffness", **_LIMIT_LINE)
-    return [
+    """Returns the legend of the lives.
+
+    has_limit: whether a limit of stiffness is drawn.
+    has_spread: whether bars of the spread of lives are drawn.
+    """
+    star_text = "recommended (bar: 90 % of bearings)" if has_spread else "recommended"
+    keys = [
         counting_key(scene),
         key("a requirement is violated", color="0.3", **PALE),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
-        key(
-            f"recommended{' (bar: 90 % of bearings)' if has_spread else ''}",
-            color="0.6",
-            linestyle="none",
-            **STAR,
-        ),
-        *([limit_key] if has_limit else []),
+        key(star_text, color="0.6", linestyle="none", **STAR),
     ]
+    if has_limit:
+        keys.append(key("required stiffness", **_LIMIT_LINE))
+    return keys
 
 
 def _groove_keys() -> list[Any]:

@@ -11,19 +11,22 @@ from bearingwear.studies.design.figures import choice, map_figure, uncertainty_f
 
 
 def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = None) -> Figure:
-    """Draws which preload to take."""
+    """Returns the figure of the recommended preload in a map, from files of one scene."""
     files = [path for path in (design, recommendation, uncertainty) if path]
     figure = choice.design_figure(*design_files(design, recommendation, uncertainty))
     return with_data_files(figure, *files)
 
 
 def draw_map(design: Path) -> Figure:
-    """Step: draws life, stiffness and slip around the preload."""
+    """Step: returns the figure of lives and worst values over preload and friction in a map."""
     return with_data_files(map_figure.map_overview(load_kind(design, "design map")), design)
 
 
 def draw_uncertainty(design: Path, recommendation: Path, uncertainty: Path) -> Figure:
-    """Draws the spread of the life at the preload."""
+    """Step: returns the figure of the spread of lives at the preloads of a study of uncertainty.
+
+    design, recommendation: files of the same scene.
+    """
     _, _, sampled = design_files(design, recommendation, uncertainty)
     assert sampled is not None
     return with_data_files(uncertainty_figure.uncertainty_figure(sampled), uncertainty)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import FAILED, Figure, failed_keys, frame, new_figure
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.studies.design.document.worst_conditions import extent_words, lives_condition_words
 from bearingwear.studies.design.figures.choice import set_preload_scale
 
@@ -42,8 +42,11 @@ MAPPED = {
 
 
 def map_overview(design: xr.Dataset) -> Figure:
-    """Draws the map over preload and friction at the scene's speed."""
-    scene = scene_of(design)
+    """Returns a figure of lives and worst values over preload and friction, at the scene's speed.
+
+    It has a row for each of `MAPPED` in the map, and a column for each preload method.
+    """
+    scene = plain_scene(design)
     speed = scene["operation"]["shaft_speed_rpm"]
     plane = design.sel(shaft_speed=speed)
     quantities = {name: quantity for name, quantity in MAPPED.items() if name in design}
@@ -87,34 +90,32 @@ def _draw_quantity(
     cmap: str,
     label: str,
 ) -> None:
-    """Draws a quantity of every method, a panel each; grey where it is infinite."""
+    """Draws a quantity of every preload method, a panel each; grey where it is infinite.
+
+    row: panels.
+    plane: map at one speed.
+    values: of the quantity, in the unit of the label.
+    """
     positive = values.where(np.isfinite(values) & (values > 0.0))
     if not bool(positive.notnull().any()):  # never solved, or nothing but zeros
         for panel in row:
             panel.axis("off")
         return
     norm = LogNorm(float(positive.min()), float(positive.max()))
-    axes = plane["preload"], plane["friction"]
     image = None
     for k, (panel, (_, points)) in enumerate(zip(row, methods(plane), strict=True)):
         finite = positive.isel(preload_method=k).transpose("friction", "preload")
         image = panel.pcolormesh(
-            *axes, finite, shading="nearest", cmap=cmap, norm=norm, rasterized=True
-        )
-        failed = np.argwhere((points["status"] != OK).transpose("friction", "preload").values)
-        if failed.size:
-            x, y = plane["preload"].values[failed[:, 1]], plane["friction"].values[failed[:, 0]]
-            panel.plot(x, y, color="crimson", **{**FAILED, "markersize": 3})
-        is_infinite = (values == np.inf).isel(preload_method=k).transpose("friction", "preload")
-        panel.pcolormesh(
-            *axes,
-            is_infinite.where(is_infinite),
+            plane["preload"],
+            plane["friction"],
+            finite,
             shading="nearest",
-            cmap="Greys",
-            vmin=0.0,
-            vmax=4.0,
+            cmap=cmap,
+            norm=norm,
             rasterized=True,
         )
+        _mark_failed_points(panel, points)
+        _fill_infinite(panel, values.isel(preload_method=k))
         panel.grid(False)
     row[0].set_ylabel("friction coefficient")
     if image is not None:
@@ -122,3 +123,31 @@ def _draw_quantity(
         bar.set_label(label)
         bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
         bar.ax.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _mark_failed_points(panel: Any, points: xr.Dataset) -> None:
+    """Draws a cross at each point over preload and friction that was not solved.
+
+    points: map of a method at one speed.
+    """
+    is_failed = (points["status"] != OK).transpose("friction", "preload").values
+    rows, columns = np.nonzero(is_failed)
+    if rows.size:
+        preloads = points["preload"].values[columns]
+        frictions = points["friction"].values[rows]
+        panel.plot(preloads, frictions, color="crimson", **{**FAILED, "markersize": 3})
+
+
+def _fill_infinite(panel: Any, values: xr.DataArray) -> None:
+    """Fills the cells over preload and friction whose values are infinite with grey."""
+    is_infinite = (values == np.inf).transpose("friction", "preload")
+    panel.pcolormesh(
+        values["preload"],
+        values["friction"],
+        is_infinite.where(is_infinite),
+        shading="nearest",
+        cmap="Greys",
+        vmin=0.0,
+        vmax=4.0,  # a light grey
+        rasterized=True,
+    )

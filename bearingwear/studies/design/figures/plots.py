@@ -13,9 +13,9 @@ from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
+    draw_lines,
     failed_keys,
     frame,
-    lines,
     method_keys,
     new_figure,
     start_at_zero,
@@ -29,7 +29,7 @@ from bearingwear.results.quantiles import (
     spread_text,
 )
 from bearingwear.results.units import Rough, digits, display, span
-from bearingwear.results.words import friction_text, methods, scene_of
+from bearingwear.results.words import friction_text, methods, plain_scene
 from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.document.sentences import method_names
 from bearingwear.studies.design.document.words import LIMIT_WORDS
@@ -48,22 +48,26 @@ from bearingwear.studies.design.figures.uncertainty_figure import (
 
 
 def map_plot(design: xr.Dataset) -> Figure:
-    """Draws a map over preload and friction, or over preload alone where it has one friction."""
-    return map_overview(design) if design.sizes["friction"] > 1 else _lines_over_preload(design)
+    """Returns a figure of a map over preload and friction, or over preload at its only friction."""
+    if design.sizes["friction"] > 1:
+        return map_overview(design)
+    return _preload_line_figure(design)
 
 
-def _lines_over_preload(design: xr.Dataset) -> Figure:
-    """Draws the quantities of a map of one friction, a panel each."""
-    scene = scene_of(design)
+def _preload_line_figure(design: xr.Dataset) -> Figure:
+    """Returns a figure of the quantities of a map of one friction over preload, a panel each."""
+    scene = plain_scene(design)
     speed = scene["operation"]["shaft_speed_rpm"]
     line = design.sel(shaft_speed=speed).isel(friction=0)
     quantities = {name: quantity for name, quantity in MAPPED.items() if name in line}
     figure, panels = new_figure(1, len(quantities), 2.6 * len(quantities), 3.2)
     has_failed = False
     for panel, (name, quantity) in zip(panels[0], quantities.items(), strict=True):
-        values, label = line[name], quantity.label
-        unit, finite = display(quantity.units, values), values.where(np.isfinite(values))
-        has_failed |= lines(panel, finite, "preload", label, unit, line["status"], marker=".")
+        unit = display(quantity.units, line[name])
+        finite = line[name].where(np.isfinite(line[name]))
+        has_failed |= draw_lines(
+            panel, finite, "preload", quantity.label, unit, line["status"], marker="."
+        )
         start_at_zero(panel)
     frame(
         figure,
@@ -77,7 +81,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
 
 
 def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
-    """Draws the spread of lives at each friction, and its main cause if computed."""
+    """Returns a figure of the spread of lives at each friction, with Sobol indices if computed."""
     if "total_index" in uncertainty:
         return uncertainty_figure(uncertainty)
     frictions = at_each_friction(uncertainty)
@@ -87,7 +91,7 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
     )
     spread_texts = []
     for row, sampled in zip(panels, frictions, strict=True):
-        scene = scene_of(sampled)
+        scene = plain_scene(sampled)
         for panel, (method, choices) in zip(row, methods(sampled), strict=True):
             words = method_words(scene, method)
             if len(frictions) > 1:
@@ -99,16 +103,17 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
             if spread:
                 panel.axvspan(*spread.bearings, color=COLOURS[method], alpha=0.12, linewidth=0.0)
             spread_texts.append(f"{words}, {spread_text(spread)}")
-    scene = scene_of(uncertainty)
+    scene = plain_scene(uncertainty)
     title = f"{scene['name']}: {'; '.join(spread_texts)}; wear of {counted_words(scene)}"
     frame(figure, title, cumulated_keys(scene), columns=2)
     return figure
 
 
 def recommendation_plot(recommendation: xr.Dataset) -> Figure:
-    """Draws the life at the recommended preload of each method."""
+    """Returns a figure of the life at the recommended preload of each method."""
     figure, ((panel,),) = new_figure(1, 1, 5.4, 3.2)
-    scene, points = scene_of(recommendation), methods(recommendation)
+    scene = plain_scene(recommendation)
+    points = methods(recommendation)
     for height, (method, point) in enumerate(points):
         life = float(point["life"])
         panel.barh(height, np.nan_to_num(life), color=COLOURS[method], height=0.4)
@@ -125,9 +130,13 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
 
 
 def _recommended_text(recommendation: xr.Dataset, point: xr.Dataset) -> str:
-    """Returns the life at the recommended preload of a method, and what limits it."""
+    """Returns the life at the recommended preload of a method, and the words for its limit.
+
+    point: recommendation of the method.
+    """
     active = ACTIVE[int(point["active_limit"])]
-    limit, life = LIMIT_WORDS[active], float(point["life"])
+    limit = LIMIT_WORDS[active]
+    life = float(point["life"])
     if not np.isfinite(life):
         return limit
     text = f"{digits(life)} h at {preload_text(point)} N, limited by\n{limit}"

@@ -26,7 +26,7 @@ from bearingwear.results.quantiles import (
     spread_at,
     spread_text,
 )
-from bearingwear.results.words import methods, scene_of
+from bearingwear.results.words import methods, plain_scene
 from bearingwear.studies.design.figures.choice import counting_key
 
 QUANTITY_WORDS = {
@@ -45,14 +45,19 @@ QUANTITY_WORDS = {
 
 
 def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
-    """Draws the spread of lives, the effect of each uncertain value, and its Sobol index."""
-    scene, lives_by_method = scene_of(uncertainty), methods(uncertainty)
+    """Returns a figure of the spread of lives, the effect of each uncertain value, and its index.
+
+    It has a row for each preload method.
+
+    uncertainty: dataset with Sobol indices.
+    """
+    scene = plain_scene(uncertainty)
+    lives_by_method = methods(uncertainty)
     rows = len(lives_by_method)
     figure, panels = new_figure(rows, 3, 7.2, 2.9 * rows + 0.9)
     names = quantities_of(uncertainty)
     failed = 0
-    for row, (method, choices) in zip(panels, lives_by_method, strict=True):
-        cumulated, tornado, bars = row
+    for (cumulated, tornado, bars), (method, choices) in zip(panels, lives_by_method, strict=True):
         colour = COLOURS[method]
         lives = choices.sel(preload_choice=available_preload_choice(choices))
         draw_cumulated(cumulated, lives.sel(uncertain_inputs=ALL_INPUTS), colour)
@@ -69,12 +74,15 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
         key("all values uncertain", color="0.3", linewidth=6),
         key("wear coefficient and hardness as stated", color="0.7", linewidth=6),
     ]
-    frame(figure, _title(uncertainty, names, failed), handles, columns=3)
+    frame(figure, _spread_title(uncertainty, names, failed), handles, columns=3)
     return figure
 
 
 def draw_cumulated(panel: Any, sampled: xr.Dataset, colour: str) -> None:
-    """Draws shares of the lives that are over, and quantiles with their sampling errors."""
+    """Draws the share of worn bearings over the life, and quantiles with their sampling errors.
+
+    sampled: lives of one method, preload and class of uncertain values.
+    """
     lives = sampled["life_sample"].values
     lives = np.sort(lives[np.isfinite(lives)])
     if lives.size:
@@ -109,20 +117,28 @@ def _life_ratios(lives: xr.Dataset) -> np.ndarray:
 
 
 def _places(ratios: np.ndarray) -> np.ndarray:
-    """Returns the place of each value in a panel, the largest effect on top."""
-    effects = np.abs(np.log(np.maximum(ratios, 1e-6))).max(axis=1)
-    return np.argsort(np.argsort(np.nan_to_num(effects)))
+    """Returns the place of each value in a panel (values,), the largest effect on top.
+
+    ratios: of `_life_ratios`.
+    """
+    effects = np.abs(np.log(np.maximum(ratios, 1e-6))).max(axis=1)  # a life may be zero
+    ranks = np.argsort(np.argsort(np.nan_to_num(effects)))
+    return ranks
 
 
 def _draw_tornado(panel: Any, lives: xr.Dataset, names: list[str], colour: str) -> None:
-    """Draws the lives with one value changed at a time."""
+    """Draws the lives with one value changed at a time, as bars from the nominal life.
+
+    names: of the uncertain values.
+    """
     ratios = _life_ratios(lives)
     places = _places(ratios)
-    shown = np.nan_to_num(np.log2(np.clip(ratios, 1e-3, 1e3)))
-    for place, ends, value_ratios in zip(places, shown, ratios, strict=True):
+    # a bar ends at a factor of 1000: a life may be zero
+    octaves = np.nan_to_num(np.log2(np.clip(ratios, 1e-3, 1e3)))
+    for place, ends, value_ratios in zip(places, octaves, ratios, strict=True):
         panel.barh(place, ends[0], color=colour, alpha=0.45, height=0.7)
         panel.barh(place, ends[1], color=colour, alpha=0.9, height=0.7)
-        # rounded first: no minus before a zero
+        # adding 0.0 to a rounded number leaves no minus before a zero
         low, high = (round(100.0 * (ratio - 1.0), 1) + 0.0 for ratio in sorted(value_ratios))
         panel.annotate(
             f"{low:+.1f} … {high:+.1f} %",
@@ -132,17 +148,17 @@ def _draw_tornado(panel: Any, lives: xr.Dataset, names: list[str], colour: str) 
             va="center",
             fontsize=6,
         )
-    span = int(np.ceil(np.abs(shown).max())) if shown.size else 1
+    span = int(np.ceil(np.abs(octaves).max())) if octaves.size else 1
     ticks = list(range(-span, span + 1, 1 + span // 3))
     panel.set_xticks(ticks, [f"{2.0**tick:g}" for tick in ticks])
-    panel.set_xlim(-span - 0.2, span + 0.55 * span + 0.4)
+    panel.set_xlim(-span - 0.2, span + 0.55 * span + 0.4)  # with room for the texts
     panel.set_yticks(places, [QUANTITY_WORDS[name] for name in names])
     panel.set_xlabel("life relative to nominal life")
     panel.set_title("one value varied from its 10 % to its 90 % quantile", fontsize=8)
 
 
 def _draw_indices(panel: Any, lives: xr.Dataset, colour: str) -> None:
-    """Draws the total Sobol index of each value, with the uncertainty of wear and without."""
+    """Draws the total Sobol index of each value, with wear uncertain and with wear as stated."""
     places = _places(_life_ratios(lives))
     for inputs, shade, shift in ((ALL_INPUTS, colour, 0.2), (ALL_BUT_WEAR, "0.7", -0.2)):
         indices = lives.sel(uncertain_inputs=inputs)
@@ -159,18 +175,20 @@ def _draw_indices(panel: Any, lives: xr.Dataset, colour: str) -> None:
     panel.set_title("total Sobol index", fontsize=8)
 
 
-def _title(uncertainty: xr.Dataset, names: list[str], failed: int) -> str:
-    """Returns the spread of the first method's lives, and the values that have most effect on it.
+def _spread_title(uncertainty: xr.Dataset, names: list[str], failed: int) -> str:
+    """Returns a title on the spread of the first method's lives, and its main causes.
 
+    names: of the uncertain values.
     failed: number of lives that were not solved.
     """
     choices = uncertainty.isel(preload_method=0)
     lives = choices.sel(preload_choice=available_preload_choice(choices))
-    scene_name = scene_of(uncertainty)["name"]
+    scene_name = plain_scene(uncertainty)["name"]
     if not np.isfinite(lives["total_index"]).any():
         return f"{scene_name}: too few lives could be computed to determine their spread"
 
     def main_cause(inputs: int) -> str:
+        """Returns the value with the largest index in a class of uncertain values, in words."""
         indices = lives["total_index"].sel(uncertain_inputs=inputs).values
         if not np.isfinite(indices).any():
             return "nothing"

@@ -1,7 +1,7 @@
 """Figures of dynamic cases: compared with the steady ones, and averages as they settle."""
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,11 +12,11 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import plain
 from bearingwear.plotting.drawing import (
     Figure,
+    draw_lines,
     failed_keys,
     frame,
     key,
     label_edges,
-    lines,
     list_failed,
     method_keys,
     new_figure,
@@ -25,11 +25,11 @@ from bearingwear.plotting.drawing import (
     ten_to_the,
 )
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.results.units import display
-from bearingwear.results.words import friction_text, methods, scene_of
+from bearingwear.results.units import Display, display
+from bearingwear.results.words import friction_text, methods, plain_scene
 from bearingwear.studies.grid.figures.quasistatic import WEAR_RATE
 
-IN_TIME = {
+_OF_DYNAMIC_CASES = {
     "linestyle": "none",
     "markerfacecolor": "white",
     "markersize": 6,
@@ -49,9 +49,9 @@ _POCKET, _LAND = "history_cage_pocket_wear_rate", "history_cage_land_wear_rate"
 class RunningAverage(NamedTuple):
     """A line of the figure of running averages."""
 
-    part: str
-    histories: tuple[str, ...]  # to add
-    look: dict[str, Any]
+    part: str  # of `PARTS`, which has a panel
+    histories: tuple[str, ...]  # variables whose sum is averaged
+    look: dict[str, Any]  # of the line
 
 
 RUNNING = {
@@ -62,121 +62,167 @@ RUNNING = {
 }
 
 
-def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
-    """Draws QV and wear rates against wear: steady cases as lines, dynamic ones as marks.
+def dynamic_and_steady_figure(dynamic: xr.Dataset, steady: xr.Dataset) -> Figure:
+    """Returns a figure of QV and wear rates against wear, with a column for each friction.
 
-    study: steady cases of a scene; every case of `dynamic` is among them.
+    Steady cases are lines, dynamic ones marks.
+
+    steady: cases of the same scene, among which is every case of `dynamic`.
     """
     frictions = dynamic["friction"].values.tolist()
-    parts = {name: look for name, look in _CAGE.items() if name in dynamic}
-    rows, columns = 3 if parts else 2, len(frictions)
+    columns = len(frictions)
+    cage_parts = {name: words_and_mark for name, words_and_mark in _CAGE.items() if name in dynamic}
+    rows = 3 if cage_parts else 2
     figure, panels = new_figure(
         rows, columns, max(4.4, 3.6 * columns), 2.2 * rows + 0.6, sharex=True, sharey="row"
     )
-    power = display("W", study["total_qv"], dynamic["total_qv"])
-    rows_of = {
-        "total_qv": ("QV of the bearing", power),
-        "ball_wear_rate": ("wear rate of one ball\n", WEAR_RATE),
-    }
+    power = display("W", steady["total_qv"], dynamic["total_qv"])
     failed = False
     for column, mu in zip(panels.T, frictions, strict=True):
         dynamic_at_mu = dynamic.sel(friction=mu)
-        steady_at_mu = study.sel(friction=mu)
-        for data, look in ((steady_at_mu, {}), (dynamic_at_mu, IN_TIME | {"marker": "o"})):
-            cases = data.sel(preload_method=dynamic_at_mu["preload_method"])
-            status = cases["status"] if look else None
-            for panel, (name, (label, unit)) in zip(column, rows_of.items(), strict=False):
-                values = cases[name].mean("ball") if "ball" in cases[name].dims else cases[name]
-                failed |= lines(panel, values, "ball_diameter_loss", label, unit, status, **look)
-        for name, (_, marker) in parts.items():
-            look, label = IN_TIME | {"marker": marker}, "wear rate of the cage\n"
-            rate, status = dynamic_at_mu[name], dynamic_at_mu["status"]
-            lines(column[2], rate, "ball_diameter_loss", label, WEAR_RATE, status, **look)
+        steady_at_mu = steady.sel(friction=mu, preload_method=dynamic["preload_method"])
+        failed |= _draw_both_models(column, dynamic_at_mu, steady_at_mu, power)
+        for name, (_, marker) in cage_parts.items():
+            draw_lines(
+                column[2],
+                dynamic_at_mu[name],
+                "ball_diameter_loss",
+                "wear rate of the cage\n",
+                WEAR_RATE,
+                dynamic_at_mu["status"],
+                marker=marker,
+                **_OF_DYNAMIC_CASES,
+            )
         column[0].set_title(friction_text(mu))
     label_edges(panels)
     for panel in panels[:, 0]:
         start_at_zero(panel)
     figure.align_ylabels()
-    grey = {"color": "0.3", **IN_TIME}
+    grey = {"color": "0.3", **_OF_DYNAMIC_CASES}
     frame(
         figure,
-        f"{scene_of(dynamic)['name']}: {_agreement(study, dynamic, bool(parts))}",
+        f"{plain_scene(dynamic)['name']}: {_agreement_sentence(dynamic, steady, bool(cage_parts))}",
         method_keys(name for name, _ in methods(dynamic))
         + [key("steady", color="0.3"), key("dynamic", marker="o", **grey)]
-        + [key(f"{part}, dynamic", marker=marker, **grey) for part, marker in parts.values()]
+        + [key(f"{part}, dynamic", marker=marker, **grey) for part, marker in cage_parts.values()]
         + failed_keys(failed),
         columns=2 if columns == 1 else 4,
     )
     return figure
 
 
-def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
-    """States the largest differences over all cases solved with both models."""
-    steady = study.sel({axis: dynamic[axis] for axis in dynamic["status"].dims})
+def _draw_both_models(
+    column: np.ndarray, dynamic: xr.Dataset, steady: xr.Dataset, power: Display
+) -> bool:
+    """Draws QV and the wear rate of a ball in two panels; returns whether a case is unsolved.
+
+    column: panels, of which the first two are drawn in.
+    dynamic, steady: cases over the loss and the preload method.
+    power: unit of QV.
+    """
+    quantities = {
+        "total_qv": ("QV of the bearing", power),
+        "ball_wear_rate": ("wear rate of one ball\n", WEAR_RATE),
+    }
+    failed = False
+    for panel, (name, (label, unit)) in zip(column, quantities.items(), strict=False):
+        over_balls = [dim for dim in ("ball",) if dim in dynamic[name].dims]
+        draw_lines(panel, steady[name].mean(over_balls), "ball_diameter_loss", label, unit)
+        failed |= draw_lines(
+            panel,
+            dynamic[name].mean(over_balls),
+            "ball_diameter_loss",
+            label,
+            unit,
+            dynamic["status"],
+            marker="o",
+            **_OF_DYNAMIC_CASES,
+        )
+    return failed
+
+
+def _agreement_sentence(dynamic: xr.Dataset, steady: xr.Dataset, has_cage: bool) -> str:
+    """Returns a sentence on the largest differences over all cases solved with both models.
+
+    steady: cases of the same scene, among which is every dynamic one.
+    has_cage: whether the dynamic cases have a cage.
+    """
+    steady = steady.sel({axis: dynamic[axis] for axis in dynamic["status"].dims})
+    dims_to_average: dict[str, tuple[str, ...]] = {"total_qv": (), "ball_wear_rate": ("ball",)}
     differences = [
-        float(abs(dynamic[name].mean(over) / steady[name].mean(over) - 1.0).max())
-        for name, over in (("total_qv", ()), ("ball_wear_rate", "ball"))
+        float(abs(dynamic[name].mean(dims) / steady[name].mean(dims) - 1.0).max())
+        for name, dims in dims_to_average.items()
     ]
     if not np.isfinite(differences).all():
         return "no case was solved with both models"
     qv, wear = (f"{plain(100.0 * difference, 2)} %" for difference in differences)
-    solved = "with the dynamic model and the cage" if has_cage else "with the dynamic model"
+    model = "with the dynamic model and the cage" if has_cage else "with the dynamic model"
     return (
-        f"{solved}, QV differs from the steady value by up to {qv}, and the wear rate of a ball by "
+        f"{model}, QV differs from the steady value by up to {qv}, and the wear rate of a ball by "
         f"up to {wear}"
     )
 
 
 def running_average_figure(case: xr.Dataset, reference: str | Path | None = None) -> Figure:
-    """Draws wear rates of ball 1 and of the cage, averaged from the start (Fig. 6).
+    """Returns a figure of the wear rates of ball 1 and the cage, averaged from the start (Fig. 6).
 
+    case: dynamic case.
     reference: a table of `REFERENCE_COLUMNS` with values to draw over the averages.
     """
-    solved = int(case["status"]) == OK
+    is_solved = int(case["status"]) == OK
     means = {
         label: mean_so_far(_history(case, line.histories))
         for label, line in RUNNING.items()
-        if solved and set(line.histories) <= set(case)
+        if is_solved and set(line.histories) <= set(case)
     }
     reference_points = reference_values(reference) if reference else {}
+    parts_with_means = {RUNNING[label].part for label in means}
     parts = [
-        part
-        for part in PARTS
-        if len(reference_points.get(part, ()))
-        or any(RUNNING[label].part == part for label in means)
-    ] or ["ball_1"]
+        part for part in PARTS if part in parts_with_means or len(reference_points.get(part, ()))
+    ]
+    parts = parts or ["ball_1"]
     figure, panels = new_figure(1, len(parts), 3.6 * max(len(parts), 1.5), 3.6)
-    span = display("s", *(mean["time"] for mean in means.values()))
+    time_unit = display("s", *(mean["time"] for mean in means.values()))
     messages = []
     for panel, part in zip(panels[0], parts, strict=True):
         part_means = {label: mean for label, mean in means.items() if RUNNING[label].part == part}
         points = reference_points.get(part, np.empty((0, 2)))
-        unit = power_of_ten([*part_means.values(), xr.DataArray(points[:, 1])])
-        for label, mean in part_means.items():
-            panel.plot(span.of(mean["time"]), 10.0**-unit * mean, **RUNNING[label].look)
-        panel.plot(span.of(points[:, 0]), 10.0**-unit * points[:, 1], **REFERENCE)
-        if part_means:
-            messages.append(
-                _change_phrase(part, next(iter(part_means.values())), _turn_duration(case))
-            )
-        elif not solved:
-            list_failed(panel, [STATUS_NAMES[int(case["status"])]])
+        _draw_running_averages(panel, part_means, points, time_unit)
         panel.set_title(PARTS[part])
-        panel.set_xlabel(span.label("time"))
-        panel.set_ylabel(f"mean wear rate since the start ({_unit(unit)})")
-        panel.set_xlim(left=0.0)
-        start_at_zero(panel)
+        if part_means:
+            whole_part = next(iter(part_means.values()))
+            messages.append(_change_phrase(part, whole_part, _turn_duration(case)))
+        elif not is_solved:
+            list_failed(panel, [STATUS_NAMES[int(case["status"])]])
     keys = [key(label, **RUNNING[label].look) for label in means]
     if any(len(points) for points in reference_points.values()):
         keys.append(key(f"reference: {Path(str(reference)).stem}", **REFERENCE))
     message = f"the last shaft turn changed the mean wear rate of {' and that of '.join(messages)}"
     frame(
         figure,
-        f"{scene_of(case)['name']}: {message if messages else 'no wear rates'}",
+        f"{plain_scene(case)['name']}: {message if messages else 'no wear rates'}",
         keys,
         columns=max(len(keys), 1),
     )
     return figure
+
+
+def _draw_running_averages(
+    panel: Any, means: Mapping[str, xr.DataArray], points: np.ndarray, time_unit: Display
+) -> None:
+    """Draws the mean wear rates [m3/s] of a part over time, and reference values.
+
+    means: over `time`, by the labels of `RUNNING`.
+    points: reference values (n, 2), time [s] and wear rate [m3/s].
+    """
+    exponent = power_of_ten([*means.values(), xr.DataArray(points[:, 1])])
+    for label, mean in means.items():
+        panel.plot(time_unit.of(mean["time"]), 10.0**-exponent * mean, **RUNNING[label].look)
+    panel.plot(time_unit.of(points[:, 0]), 10.0**-exponent * points[:, 1], **REFERENCE)
+    panel.set_xlabel(time_unit.label("time"))
+    panel.set_ylabel(f"mean wear rate since the start ({_wear_rate_unit(exponent)})")
+    panel.set_xlim(left=0.0)
+    start_at_zero(panel)
 
 
 def _history(case: xr.Dataset, names: Sequence[str]) -> xr.DataArray:
@@ -196,7 +242,11 @@ def mean_so_far(rate: xr.DataArray) -> xr.DataArray:
 
 
 def _change_phrase(part: str, mean: xr.DataArray, turn: float) -> str:
-    """States by how much the last shaft turn changed a mean."""
+    """Returns a phrase on how much the last shaft turn changed a mean.
+
+    mean: over `time` [s], of a part of `PARTS`.
+    turn: duration of a turn [s].
+    """
     last = float(mean[-1])
     before_turn = float(np.interp(float(mean["time"][-1]) - turn, mean["time"], mean))
     change = "– %"
@@ -206,14 +256,21 @@ def _change_phrase(part: str, mean: xr.DataArray, turn: float) -> str:
 
 
 def _turn_duration(case: xr.Dataset) -> float:
-    """Returns the duration of a turn of the shaft or of a faster outer race [s]."""
-    operation = scene_of(case)["operation"]
-    speeds = operation["shaft_speed_rpm"], operation.get("outer_speed_rpm", 0.0)
-    return 60.0 / max(map(abs, speeds))
+    """Returns the duration [s] of a turn of the shaft, or of the outer race if that is faster.
+
+    case: dynamic case.
+    """
+    operation = plain_scene(case)["operation"]
+    speeds_rpm = operation["shaft_speed_rpm"], operation.get("outer_speed_rpm", 0.0)
+    return 60.0 / max(map(abs, speeds_rpm))
 
 
 def reference_values(path: str | Path) -> dict[str, np.ndarray]:
-    """Reads reference values by part: rows of time [s] and wear rate [m3/s]; # is a comment."""
+    """Returns the values (n, 2) of each part in a table: time [s] and wear rate [m3/s].
+
+    path: CSV file with the header `REFERENCE_COLUMNS`; lines that begin with # are comments.
+    CaseFileError: a file that cannot be read, or has other columns or parts.
+    """
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeError) as error:
@@ -222,18 +279,18 @@ def reference_values(path: str | Path) -> dict[str, np.ndarray]:
     if not rows or rows[0] != REFERENCE_COLUMNS:
         header = ",".join(REFERENCE_COLUMNS)
         raise CaseFileError(f"{path}: expected a table with the header {header}")
-    values_of_part: dict[str, list[tuple[float, float]]] = {part: [] for part in PARTS}
+    points_by_part: dict[str, list[tuple[float, float]]] = {part: [] for part in PARTS}
     for row in rows[1:]:
         try:
             part, time, rate = row
-            values_of_part[part].append((float(time), float(rate)))
+            points_by_part[part].append((float(time), float(rate)))
         except (KeyError, ValueError):
             raise CaseFileError(
                 f"{path}: got {','.join(row)}, expected {' or '.join(PARTS)}, then two numbers"
             ) from None
-    return {part: np.array(values).reshape(-1, 2) for part, values in values_of_part.items()}
+    return {part: np.array(points).reshape(-1, 2) for part, points in points_by_part.items()}
 
 
-def _unit(exponent: int) -> str:
-    """Writes the unit of a wear rate that is divided by a power of ten."""
+def _wear_rate_unit(exponent: int) -> str:
+    """Returns the unit of 10^exponent m3/s as text."""
     return f"{ten_to_the(exponent)}\N{NO-BREAK SPACE}m³/s" if exponent else "m³/s"
