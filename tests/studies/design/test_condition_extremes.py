@@ -324,7 +324,7 @@ def test_a_stiffness_that_is_not_known_at_a_lower_speed_is_that_of_the_others(sp
         return tuple(state.with_values(unknown) for state in states)
 
     at_speed = state_extremes(spindle, new_states(spindle), OperatingCondition(spindle).where())
-    conditions = OtherConditions(spindle, STIFF.effective, exactly=False)
+    conditions = OtherConditions(spindle, STIFF.effective, quick=True)
     known, unknown = (
         conditions.extremes(at_speed, solve_states, "new").extremes[STIFFNESS]["value"]
         for solve_states in (new_states, states_without_stiffness_at_half_speed)
