@@ -26,7 +26,7 @@ from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.grid.figures import draw as draw_steps
 from bearingwear.studies.grid.figures import quasistatic
 from bearingwear.studies.grid.figures.overlay import scene_labels
-from bearingwear.studies.grid.gather import gathered_study, study
+from bearingwear.studies.grid.gather import gathered_study
 from bearingwear.studies.grid.grid import Case, Grid
 from bearingwear.studies.grid.interpolated import Line, interpolated_life
 from bearingwear.studies.grid.life import study_life, wear_life
@@ -325,7 +325,7 @@ def solved_cases(scene, losses, folder):
 def lives_between_cases(scene, losses, folder):
     """Lives of a scene that are followed, and interpolated between cases at some losses [um]."""
     mine, paths = solved_cases(scene, losses, folder)
-    return wear_life(mine, study(paths))
+    return wear_life(mine, gathered_study(paths))
 
 
 @pytest.mark.parametrize(
@@ -389,7 +389,7 @@ def pair_study(force, folder):
     scene = load_scene(scene_file("gyro_s1")).with_(changes)
     mine, paths = solved_cases(scene, (0.0, 0.35, 0.7), folder)
     gathered, lives = folder / "study.nc", folder / "wear_life.nc"
-    write_dataset(study(paths), gathered)
+    write_dataset(gathered_study(paths), gathered)
     write_dataset(study_life(mine, gathered), lives)
     return gathered, lives
 
