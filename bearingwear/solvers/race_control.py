@@ -171,7 +171,7 @@ def contact_solution(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Returns motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`.
 
-    models: controlling race of each ball (n,).
+    models: controlling race of each ball (n,), OUTER_CONTROL or INNER_CONTROL.
     """
     g, op, D = problem.g, problem.op, problem.D
     u, rows = np.empty((len(D), 4)), np.empty((len(D), 2, COLUMNS))
@@ -191,7 +191,11 @@ def contact_solution(
 
 
 def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float:
-    """Returns the unbalanced force on balls and race, over the largest contact load [1]."""
+    """Returns the largest unbalanced force on a ball or the race, over the largest load [1].
+
+    The load is that of a contact. The force on the race is taken per ball, see
+    `RaceControlProblem.unbalanced_force`.
+    """
     g = problem.g
     residual = 0.0
     largest = max(max(state.Q_i, state.Q_o) for state in balance.states)
@@ -277,7 +281,9 @@ def controlled_torque_loss(
 def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     """Returns values and attributes of the solution of a problem.
 
-    The problem may be held otherwise than the scene says.
+    The problem may be held otherwise than the scene says. With the statuses PRELOAD_GONE,
+    NOT_CONVERGED, BEYOND_GROOVE and OUTSIDE_HERTZ_RANGE, the values are that, loss of diameter and
+    initial displacement alone. Other failures keep all values.
     """
     g, D = problem.g, problem.D
     values: dict = {
@@ -339,7 +345,7 @@ def _solution_values(
         "shaft_torque": torque_of_heat(problem, rows),
         "drag_power": 0.0,
         "centrifugal_force": ball_mass(g.rho, D) * 0.5 * g.dm * u[:, 3] ** 2,
-        "race_control": models - OUTER_CONTROL,
+        "race_control": models - OUTER_CONTROL,  # 0 for the outer race, 1 for the inner one
     }
 
 

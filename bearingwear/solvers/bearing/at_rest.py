@@ -97,9 +97,10 @@ class RestingPair(NamedTuple):
         return AxialRotor((self.bearing, self.bearing), (mounted, mounted)).opening_force
 
     def clearance(self, measuring_load: float) -> float:
-        """Returns the axial clearance of the two bearings before they are clamped together [m].
+        """Returns the axial clearance of the pair, as makers give it by a measuring load [N] [m].
 
-        It is what a gauge reads under a measuring load [N] below the preload: negative then.
+        It is that load's displacement less the preload's, of both bearings: negative where the
+        preload is the larger one.
         """
         return 2.0 * (self.bearing.place(measuring_load) - self.bearing.place(self.preload))
 
@@ -125,7 +126,7 @@ class AxialRotor(NamedTuple):
     def external(self, k: int, delta_a: float) -> float:
         """Returns the axial force on the rotor, towards +X, at a displacement of one side [N].
 
-        Infinite, with the sign of the missing force, where no force gives that displacement.
+        Infinite where no force gives that displacement, because the spring has no stiffness.
 
         k: number of the side, 0 or 1.
         delta_a: its axial displacement [m].

@@ -623,7 +623,8 @@ def launch_values(scene: Scene, wear: Sequence[Sequence[float]] = ()) -> dict[st
     a = scene.arrangement
     if a is None or a.rotor_mass_kg is None:
         return {}
-    if scene.launch is not None and a.span_mm is None:  # no loads: their balance takes a span
+    if scene.launch is not None and a.span_mm is None:
+        # no loads: radial and random ones take a span
         scene = replace(scene, launch=replace(Launch(), after_wear_um=scene.launch.after_wear_um))
     states: list[Sequence[float] | None] = list(wear[:1]) or [None]
     states += [wear_at_launch(scene, wear[0], end) for end in wear[1:]]
