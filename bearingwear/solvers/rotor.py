@@ -93,7 +93,7 @@ def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> Rotor
     mounted: axial displacement at mounting [m].
     """
     method = scene.operation.preload_method
-    holding = bearings_holding(method)
+    holding = bearings_holding(method)  # how many: two at a fixed position, one on a spring
     shift = 0.0 if method == "fixed_position" else solution.place - mounted
     return RotorState(
         status=solution.status,
@@ -377,9 +377,9 @@ class OnRotor:
 
         trial_at: returns the bearings at a place of the rotor [m], or the status of a failure.
         losses: of ball diameter [m].
+        start: returns the place to begin with if there is no earlier one [m].
         rounded: step of the rotor that changes nothing [m].
         tolerance: unbalanced force over the larger one.
-        start: returns the place to begin with if there is no earlier one.
         """
         nearby = self.nearby
         _, last = nearby.last

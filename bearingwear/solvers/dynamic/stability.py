@@ -83,6 +83,7 @@ class GrowthRates:
             """Returns the growth per turn by the largest of some multipliers [1/turn]."""
             return float(np.log(np.abs(group).max(initial=_SMALLEST))) / turns
 
+        # the first root is 1: a shift in time, which neither grows nor decays
         return cls(spacing=largest_rate(phases[1:]), slip_and_spin=largest_rate(others))
 
     @property

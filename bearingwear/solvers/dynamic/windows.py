@@ -267,7 +267,7 @@ class RunGrid:
     @property
     def is_periodic(self) -> bool:
         """Returns whether the grid is that of a periodic motion, whose balls all move alike."""
-        return self.turns != 1.0
+        return self.turns != 1.0  # any other grid has instants per shaft turn
 
     @property
     def windows(self) -> list[int]:

@@ -362,7 +362,10 @@ def _growth_finding(evidence: Evidence, change: float) -> Finding:
 
 
 def thermal_margin_low(evidence: Evidence) -> Finding | None:
-    """Returns the finding of a low thermal margin; None where the margin is unknown."""
+    """Returns the finding of the thermal margin; its excess is above 1 where that is low.
+
+    None where the margin is unknown.
+    """
     margin = evidence.state.values.get("thermal_margin")
     if margin is None:
         return None
