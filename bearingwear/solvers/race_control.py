@@ -81,7 +81,10 @@ class RaceControl:
         return Mechanics(g, float(self.problem.D.mean()) - (loss - self.start.loss), Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Returns the bearing solved; its answer are values and attributes. `near` is not used."""
+        """Returns the bearing solved; its answer are values and attributes. `near` is not used.
+
+        Without a solution it has a status and this answer, and NaN for all numbers.
+        """
         problem = self.problem_in(condition)
         values, attrs = solve_race_control(self.scene, problem)
         solution = SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
@@ -112,7 +115,10 @@ class RaceControl:
         return heat_of_values(self.scene, values)
 
     def state(self, solution: SolvedBearing) -> State:
-        """Returns the state of a life, without the measures that need a balance of slip."""
+        """Returns the state of a life, without the measures that need a balance of slip.
+
+        They are `NEEDS_SLIP`. Of a failure it is the status and the loss alone.
+        """
         values, _ = solution.answer
         loss = solution.condition.loss
         without_slip = {name: value for name, value in values.items() if name not in NEEDS_SLIP}

@@ -132,7 +132,10 @@ class Steady:
         return HeatFlow(n * inner, n * outer, drag=drag)
 
     def state(self, solution: SolvedBearing) -> State:
-        """Returns the state of a life, with the wear rates of new surfaces."""
+        """Returns the state of a life, with the wear rates of new surfaces.
+
+        Of a failure, also of an unverified solution, it is the status and the loss alone.
+        """
         loss, problem, case = solution.condition.loss, solution.problem, solution.answer
         if solution.status != code.OK:
             return State.unsolved(solution.status, loss)
@@ -391,7 +394,10 @@ def residual_sentence(case: ThrustCase) -> str:
 
 
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Returns the result variables of a steady state with balls of diameter D [m]."""
+    """Returns the result variables of a steady state with balls of diameter D [m].
+
+    `quasistatic_stiffness_matrix` is missing where the balls do not orbit.
+    """
     g, op, n = problem.g, problem.op, problem.g.n_balls
     matrix = quasistatic_matrix(g, D, case)
     quasistatic = {} if matrix is None else {"quasistatic_stiffness_matrix": matrix}

@@ -392,7 +392,11 @@ class RotorAtRest:
         return q
 
     def _state(self, q: np.ndarray, force: np.ndarray, k_s: np.ndarray) -> RestingRotor:
-        """Returns the rotor at a position `q` of balance; the arguments are `_least_energy`'s."""
+        """Returns the rotor at a position `q` of balance; the arguments are `_least_energy`'s.
+
+        Its residual is the largest of axial and radial force and moment over R_i that are left,
+        over the largest load; 0 without any load. What the stop takes is no residual.
+        """
         bearings = []
         unbalanced = k_s @ q - force
         for seat in self.seats:

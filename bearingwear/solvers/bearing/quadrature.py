@@ -207,7 +207,10 @@ def spread_ellipse(m: int, across: int) -> EllipsePoints:
 
 
 def spread_fixed(rule: Rule) -> EllipsePoints:
-    """Returns the points over the ellipse of a rule with fixed points, one by one."""
+    """Returns all points over the ellipse of a rule with fixed points, strip after strip.
+
+    Each field is (strips x points across,).
+    """
     n = rule.across.size
     density = rule.weight / pressure(rule.t)
     loads = np.outer(density, rule.share)

@@ -68,7 +68,10 @@ def land_stiffness(scene: Scene) -> float:
 
 
 def cage_of(scene: Scene) -> CageModel:
-    """Returns geometry, inertia and contact laws of a scene's cage, or the absence of one."""
+    """Returns geometry, inertia and contact laws of a scene's cage.
+
+    Without a cage, `present` is False and all numbers are placeholders.
+    """
     cage = scene.cage
     if cage is None:
         return _no_cage()

@@ -165,7 +165,11 @@ class DynamicSystem:
         state[MOMENTUM : MOMENTUM + 3] = momentum * contacts.R[:, 0]
 
     def start_cage(self, start: CageStart) -> None:
-        """Puts the cage at a start, wherever `place_cage` has put it."""
+        """Puts the cage at a start, wherever `place_cage` has put it.
+
+        Sets its centre and velocity across the axis, and its angular momentum; its axial place and
+        its rotation stay.
+        """
         cage = self.bearing.cage
         state = self.cage_state
         omega = self.balls[:, OMEGA].mean()

@@ -100,7 +100,11 @@ class Worn(Steady):
         return Condition(wear.ball + deepest, depths=wear)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Returns the bearing solved, from its last state; `near` is not used."""
+        """Returns the bearing solved, from its last state; `near` is not used.
+
+        It has no stiffness, see `with_stiffness`. On failure all numbers are NaN, and the bearing
+        keeps its last state.
+        """
         assert condition.depths is not None
         point = self.bearing.solve(condition.depths, self.problem_in(condition))
         if point.status != code.OK:
@@ -201,7 +205,11 @@ class Worn(Steady):
         return State(point.status, values, solution)
 
     def _film_values(self, solution: SolvedBearing) -> dict[str, Any]:
-        """Returns the result variables that films and running in change; empty without any."""
+        """Returns the result variables that films and running in change; empty without any.
+
+        `film_left` has the order inner race, outer race, balls; `film_worn_share` is the mean over
+        the loaded cells of the inner and of the outer contact.
+        """
         films, point = self.bearing.films, solution.answer
         if films is None:
             return {}
