@@ -395,7 +395,7 @@ class RotorAtRest:
         """Returns the rotor at a position `q` of balance; the arguments are `_least_energy`'s.
 
         Its residual is the largest of axial and radial force and moment over R_i that are left,
-        over the largest load; 0 without any load. What the stop takes is no residual.
+        over the largest load; 0 without any load. The force on the second outer ring is not in it.
         """
         bearings = []
         unbalanced = k_s @ q - force
