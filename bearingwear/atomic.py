@@ -108,6 +108,9 @@ def reason(error: BaseException) -> str:
 def check_output(path: Path, scene: str) -> None:
     """Refuses, before anything is solved, an output that cannot or must not be written.
 
+    OutputError: no file name, the scene itself, an existing file that is no result or is read-only,
+    more than one new folder.
+
     scene: file of the scene, which the output must not replace.
     """
     try:

@@ -92,7 +92,10 @@ class ProgressLines:
             self._running, self._since = text, time.monotonic()
 
     def print_line(self, text: str, stream: TextIO | None = None) -> None:
-        """Prints a text that ends with a line break, in place of the line of progress."""
+        """Prints a text that ends with a line break, in place of the line of progress.
+
+        stream: by default standard error.
+        """
         with self._lock:
             self._write("")
             stream = stream or sys.stderr
