@@ -515,7 +515,10 @@ def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
 
 
 def _is_infeasible(folder: Path, scene_name: str) -> bool:
-    """Whether a study has requirements that no preload satisfies."""
+    """Whether a study has requirements that no preload satisfies; reads its recommendation.
+
+    folder: of the study, which has a folder `results`.
+    """
     from bearingwear.results.netcdf import load
     from bearingwear.studies.design.choice import limits_of
     from bearingwear.studies.design.recommend import best_method

@@ -147,6 +147,7 @@ def _values_by_column(block: Block, row: Row | None) -> dict[str, Any]:
     heads: Iterable[str] = block.heads
     if not block.heads:
         heads = [""] if len(row.values) == 1 else map(str, count(1))
+    # not strict: a row may have fewer values than columns, and `count` never ends
     return dict(zip(heads, row.values, strict=False))
 
 
@@ -163,7 +164,7 @@ def _compared_row(row: Row, a: Any, b: Any) -> Row:
 
 
 def _is_nan(value: Any) -> bool:
-    """Returns whether a cell is a number that was not computed."""
+    """Returns whether a cell is NaN, which stands for a number that was not computed."""
     return isinstance(value, float) and math.isnan(value)
 
 
@@ -176,7 +177,10 @@ def _compared_lines(a: Sequence[str], b: Sequence[str]) -> tuple[str, ...]:
 
 
 def _differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]]:
-    """Yields the name and both values of each entry that differs; a dash for a missing value."""
+    """Yields the name and both values of each entry that differs.
+
+    A dash stands for an entry that is missing or None, which count as equal.
+    """
     for name in dict.fromkeys((*a, *b)):
         value_a, value_b = a.get(name), b.get(name)
         if value_a != value_b:

@@ -20,12 +20,15 @@ SOFT_PAIR_GAPS = (
 
 
 def state_suffix(state: str, states: Mapping[str, LaunchResult]) -> str:
-    """Returns the name of a state after a comma; empty if it is the only state."""
+    """Returns the name of a state after a comma; empty if it is the only state.
+
+    states: all results, by the name of their state.
+    """
     return f", {state}" if len(states) > 1 else ""
 
 
 def state_of_largest_gap(states: Mapping[str, LaunchResult]) -> str:
-    """Returns the name of the state in which a bearing gaps most."""
+    """Returns the name of the state in which a bearing gaps most; the first if none gaps."""
     return max(states, key=lambda state: states[state].gap)
 
 

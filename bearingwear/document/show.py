@@ -274,6 +274,7 @@ def _bearing_rows(file: Any) -> tuple[Row, ...]:
 def _stiffness_rows(file: Any) -> tuple[Row, ...]:
     """Returns rows of the dynamic radial and tilting stiffness, each the mean of both directions.
 
+
     Empty if the file contains no stiffness matrix.
     """
     if "stiffness_matrix" not in file.variables:
@@ -397,7 +398,10 @@ def scene_sheet(scene: Scene) -> Document:
 
 
 def _dimension_rows(scene: Scene) -> tuple[Row, ...]:
-    """Returns rows of the dimensions of a bearing, its clearance, ball mass and speed factor."""
+    """Returns rows of the dimensions of a bearing, its clearance, ball mass and speed factor.
+
+    The diametral clearance follows from the free contact angle: 2 (r_i + r_o - D) (1 - cos alpha).
+    """
     bearing = scene.bearing
     diameter = bearing.ball_diameter_mm
     density = scene.materials[bearing.ball_material].density_kg_m3

@@ -62,7 +62,10 @@ def dataset_table(
 
 
 def _axis_rows(dataset: xr.Dataset, axes: Sequence[str]) -> list[Row]:
-    """Returns a row for each axis, with its coordinate at every point in words."""
+    """Returns a row for each axis, with its coordinate at every point in words.
+
+    The points are all combinations of the coordinates; those of the last axis change fastest.
+    """
     points = itertools.product(*(_axis_texts(dataset[axis]) for axis in axes))
     texts_by_axis = zip(*points, strict=True)
     rows = []
@@ -158,7 +161,10 @@ def _axis_texts(coordinate: xr.DataArray) -> list[str]:
 
 
 def cell_text(number: float, flags: Sequence[str] | None) -> str:
-    """Returns a number with nine digits, a flag by its name, and an empty text for NaN."""
+    """Returns a number with nine digits, a flag by its name, and "" for NaN and infinity.
+
+    flags: names of the flags 0, 1, ...; empty or None for a number.
+    """
     if not np.isfinite(number):
         return ""
     return flags[int(number)] if flags else f"{number:.9g}"

@@ -227,5 +227,8 @@ def _unwrap_groups(node: ET.Element) -> None:
 
 
 def _rounded(number: re.Match[str]) -> str:
-    """Returns the text of a number with `DECIMALS` decimals."""
+    """Returns a number as text with at most `DECIMALS` decimals.
+
+    number: match of its text in a coordinate.
+    """
     return f"{round(float(number[0]), DECIMALS):g}"

@@ -95,7 +95,12 @@ def common_attributes() -> dict[str, Any]:
 
 
 def contents_of(result: Result) -> Contents:
-    """Returns the contents of the file of a result, variables in the order of the table."""
+    """Returns the contents of the file of a result, variables in the order of the table.
+
+    Variables that every file contains and the result lacks have missing values.
+
+    KeyError: a value that is in no table of variables. ValueError: one of another shape.
+    """
     values, scene = result.values, result.scene
     is_life = "end_criterion" in values
     table = _variable_table(is_life, is_pair(scene))
@@ -137,7 +142,10 @@ def _with_phase_names(layout: Layout, names: str) -> Layout:
 def stacked_contents(results: Sequence[Result], dim: str) -> Contents:
     """Returns the contents of results of the same shapes, stacked along a new first dimension.
 
-    dim: name of that dimension. Attributes and missing variables are those of the first result.
+    Attributes and missing variables are those of the first result.
+
+    results: at least one, all with values of the same names, shapes and model.
+    dim: name of that dimension.
     """
     layout, data, attrs = contents_of(results[0])
     values = results[0].values

@@ -123,9 +123,9 @@ class Spread(NamedTuple):
 def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None, str]:
     """Returns the interval with the lives of 90 % of bearings if only wear is uncertain.
 
-    The life is proportional to 1/K_s. The interval is None unless all distributions of wear are
-    lognormal about the value of the scene. The text states which distributions were assumed; it is
-    empty if the scene has some.
+    The life is proportional to 1/K_s. The interval is None unless the life is above 0 and all
+    distributions of wear are lognormal about the value of the scene. The text states which
+    distributions were assumed; it is empty if the scene has some, or without an interval.
 
     scene: plain data. Without distributions, those of the table of coefficients apply.
     life: in any unit, which is that of the interval.
@@ -144,7 +144,13 @@ def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None
 
 
 def hours_in_words(scene: Mapping[str, Any], life_h: float) -> str:
-    """Returns a life with its interval: `0.66 h (0.11 to 4 h if only wear is uncertain)`."""
+    """Returns a life with its interval: `0.66 h (0.11 to 4 h if only wear is uncertain)`.
+
+    The interval, of `band_by_wear`, is left out where there is none. Numbers have two digits.
+
+    scene: plain data.
+    life_h: [h].
+    """
     band, _ = band_by_wear(scene, life_h)
     interval = f" ({band.text} h if only wear is uncertain)" if band else ""
     return f"{Rough(life_h).text} h{interval}"

@@ -119,9 +119,9 @@ def digits(value: float, unit: str = "") -> str:
 
 
 def scale_of(unit: str) -> tuple[str, float]:
-    """Returns the unit of files for a unit of the display, and the factor from the former.
+    """Returns the unit of files for a unit of the display, and the factor from the former to it.
 
-    A unit that is not in `SCALES` is that of files, too.
+    A unit that is not in `SCALES` is that of files, too, with the factor 1.
     """
     for file_unit, scales in SCALES.items():
         for scale in scales:

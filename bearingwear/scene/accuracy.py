@@ -148,6 +148,8 @@ def accuracy_preset(accuracy: str | float) -> AccuracyPreset:
     """Returns the preset of a name, or the cheapest one that is meant for a target error.
 
     For an error below that of all presets, it is the most accurate one.
+
+    accuracy: a key of `NAMED_PRESETS`, or the relative error of total QV.
     """
     if isinstance(accuracy, str):
         return NAMED_PRESETS[accuracy]

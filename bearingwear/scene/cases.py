@@ -31,7 +31,12 @@ SHARED_BY_CASES = (
 
 
 def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[str, Any]]:
-    """Checks cases and returns them by name, each with whole keys, `temperature.inner_ring_C`."""
+    """Returns cases by name, each with its values by whole keys such as `temperature.balls_C`.
+
+    SceneError: a name that is not allowed, or a key that all cases share.
+
+    cases: changes of the scene by the name of the case, with nested blocks or whole keys.
+    """
     checked = {}
     for name, changes in cases.items():
         if name == NOMINAL or not re.fullmatch(NAME, name):

@@ -193,6 +193,9 @@ def rubbing(lubrication: str | None, ball_material: str | None) -> Rubbing:
     """Returns coefficients for a lubrication and a ball material; assumed without a lubrication.
 
     KeyError where no source has them.
+
+    lubrication: of `LUBRICATIONS`, or None.
+    ball_material: `bearing_steel` or `silicon_nitride`; steel if None. Races are of steel.
     """
     if lubrication is None:
         return _assumed_rubbing()

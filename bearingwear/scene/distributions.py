@@ -26,8 +26,9 @@ def quantile(
 ) -> np.ndarray:
     """Returns the quantiles of a truncated distribution, one for each probability.
 
-    nominal: mean or median where the distribution does not state it.
-    ends: least and largest value, at which the distribution is truncated.
+    nominal: mean or median where the distribution does not state it, in its unit.
+    ends: least and largest value, at which the distribution is truncated; infinite without one.
+    probability: from 0 to 1, of any shape.
     """
     if distribution.distribution == "uniform":
         assert distribution.low is not None and distribution.high is not None
@@ -70,5 +71,6 @@ def sampled_values(scene: Scene, names: Sequence[str], probability: np.ndarray) 
         wear_deviate = deviates @ (correlation, math.sqrt(1.0 - correlation * correlation))
         probability = probability.copy()
         probability[:, wear_column] = ndtr(wear_deviate)
+    # without names, `probability` already has the shape (samples, 0) of the sample
     columns = [value_quantiles(scene, name, probability[:, k]) for k, name in enumerate(names)]
     return np.stack(columns, axis=-1) if columns else probability

@@ -43,7 +43,10 @@ def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> S
 
 
 def as_scene(scene: Source) -> Scene:
-    """Returns a checked scene from a path, a dict of a scene file's shape, or a `Scene`."""
+    """Returns a checked scene from a path, a dict of a scene file's shape, or a `Scene`.
+
+    A `Scene` that is already checked is returned itself. SceneError: it is not valid.
+    """
     if isinstance(scene, Scene) and _is_checked(scene):
         return scene
     return scene_from_dict(*as_data(scene))
@@ -82,6 +85,8 @@ def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: s
 
 def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
     """Checks plain nested data and builds the scene from it.
+
+    SceneError: it begins with the source, and names the gravest fault.
 
     source: name of the scene in error messages.
     """
@@ -168,7 +173,10 @@ class _SceneFile(NamedTuple):
 
 
 def scene_files(path: str | os.PathLike[str]) -> list[str]:
-    """Returns the file of a scene, and those it is based on."""
+    """Returns the files of a scene: its own, the one that it is based on, the base of that, ...
+
+    SceneError: a file that cannot be read, or a scene that is based on itself.
+    """
     return _read(path).files
 
 

@@ -104,7 +104,10 @@ class Drive:
     # fmt: on
 
     def __post_init__(self) -> None:
-        """Refuses factors beside a standard, and names that the rule does not have."""
+        """Makes mappings read-only; refuses factors beside a standard, and names it lacks.
+
+        It also refuses a standard of one's own without factors, and a kind of data without a rule.
+        """
         for name in ("resistances_Nm", "factors"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if (self.standard == "own") != bool(self.factors):

@@ -155,7 +155,10 @@ class Scene:
     # fmt: on
 
     def __post_init__(self) -> None:
-        """Makes mappings read-only, and refuses values that contradict each other."""
+        """Makes mappings read-only, and raises SceneError for values that contradict each other.
+
+        Diameter losses of the balls become one number if they are equal.
+        """
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
         for name in ("uncertainty", "cage_uncertainty"):
             if (distributions := getattr(self, name)) is not None:

@@ -99,13 +99,14 @@ def mean_slip(scene: Scene) -> float:
 def _semi_axis(scene: Scene) -> float:
     """Returns the semi-major axis [m] of the inner contact, by Brewe and Hamrock's fit (1977).
 
-    It is that of the most loaded ball, and at least `LEAST_SEMI_AXIS` ball diameters.
+    It is that of the most loaded ball at the free contact angle, without centrifugal force, and at
+    least `LEAST_SEMI_AXIS` ball diameters. At an angle of 0, the preload is left out.
     """
     bearing, operation = scene.bearing, scene.operation
     D, dm = _MM * bearing.ball_diameter_mm, _MM * bearing.pitch_diameter_mm
     alpha = math.radians(bearing.contact_angle_deg)
     radial_load = math.hypot(*operation.radial_load_N) + operation.rotating_load_N
-    # Stribeck: the most loaded ball has 5/Z of a radial load
+    # Z times the load of the most loaded ball, which by Stribeck has 5/Z of a radial load
     load = 5.0 * radial_load / math.cos(alpha)
     if alpha > 0.0:
         load += operation.preload_N / math.sin(alpha)

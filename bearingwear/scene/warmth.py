@@ -282,7 +282,9 @@ def _heated_parts(scene: Scene) -> Iterator[_HeatedPart]:
 
 
 def check_heat_capacities(sides: Sequence[Scene], name: str) -> None:
-    """Refuses bearings without heat capacities or at rest, which have no warm-up.
+    """Raises SceneError for bearings without heat capacities, or whose shaft does not turn.
+
+    They have no warm-up.
 
     sides: a scene of a single bearing for each side of a pair.
     name: of the scene's file, for the SceneError.

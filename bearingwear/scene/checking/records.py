@@ -88,7 +88,10 @@ COMPARISONS: Mapping[str, tuple[Callable[[Any, float], bool], str]] = {
 
 
 def setting(meaning: str, unit: str = "", within: str = "", **more: Any) -> Any:
-    """Returns a field with its `Key`; `default` or `default_factory` make it optional."""
+    """Returns a field of a dataclass with its `Key`.
+
+    **more: further fields of `Key`; and `default` or `default_factory`, which make it optional.
+    """
     default = {name: more.pop(name) for name in ("default", "default_factory") if name in more}
     return field(**default, metadata={"key": Key(meaning, unit, within, **more)})
 
@@ -158,7 +161,10 @@ class Part:
 
 
 def optional_numbers(keys: Mapping[str, Key]) -> Any:
-    """Makes a base class of records whose fields are numbers, or None if omitted."""
+    """Makes a frozen dataclass, to derive a record from, whose fields are numbers or None.
+
+    keys: by the names of the fields, all of which are None if omitted.
+    """
     named: list[Any] = [
         (name, float | None, field(default=None, metadata={"key": key}))
         for name, key in keys.items()

@@ -431,7 +431,10 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> Origin:
 
 
 def _angle(size: Designation) -> Origin:
-    """Returns the free contact angle [degree] of an angular contact bearing."""
+    """Returns the free contact angle [degree] of an angular contact bearing.
+
+    It is that of the designation, else 15 degrees.
+    """
     if size.angle is not None:
         return Origin(size.angle, size.angle_rule)
     return Origin(15.0, "typical of high-speed bearings")
@@ -465,13 +468,19 @@ def _clearance_angle(size: Designation, distance: float, clearance: str | float 
 
 
 def seat_interference(bore: float) -> tuple[float, float] | None:
-    """Returns least and largest interference [um] of `SEAT_CLASS` in a bore [mm] of class P4."""
+    """Returns least and largest interference [um] of `SEAT_CLASS` in a bore [mm] of class P4.
+
+    A least one below 0 is a clearance. None for a bore above the table.
+    """
     seat = _seat(bore)
     return None if seat is None else (-0.5 * seat.it4, 0.5 * seat.it4 + seat.bore)
 
 
 def housing_clearance(outside: float) -> float | None:
-    """Returns the mean clearance [um] of an outside diameter [mm], class P4, in `HOUSING_CLASS`."""
+    """Returns the mean clearance [um] of an outside diameter [mm], class P4, in `HOUSING_CLASS`.
+
+    None for a diameter above the table.
+    """
     seat = _seat(outside)
     return None if seat is None else 0.5 * (seat.it4 + seat.outside)
 
@@ -482,7 +491,10 @@ def _seat(diameter: float) -> SeatTolerance | None:
 
 
 def refused_option(option: str, value: float | str, allowed: str) -> SceneError:
-    """Returns the error of an option of `bearingwear new`, with the allowed values."""
+    """Returns the error of an option of `bearingwear new`, to be raised, with the allowed values.
+
+    allowed: words such as `a number > 0`, or a sentence that begins with `only`.
+    """
     got = value if isinstance(value, str) else f"{value:g}"
     expected = f"; {allowed}" if allowed.startswith("only") else f", expected {allowed}"
     return SceneError("", f"got {got}{expected}", source=option)

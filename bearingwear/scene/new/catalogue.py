@@ -130,6 +130,7 @@ def _entry(row: Mapping[str, str]) -> CatalogueBearing:
         return float(row[column]) if row[column] else None
 
     maker = row["maker"]
+    # not strict: a bearing without printed preloads has an empty cell
     preload_texts = zip(MAKERS[maker].classes, row["preload_N"].split("/"), strict=False)
     inner, outer = number_or_none("inner_groove"), number_or_none("outer_groove")
     return CatalogueBearing(
@@ -200,7 +201,10 @@ def _snfa_angle(
 
 
 def nearest_names(maker: str, designation: str) -> list[str]:
-    """Returns up to six designations of a maker that begin most like an unknown one."""
+    """Returns up to six designations of a maker that begin most like an unknown one.
+
+    They share the most characters at the beginning; the list is empty if none shares two.
+    """
     plain, entries_by_name = _plain(designation), _entries_by_name(maker)
     for length in range(len(plain), 1, -1):
         similar = [
@@ -234,7 +238,10 @@ def _entries_by_name(maker: str) -> dict[str, list[CatalogueBearing]]:
 
 
 def _entries_of(maker: str, designation: str) -> tuple[list[CatalogueBearing], str]:
-    """Returns a maker's bearings of a designation, and the suffixes that are not used."""
+    """Returns a maker's bearings of a designation, and its suffixes that are not used as a text.
+
+    They are an empty list and "" if the catalogue has none. Several differ in the contact angle.
+    """
     words = [word for word in re.split(r"[\s/_.-]+", designation.upper()) if word]
     if words and maker == "NSK":
         words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
@@ -248,7 +255,10 @@ def _longest_match(
 ) -> tuple[list[CatalogueBearing], str]:
     """Returns the bearings of the longest name that a designation begins with, and the rest of it.
 
-    Names that end with a word of the designation come first.
+    Names that end with a word of the designation come first. Without any, no bearings and "".
+
+    words: of the designation, in capitals.
+    entries_by_name: bearings of a maker by their designations without separators.
     """
     for count in range(len(words), 0, -1):
         if entries := entries_by_name.get("".join(words[:count])):
@@ -277,6 +287,8 @@ def same_size(bore: float, outside: float, angle: float) -> list[CatalogueBearin
 
 def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
     """Returns the catalogue's bearing of the maker and designation in a scene; None without them.
+
+    Of several, it is the one with the nearest contact angle.
 
     bearing: block of a scene as plain data.
     """

@@ -147,7 +147,12 @@ class _Parts(NamedTuple):
 
 
 def designation_of(text: str) -> Designation:
-    """Reads a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S."""
+    """Reads a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S.
+
+    Only bearings of GMN may come from a catalogue.
+
+    SceneError: a designation that is not known, with what is allowed.
+    """
     upper_text = text.strip().upper()
     if len(upper_text) > LONGEST_DESIGNATION:
         raise _unknown(text, ALLOWED)
@@ -368,7 +373,7 @@ _INCH_ROUNDING_MM = 0.3  # of a size typed in inches to two decimals, with a mar
 
 
 def metric_size(bore: float, outside: float) -> str:
-    """Returns bore and outside diameter as options in mm of a size typed in inches; "" for others.
+    """Returns the options in mm for a size that was typed in inches; "" for any other size.
 
     A size is taken as typed in inches where it is then in the table of sizes.
     """

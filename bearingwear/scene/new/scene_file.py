@@ -214,7 +214,12 @@ def _method_of_pair(pair: str | None, preload_method: str | None, letters: str) 
 def _rubbing(
     lubrication: str | None, given: Mapping[str, float], ball_material: str | None
 ) -> Rubbing:
-    """Returns the coefficients of a lubrication; refuses one for which no source has any."""
+    """Returns the coefficients of a lubrication.
+
+    SceneError: no source has any for the ball material, or a film with a given friction.
+
+    given: values of the user by key of the scene.
+    """
     if lubrication == "mos2" and _BALL_RACE in given:
         raise refused_option(
             "--friction", given[_BALL_RACE], f"only allowed without --lubrication {lubrication}"
@@ -227,7 +232,7 @@ def _rubbing(
 
 
 def _check_room(numbers: Mapping[str, Origin]) -> None:
-    """Refuses more balls than there is room for."""
+    """Raises SceneError for more balls than fit on the pitch circle."""
     D, dm, Z = _balls(numbers)
     if Z > (limit := most_balls(D, dm)):
         allowed = f"at most {limit} of {D:g} mm on a pitch circle of {dm:g} mm"
@@ -235,15 +240,18 @@ def _check_room(numbers: Mapping[str, Origin]) -> None:
 
 
 def _assumption_lines(scene: _NewScene) -> list[str]:
-    """Returns a line for each value that was not given, and for each bearing of the size."""
+    """Returns the lines on assumptions that `new` prints.
+
+    They are on diameters that may be in inches, on letters of the designation, and on each value
+    that was not given. Of a bearing that is from no catalogue, a line compares it with each
+    catalogue bearing of the same size and contact angle.
+    """
     size, numbers = scene.size, scene.numbers
     lines = []
     if inches := metric_size(size.bore, size.outside):
         lines.append(f"--bore, --outside: taken as mm; if they are in inches, write {inches}")
     if notes := _designation_notes(scene):
         lines.append(f"designation: interpreted as {size.name}; {'; '.join(notes)}")
-    if inches := metric_size(size.bore, size.outside):
-        lines.append(f"--bore, --outside: taken as mm; if they are in inches, write {inches}")
     for key, origin in numbers.items():
         if origin.rule:
             lines.append(f"{key}: {origin.value:g}, {origin.rule}")
