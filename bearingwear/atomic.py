@@ -129,7 +129,10 @@ def check_output(path: Path, scene: str) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Refuses more than one new folder, because the path is then probably mistyped."""
+    """Raises OutputError if more than one new folder is needed, or if the folder is a file.
+
+    A path with several new folders is probably mistyped.
+    """
     if path.parent.exists() and not path.parent.is_dir():
         raise OutputError(f"{path.parent}: got a file, expected a folder")
     if not path.parent.parent.exists():

@@ -55,6 +55,8 @@ _GARBAGE_THRESHOLD = 100_000
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs a command and returns its exit status, which the docstring of the module explains.
 
+    Printed characters that the locale lacks become question marks, also after it returns.
+
     argv: arguments after the name of the program; by default those of this process.
     """
     _collect_garbage_rarely()

@@ -280,7 +280,7 @@ def gather(args: argparse.Namespace) -> int:
     from bearingwear.results.netcdf import header
     from bearingwear.studies.dataset import write_dataset
 
-    if "part" in header(args.files[0]):
+    if "part" in header(args.files[0]):  # an attribute of the parts of a sweep alone
         from bearingwear.results.labels import coded
         from bearingwear.studies.sweep_dataset import gathered_parts
 
@@ -528,7 +528,10 @@ def _is_infeasible(folder: Path, scene_name: str) -> bool:
 
 
 def step(args: argparse.Namespace) -> int:
-    """Calls a function for a rule of the workflow."""
+    """Calls a function for a rule of the workflow; returns `NOT_SOLVED` if it says so by an error.
+
+    Its arguments are the words NAME=VALUE and the files to write.
+    """
     from bearingwear.studies.run_step import NotSolved, run_step
 
     try:
@@ -583,7 +586,7 @@ def _resting_pair_line(scene: Scene) -> str:
     from bearingwear.solvers.bearing.at_rest import RestingPair
 
     pair = RestingPair.of(scene)
-    axial, radial = (1e-6 * stiffness for stiffness in pair.rigidity)
+    axial, radial = (1e-6 * stiffness for stiffness in pair.rigidity)  # [N/um]
     return (
         f"stiffness of a rigid pair of these bearings at rest: {plain(axial)} N/um axial, "
         f"{plain(radial)} N/um radial; an axial force of {plain(pair.lift_off)} N unloads one "

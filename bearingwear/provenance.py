@@ -133,6 +133,7 @@ def _file_hash(path: str) -> bytes:
 def sources_hash(*modules: str) -> str:
     """Returns the hash of the names and contents of `sources`, 16 hexadecimal digits."""
     paths = sources(*modules)
+    # relative names, so that the hash is the same wherever the package lies
     names = "\n".join(
         str(path).removeprefix(f"{PACKAGE}/").removeprefix(f"{PACKAGE.parent}/") for path in paths
     )

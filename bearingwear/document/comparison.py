@@ -29,9 +29,9 @@ NOT_COMPARED = frozenset({"scene", "warnings", "modelled", "residual"})
 def comparison_sheet(
     first: str, second: str, more: Registry = MappingProxyType({}), every: bool = False
 ) -> Document:
-    """Returns the sheets of two files of one kind side by side, and what differs in other parts.
+    """Returns the sheets of two files of one kind side by side.
 
-    These are keys of the scene and attributes.
+    Keys of the scene and attributes that differ follow; with `every`, provenance shows attributes.
 
     more: for kinds of files that studies define, the dotted name of the function that returns the
         sheet of an open file.
@@ -45,6 +45,7 @@ def comparison_sheet(
         raise CaseFileError(f"{second}: {problem}")
     sheet_a, sheet_b = sheet(first, more, every), sheet(second, more, every)
     blocks = list(_compared_blocks(sheet_a, sheet_b))
+    # a row of equal values has no third one, the difference
     differing_rows = sum(len(row.values) > 2 for block in blocks for row in block.rows)
     blocks += [
         Block("keys of the scene that differ", A_AND_B, _key_rows(attributes_a, attributes_b)),

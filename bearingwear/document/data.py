@@ -80,7 +80,10 @@ def _plain(value: Any) -> Any:
 
 
 def as_csv(document: Document) -> str:
-    """Returns CSV with a line for each number; the facts stand first."""
+    """Returns CSV with heads and a line for each fact, and then for each number of a table.
+
+    Headings and sentences are left out.
+    """
     lines: list[list[Any]] = [["block", "name", "label", "column", "unit", "value"]]
     for name, value in document.facts.items():
         for item in value if isinstance(value, list | tuple) else [value]:
@@ -94,7 +97,10 @@ def as_csv(document: Document) -> str:
 
 
 def _number_lines(block: Block, row: Row) -> Iterator[tuple[Any, ...]]:
-    """Yields name, label, column, unit and value of each number of a row and of its limits."""
+    """Yields name, label, column, unit and value of each number of a row and of its limits.
+
+    An interval has two, whose names end in `_low` and `_high`. Without heads, the column is "".
+    """
     name = row.name or row.label
     for column, value in itertools.zip_longest(block.heads, map(_plain, row.values), fillvalue=""):
         numbers = value if isinstance(value, list) else [value]

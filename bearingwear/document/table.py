@@ -82,7 +82,7 @@ def points_block(
     points: Sequence[Sequence[Any]],
     axes: int = 1,
 ) -> Block:
-    """Returns a table with a line for each point.
+    """Returns a table with a line for each point; without points, it has no rows.
 
     columns: unit of each column, by its label.
     points: the values of each point, in the order of the columns.
@@ -115,7 +115,8 @@ def _quantity(variable: xr.DataArray) -> _Quantity:
 def dataset_csv(dataset: xr.Dataset, axes: Mapping[str, str]) -> str:
     """Returns CSV with a row for each point of a dataset and a column for each number.
 
-    A variable over further dimensions has a column for each of their flags.
+    A variable over further dimensions has a column for each of their flags, and one that lacks an
+    axis is left out.
 
     axes: the head of the column of each dimension along which the points lie.
     """
@@ -148,6 +149,7 @@ def _variable_columns(
         numbers = values.values[(..., *index)].ravel()
         unit = variable.attrs.get("units", "1")
         if "dof_column" in further_dims:
+            # of a stiffness, by how many of its row and column are a tilt: none, one or both
             unit = STIFFNESS_UNITS[sum(word.startswith("tilt") for word in words)]
         head = ".".join([str(name), *words]) + (f" ({unit})" if unit != "1" else "")
         yield head, [cell_text(number, flags) for number in numbers]

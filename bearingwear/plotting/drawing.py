@@ -239,6 +239,8 @@ def draw_lines(
 ) -> bool:
     """Draws a quantity over an axis: a colour for each preload method, a line style for each race.
 
+    It also sets the labels of the axes.
+
     values: over `axis` and, optionally, `preload_method` and `race`.
     axis: dimension along the abscissa, a key of `ABSCISSAE`.
     label: of the ordinate, without unit.
@@ -325,8 +327,9 @@ def start_at_zero(axes: Any) -> None:
 
 
 def power_of_ten(values: Sequence[xr.DataArray]) -> int:
-    """Returns a power of ten, a multiple of three, over which the largest magnitude is 1 to 1000.
+    """Returns the exponent of a power of ten, over which the largest magnitude is 1 to below 1000.
 
+    The exponent is a multiple of three.
     It is 0 if all values are 0 or NaN.
     """
     largest = max((float(abs(v).max()) for v in values if v.notnull().any()), default=0.0)

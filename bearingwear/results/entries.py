@@ -235,6 +235,8 @@ def _coordinates(
 ) -> dict[str, Entry]:
     """Returns the coordinates of the dimensions that are used; these never have missing values.
 
+    ValueError: a coordinate that is no index, such as a time, and has no value in the result.
+
     shape_of: shapes of the values of a result, by name.
     sizes: of all dimensions.
     """
@@ -244,7 +246,7 @@ def _coordinates(
         if dim not in used_dims:
             continue
         data = None
-        if variable is STRIP_POSITION:
+        if variable is STRIP_POSITION:  # centres of equal strips, from -1 to 1
             data = (2.0 * np.arange(sizes[dim]) + 1.0) / sizes[dim] - 1.0
         elif variable.dtype[0] == "i":
             data = np.arange(sizes[dim], dtype=variable.dtype)

@@ -62,7 +62,7 @@ class CaseFileError(ValueError):
 def write_result(result: Result, path: str | os.PathLike[str]) -> None:
     """Writes a case or life file; the same result gives the same bytes.
 
-    The file appears under its name only when it is complete.
+    The file appears under its name only when it is complete. OutputError: it cannot be written.
     """
     import netCDF4
 

@@ -111,7 +111,10 @@ class Spread(NamedTuple):
 
     @property
     def rows(self) -> dict[str, Interval | float | str]:
-        """Returns the intervals and quantiles by the labels of their rows in a sheet or table."""
+        """Returns the intervals and quantiles [h] by the labels of their rows in a sheet or table.
+
+        `none` stands for the interval of a cause that the scene does not have.
+        """
         return {
             BEARINGS_BETWEEN: self.bearings,
             WITHIN_BATCH: self.scatter or "none",
@@ -162,7 +165,10 @@ def spread_text(spread: Spread | None) -> str:
 
 
 def load_quantiles(path: str | Path) -> list[xr.Dataset]:
-    """Reads a file of the study of uncertainty; returns a dataset for each friction coefficient."""
+    """Reads a file of the study of uncertainty; returns a dataset for each friction coefficient.
+
+    CaseFileError: the file cannot be read, or is of another kind or of an earlier version.
+    """
     dataset = load_kind(path, KIND)
     has_inputs = dataset.sizes.get(UNCERTAIN_INPUTS) == len(SAMPLED_INPUTS)
     if not has_inputs or PRELOAD_CHOICE not in dataset.dims:
@@ -235,7 +241,8 @@ def spread_of(
 def causes_sentence(scene: Mapping[str, Any]) -> str:
     """Returns sentences that name the uncertain values of a scene by the spread that they cause.
 
-    They are the scatter of the bearings of a batch, and the uncertainty of the batch.
+    They are the scatter of the bearings of a batch, and the uncertainty of the batch. The text is
+    empty if no value is uncertain.
 
     scene: plain data.
     """
@@ -280,6 +287,7 @@ def _decisive_scene(
     blocks = {
         key: block for key, block in decisive_data(scene).items() if key not in ("name", "model")
     }
+    # the scene in a file of a study lacks the loss, which the study varies
     blocks["wear"] = {"ball_diameter_loss_um": 0.0} | scene["wear"]
     return with_changes(blocks, changes)
 
@@ -339,7 +347,10 @@ def interval_of(uncertainty: xr.Dataset, inputs: int) -> Interval:
 
 
 def _failure_counts(uncertainty: xr.Dataset) -> dict[str, int]:
-    """Returns the number of sampled lives that could not be computed, by status in words."""
+    """Returns the number of sampled lives that could not be computed, by status in words.
+
+    Statuses without a life are left out, so the dict is empty if all could be computed.
+    """
     names = uncertainty["life_status"].attrs["flag_meanings"].split()
     counts = dict(zip(names, uncertainty["status_count"].values.tolist(), strict=True))
     return {
@@ -382,7 +393,10 @@ def quantities_of(uncertainty: xr.Dataset) -> list[str]:
 
 
 def available_preload_choice(uncertainty: xr.Dataset) -> int:
-    """Returns `RECOMMENDED` if a file has a recommended preload, else `GIVEN`."""
+    """Returns `RECOMMENDED` if there is a recommended preload, else `GIVEN`.
+
+    uncertainty: contents of a file at one preload method.
+    """
     if RECOMMENDED not in uncertainty["preload_choice"]:
         return GIVEN
     recommended = uncertainty["preload"].sel(preload_choice=RECOMMENDED)

@@ -182,8 +182,8 @@ class Estimated(float):
     def of(cls, value: float, error: float) -> Estimated:
         """Returns a number with its error.
 
-        The error is at least the share `RESOLVED` of the number. One that is 0 or NaN is not known,
-        and is stored as NaN.
+        The stored error is at least the share `RESOLVED` of the number. An error of 0 or NaN means
+        that it is not known, and is stored as NaN.
         """
         number = cls(value)
         number.error = max(error, RESOLVED * abs(value)) if error > 0.0 else math.nan

@@ -70,9 +70,10 @@ def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
 
 
 def cases_that_wear(scene: Scene) -> dict[str, Scene]:
-    """Returns by name the cases in which a race turns, so that it wears; all cases if none turns.
+    """Returns by name the cases in which one race turns against the other; all if none does.
 
-    A duty has a single life over all its phases: that of the scene itself.
+    Only these wear. With a duty, the scene itself is the only one, because a duty has a single life
+    over all its phases.
     """
     if scene.duty is not None:
         return {NOMINAL: scene}

@@ -133,7 +133,7 @@ def check_films(scene: Scene) -> None:
 
 
 def _check_one_friction(friction: Friction) -> None:
-    """Refuses a coefficient beside a film, and neither of them."""
+    """Refuses friction by both a coefficient and a film, or by neither of them."""
     if friction.film is None and friction.ball_race is None:
         raise SceneError(
             "friction.ball_race",
@@ -149,7 +149,7 @@ def _check_one_friction(friction: Friction) -> None:
 
 
 def _check_coated_parts(scene: Scene) -> None:
-    """Refuses films of materials that no part has, and a second film on the races."""
+    """Refuses films and running-in of materials that no part has, and two films on the races."""
     bearing, film = scene.bearing, scene.friction.film
     parts = (bearing.ball_material, bearing.race_material)
     for name, material in scene.materials.items():

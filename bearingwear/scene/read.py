@@ -121,6 +121,8 @@ def _is_checked(scene: Scene) -> bool:
 def scene_for_life(scene: Scene, source: str = "scene") -> Scene:
     """Returns the scene unchanged; refuses one without a criterion for the end of life.
 
+    It also refuses a criterion of the share of a preload that is 0.
+
     source: name of the scene in the SceneError.
     """
     end = scene.wear.end_of_life
@@ -244,7 +246,7 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> _SceneFile:
         default_name = {"name": stem} if re.search(NAME, stem) else {}
         return _SceneFile(default_name | data, [source])
     derived = record(BasedOn, data, source)
-    if depth > DEEPEST:
+    if depth > DEEPEST:  # no chain is so long but a circle
         problem = f"got {derived.based_on}, based on itself, expected another scene"
         raise SceneError("based_on", problem, source=source)
     base = _read(Path(path).with_name(f"{derived.based_on}.yaml"), depth + 1)

@@ -155,7 +155,9 @@ class Drive:
     def margin(self, bearing_torque: float) -> float:
         """Returns the torque margin: drive torque over required torque, minus 1.
 
-        It is infinite if nothing resists. bearing_torque: as in `required_torque`.
+        It is infinite if nothing resists.
+
+        bearing_torque: friction torque of all bearings [N m].
         """
         required = self.required_torque(bearing_torque)
         return self.torque_Nm / required - 1.0 if required > 0.0 else math.inf

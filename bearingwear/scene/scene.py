@@ -279,6 +279,8 @@ class Scene:
         ------
         SceneError
             A ValueError with a one-line message that names the key.
+        TypeError
+            No changes, or changes by keyword: whole keys are no names in Python.
         """
         from bearingwear.scene.read import variant
 
@@ -573,7 +575,7 @@ def _check_cage_limits(scene: Scene) -> None:
 
 
 def _check_cage_ring(scene: Scene, cage: Cage) -> None:
-    """Refuses a cage whose ring does not reach the balls, or that has no clearance."""
+    """Refuses a cage ring of no thickness or away from the balls, and a cage without clearance."""
     bearing, ring_keys = scene.bearing, ("cage.inner_diameter_mm", "cage.outer_diameter_mm")
     if cage.inner_diameter_mm >= cage.outer_diameter_mm:
         raise SceneError(

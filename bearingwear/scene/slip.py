@@ -47,7 +47,8 @@ def default_regularisation(scene: Scene) -> float:
 def with_regularisation(scene: Scene, is_given: bool) -> Scene:
     """Returns the scene with the default regularisation for its slip, unless it has its own.
 
-    is_given: whether the scene states a regularisation, which is then marked as given.
+    is_given: whether the scene states a regularisation. Then the scene itself is returned, and its
+        friction is marked, so that the value stays when the slip changes.
     """
     if is_given:
         scene.friction.__dict__[_GIVEN] = True

@@ -186,7 +186,8 @@ def _check_interferences(fits: Fits, bearing: Bearing) -> None:
     ):
         if diameter is None:
             continue
-        value, limit = getattr(fits, name), 1e3 * LARGEST_STRAIN * diameter
+        value = getattr(fits, name)
+        limit = 1e3 * LARGEST_STRAIN * diameter  # [um], of a diameter in mm
         if abs(value) > limit:
             raise SceneError(
                 f"fits.{name}",

@@ -177,7 +177,10 @@ _KINDS = {int: "integer", float: "number", bool: "boolean", str: "text", Any: "a
 
 @functools.cache
 def parts(record_type: Any) -> Mapping[str, Part]:
-    """Returns the parts of a record, by the names of their keys."""
+    """Returns the parts of a record, a dataclass, by the names of their keys; it is read-only.
+
+    A part of a required key has the default None.
+    """
     resolved = {}
     hints = get_type_hints(record_type)
     for field_ in fields(record_type):
@@ -185,7 +188,7 @@ def parts(record_type: Any) -> Mapping[str, Part]:
         optional = field_.default is not MISSING or field_.default_factory is not MISSING
         default = field_.default
         if default is MISSING:
-            default = {} if optional else None
+            default = {} if optional else None  # what `default_factory` makes is a block
         part = _part_of_hint(hint, key, field=field_.name, required=not optional, default=default)
         resolved[key.name or field_.name] = part
     return types.MappingProxyType(resolved)

@@ -202,6 +202,9 @@ def numbers_of(
         given.
     given: values of the user by key of the scene, in its units.
     clearance: group of radial clearance, or the clearance itself [um], of a deep groove bearing.
+    preload_class: of `PRELOAD_CLASSES`, or of the maker; if None, that of a letter in the
+        designation, else `light` or the maker's L.
+    preload_method: of the scene; a fixed position reduces a maker's speed limit.
     has_film: whether a sputtered film lubricates, for which a low speed is assumed.
 
     SceneError where numbers leave no room, or contradict each other.
@@ -214,6 +217,7 @@ def numbers_of(
     preload = _usual_preload(size, given, preload_class, area)
     dm = numbers["bearing.pitch_diameter_mm"].value
     speed = _usual_speed(size.entry, dm, preload_method, preload.value, has_film)
+    # `coefficients.ASSUMED_FRICTION`
     friction = Origin(0.08, "starved or solid-lubricated steel")
     return numbers | {
         _PRELOAD: preload,
@@ -285,8 +289,10 @@ def _usual_preload(
 ) -> Origin:
     """Returns the preload [N] that is given, else that of a class.
 
-    The class is the option's, that of a letter in the designation, or the lightest.
+    The class is the option's, that of a letter in the designation, or that of `_class_preload`.
 
+    given: values of the user by key of the scene.
+    preload_class: that of the option; None without it.
     area: that of `_class_area` [mm2].
     """
     if _PRELOAD in given:
@@ -329,8 +335,11 @@ def _given_preload(preload: float, area: float) -> Origin:
 def _class_preload(
     entry: CatalogueBearing | None, preload_class: str | None, area: float
 ) -> Origin:
-    """Returns the preload [N] of a class, by default the lightest.
+    """Returns the preload [N] of a class; if None, of a maker's class L, or of `light`.
 
+    SceneError: a class that the bearing does not have.
+
+    entry: bearing of a catalogue; if that prints no preloads, or without one, a rule gives it.
     area: balls x diameter^2 x sin(angle) [mm2].
     """
     if entry is not None and entry.preloads:
@@ -422,6 +431,7 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> Origin:
     """Returns the assumed number of balls of diameter D on a pitch circle dm [mm]."""
     half_angle = math.asin(D / dm)  # of the arc that a ball takes on the pitch circle
     if deep_groove:
+        # the arc lies between the centres of the first and the last ball
         balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half_angle)
         rule = f"the balls fill {CONRAD_FILL_DEG:g} degrees (Conrad assembly)"
     else:

@@ -157,8 +157,10 @@ def entry_of(
 ) -> tuple[CatalogueBearing, str]:
     """Returns a bearing by its maker's designation, and the suffixes that are not used.
 
-    angle: contact angle [degree], where several bearings have the designation; if None, the
-        smallest.
+    SceneError: the catalogue lacks it.
+
+    angle: contact angle [degree], where several bearings have the designation; if None, that of a
+        code of SNFA in the suffixes, or the smallest.
     """
     entries, ignored = _entries_of(maker, designation)
     if not entries:
@@ -166,7 +168,7 @@ def entry_of(
     if angle is None and maker == "SNFA":
         angle = _snfa_angle(designation, ignored, entries)
     if angle is None:
-        return entries[0], ignored
+        return entries[0], ignored  # the catalogue lists the smallest angle first
     return min(entries, key=lambda entry: abs(entry.angle - angle)), ignored
 
 

@@ -191,7 +191,9 @@ def designation_of(text: str) -> Designation:
 
 
 def _check_letters(text: str, parts: _Parts, similar_spindles: str) -> None:
-    """Refuses letters before a number that no maker uses, and a second number after it.
+    """Raises SceneError for letters before a number that no maker uses, or a second number.
+
+    Also for S or SS before the number of a deep groove bearing, which may mean one of GMN instead.
 
     similar_spindles: names of GMN's bearings of that prefix; "" if it is none of its series.
     """

@@ -337,7 +337,7 @@ def usual_limits(scene: Scene) -> UsualLimits:
 
     The axial stiffness is that of one steel bearing, by the approach 0.00044
     (Q^2/D)^(1/3)/sin(alpha) of the rings [N, mm], as makers' catalogues have it (NSK, Rolling
-    Bearings). It is 1 N/um for a bearing without preload or contact angle.
+    Bearings), rounded to one digit. It is 1 N/um for a bearing without preload or contact angle.
     """
     pressure = FILM_PRESSURE_GPA if scene.friction.film else USUAL_PRESSURE_GPA
     bearing, preload = scene.bearing, scene.operation.preload_N
@@ -379,7 +379,8 @@ def _filled_template(name: str, scene: _NewScene) -> str:
         heat=heat_capacities(numbers, size, scene.ball_material),
         groove_ends=SMALL_GROOVES if grooves_vary(size) else None,
         speed=numbers["operation.shaft_speed_rpm"],
-        # pockets that leave half of the cage between balls, rounded down to three decimals
+        # assumed pocket clearance [mm]: 5 % of the ball diameter, but at most half of the gap
+        # between balls, which leaves the other half for the cage; rounded down to three decimals
         pocket=yaml_number(math.floor(1e3 * min(0.05 * D, 0.5 * gap)) / 1e3),
         ball_material=scene.ball_material,
         ball_note=_ball_note(scene.given_ball_material, size),
@@ -467,7 +468,7 @@ def _line(key: str, origin: Origin) -> str:
 def checked_scene(text: str, note: str = "") -> Scene:
     """Returns the checked scene of a text from `scene_text`, with a note after its description.
 
-    SceneError: one line that names the option.
+    SceneError: one line that names the option which sets the key at fault, or `--bore, --outside`.
     """
     from bearingwear.scene.checking.strict_yaml import data_of
     from bearingwear.scene.read import scene_from_dict
