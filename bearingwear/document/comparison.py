@@ -116,7 +116,10 @@ def _by_subject(blocks: Sequence[Block]) -> dict[tuple[str, int], Block]:
 
 
 def _compared_rows(a: Block, b: Block) -> Iterator[Row]:
-    """Yields a row for each quantity and column of either block, with the values of both."""
+    """Yields a row for each quantity and column of either block, with the values of both.
+
+    NaN stands for a value that only the other block has.
+    """
     rows_a, rows_b = _rows_by_name(a), _rows_by_name(b)
     for name in dict.fromkeys((*rows_a, *rows_b)):
         values_a = _values_by_column(a, rows_a.get(name))

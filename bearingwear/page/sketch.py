@@ -148,7 +148,7 @@ def _layout(sections: Sequence[BearingSection], is_back_to_back: bool) -> _Layou
     The ball of the first bearing determines the scale.
     """
     is_pair = len(sections) > 1
-    scale = _BALL[is_pair] / sections[0].ball
+    scale = _BALL[is_pair] / sections[0].ball  # the first for a bearing, the second for a pair
     ring_width = _RING * max(section.ball for section in sections) * scale
     distance = (1.0 + _GAP) * ring_width if is_pair else 0.0
     centres = [_MARGIN + 0.5 * ring_width + k * distance for k in range(len(sections))]
@@ -160,7 +160,7 @@ def _layout(sections: Sequence[BearingSection], is_back_to_back: bool) -> _Layou
         outer_radius=outer_radius,
         centres=centres if is_back_to_back else centres[::-1],
         width=2.0 * _MARGIN + ring_width + distance,
-        height=_TOP + (outer_radius - inner_radius) * scale + 96.0,
+        height=_TOP + (outer_radius - inner_radius) * scale + 96.0,  # of the texts below [px]
     )
 
 

@@ -323,7 +323,8 @@ def spread_at(uncertainty: xr.Dataset) -> Spread | None:
 def _error_texts(uncertainty: xr.Dataset, probabilities: Mapping[str, float]) -> dict[str, str]:
     """Returns the confidence intervals of the ends of the intervals, and of some quantiles.
 
-    The keys are the labels of `Spread.rows`.
+    The keys are the labels of `Spread.rows`. The text of an interval has a confidence interval for
+    each of its ends.
 
     probabilities: of the quantiles that scatter alone makes, by their labels.
     """

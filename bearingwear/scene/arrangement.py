@@ -259,6 +259,8 @@ def with_method(
 ) -> Scene:
     """Returns the scene with another preload method; a pair gets the kind of that method.
 
+    A rigid pair has no stiffness of a spring.
+
     preload_N: by default that of the scene.
     **operation: further keys of the block `operation` and their new values.
     """

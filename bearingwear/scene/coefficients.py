@@ -81,7 +81,8 @@ class LogSpread:
     def of(cls, low: float, high: float, least: float = 1.0) -> LogSpread:
         """Returns the spread whose 90 % interval is from low to high.
 
-        least: smallest factor that it may have.
+        least: smallest factor that it may have; a smaller one is raised to it, which widens the
+            interval about the same median.
         """
         factor = (high / low) ** (0.5 / NINETY)
         return cls(median=math.sqrt(low * high), factor=max(factor, least))

@@ -543,7 +543,7 @@ def _check_loss_count(scene: Scene) -> None:
 
 def _check_largest_loss(scene: Scene) -> None:
     """Refuses diameter losses, now or at the end of life, that are too large for the ball."""
-    largest = LARGEST_LOSS * 1e3 * scene.bearing.ball_diameter_mm
+    largest = LARGEST_LOSS * 1e3 * scene.bearing.ball_diameter_mm  # [um], of a diameter in mm
     losses = {"wear.ball_diameter_loss_um": max(scene.wear.ball_diameter_loss_um)}
     if scene.wear.end_of_life is not None:
         loss_at_end = scene.wear.end_of_life.ball_diameter_loss_um

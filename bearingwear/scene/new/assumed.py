@@ -130,9 +130,12 @@ def size_of(
 ) -> Designation:
     """Returns the size of a bearing by its designation or by its diameters [mm].
 
+    maker: whose catalogue has the designation; if None, the maker that the designation names, if
+        any.
     angle: contact angle [degree], which tells apart catalogue bearings of one designation.
 
-    SceneError where both or neither are given, or the diameters leave no room.
+    SceneError where both or neither are given, the diameters leave no room, the designation is not
+    known, or words in it are what an option states.
     """
     if designation is None:
         if maker is not None:

@@ -100,8 +100,12 @@ class CatalogueBearing(NamedTuple):
     def speed_factor(self, method: str, preload: float) -> tuple[float, str]:
         """Returns the allowed speed over that under a light spring, and the class of preload.
 
+        Under a spring, they are 1 and "".
+
         In a fixed position the lightest class of at least that preload counts; above all classes,
         or where no class is printed, the heaviest.
+
+        method, preload: of a scene [N].
         """
         if method != "fixed_position":
             return 1.0, ""

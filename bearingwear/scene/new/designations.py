@@ -284,6 +284,7 @@ def _nsk_robust(designation: str) -> Designation | None:
     if match is None:
         return None
     bore = int(match["bore"])
+    # from 20 mm on, the code of a bore is a fifth of it
     code = next((code for code, small in _SMALL_BORES.items() if small == bore), bore // 5)
     size = _size({"10": "70", "19": "719"}[match["series"]], f"{code:02d}")
     if size is None or size.bore != bore:
