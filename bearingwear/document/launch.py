@@ -46,7 +46,10 @@ def launch_verdict(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str
 
 
 def _soft_pair_sentences(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
-    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest."""
+    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest.
+
+    Empty for any other pair, and if no bearing gaps in any state.
+    """
     has_spring = scene.operation.preload_method == "constant_force"
     return [SOFT_PAIR_GAPS] if has_spring and any(state.gap for state in states.values()) else []
 

@@ -321,7 +321,10 @@ def lines_of_a_title(title: str, width: int) -> list[str]:
 
 
 def start_at_zero(axes: Any) -> None:
-    """Sets the lower end of the ordinate to zero, and leaves space above the marks."""
+    """Sets the lower end of the ordinate to zero, and leaves space above the marks.
+
+    Without positive values, the upper end is 1.
+    """
     top = axes.get_ylim()[1]
     axes.set_ylim(0.0, HEADROOM * top if top > 0.0 else 1.0)
 

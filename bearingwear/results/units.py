@@ -148,7 +148,7 @@ class Percent(float):
 
     @property
     def text(self) -> str:
-        """Returns the number with three digits and its sign."""
+        """Returns the number with three digits and its sign; tiny ones, as `< 0.001`, have none."""
         text = digits(self, "%")
         return text if self < 0.0 or text.startswith("<") else f"+{text}"
 

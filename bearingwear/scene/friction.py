@@ -242,7 +242,7 @@ def has_thickness(scene: Scene) -> bool:
     """Whether any film on balls or races has a thickness, so that it can wear through."""
     race_film = scene.friction.film
     has_race_thickness = race_film is not None and race_film.thickness_um is not None
-    return has_race_thickness or bool(_coated_materials(scene))
+    return has_race_thickness or bool(_coated_materials(scene))  # whose films always have one
 
 
 def friction_changes_with_wear(scene: Scene) -> bool:

@@ -141,7 +141,10 @@ class Drive:
 
     @property
     def bearings(self) -> str:
-        """Returns the class of resistance of the bearing torque; "" if the scene defines none."""
+        """Returns the class of resistance of the bearing torque: that of the scene or its standard.
+
+        It is "" if the scene states none and has a standard of its own.
+        """
         return self.bearings_as or _BEARINGS.get(self.standard, "")
 
     def required_torque(self, bearing_torque: float) -> float:

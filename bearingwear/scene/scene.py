@@ -241,7 +241,10 @@ class Scene:
 
     @functools.cached_property
     def in_cases(self) -> dict[str, Scene]:
-        """Returns the scene in each of its cases by name; `nominal` is the scene itself."""
+        """Returns the scene in each of its cases by name, all without cases and duty.
+
+        `nominal` is the scene with its own values.
+        """
         return scenes_of_cases(self)
 
     @functools.cached_property
@@ -296,7 +299,9 @@ class Scene:
             raise error.in_source(error.source.removeprefix("--set ")) from None
 
     def case(self, name: str) -> Scene:
-        """Returns the scene in one of its cases, like `--case`; `nominal` is the scene itself.
+        """Returns the scene in one of its cases, like `--case`, without its other cases and duty.
+
+        `nominal` is the scene with its own values.
 
         Raises
         ------

@@ -63,7 +63,7 @@ class Key:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Returns the least and largest number."""
+        """Returns the least and largest number; an end without a bound is infinite."""
         low, high = map(float, (self.within[1:-1] or "-inf, inf").split(","))
         return low, high
 

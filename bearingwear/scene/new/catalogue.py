@@ -122,7 +122,7 @@ class CatalogueBearing(NamedTuple):
 
 @functools.cache
 def bearings() -> tuple[CatalogueBearing, ...]:
-    """Reads every bearing of the catalogues."""
+    """Reads every bearing of the catalogues, in the order of catalogue.csv; once in a process."""
     with Path(__file__).with_name("catalogue.csv").open(encoding="utf-8", newline="") as file:
         return tuple(_entry(row) for row in csv.DictReader(file))
 
@@ -225,7 +225,8 @@ def nearest_names(maker: str, designation: str) -> list[str]:
 
 def has_bearing(maker: str, designation: str) -> bool:
     """Whether a maker's catalogue has a bearing of a designation."""
-    return bool(_entries_of(maker, designation)[0])
+    entries, _ = _entries_of(maker, designation)
+    return bool(entries)
 
 
 def makers_with(designation: str) -> list[str]:
