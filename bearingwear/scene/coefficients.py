@@ -81,7 +81,8 @@ class LogSpread:
     def of(cls, low: float, high: float, least: float = 1.0) -> LogSpread:
         """Returns the spread whose 90 % interval is from low to high.
 
-        least: smallest factor that it may have.
+        least: smallest factor that it may have; a smaller one is raised to it, which widens the
+            interval about the same median.
         """
         factor = (high / low) ** (0.5 / NINETY)
         return cls(median=math.sqrt(low * high), factor=max(factor, least))
@@ -197,6 +198,9 @@ def rubbing(lubrication: str | None, ball_material: str | None) -> Rubbing:
     """Returns coefficients for a lubrication and a ball material; assumed without a lubrication.
 
     KeyError where no source has them.
+
+    lubrication: of `LUBRICATIONS`, or None.
+    ball_material: `bearing_steel` or `silicon_nitride`; steel if None. Races are of steel.
     """
     if lubrication is None:
         return _assumed_rubbing()
