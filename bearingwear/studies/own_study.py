@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from bearingwear.solvers.compose import Remembered
 
 FRICTIONS = (0.5, 1.0, 1.5, 2.0)
-"""Friction coefficients of the grid, relative to the scene's."""
+"""Friction coefficients of the grid, relative to the scene's; over a duty, the scene's alone."""
 
 STATES_OF_WEAR = 8
 """Number of steps of the grid from new to the end of the scene's life."""
@@ -146,6 +146,8 @@ def _grid_frictions(scene: Scene, source: str) -> list[float]:
     """Returns the friction coefficients of the grid, rising, among which is that of the scene.
 
     The others are rounded to three decimals, and left out beyond the largest that a scene allows.
+    Over a duty, that of the scene is the only one: phases may have friction of their own, and each
+    life costs as much as one in each phase.
 
     source: file of the scene, for errors.
     SceneError: the scene has no friction.
@@ -156,6 +158,8 @@ def _grid_frictions(scene: Scene, source: str) -> list[float]:
         raise SceneError(
             key, f"got {coefficient:g}, expected a number > 0 for a study", source=source
         )
+    if scene.duty is not None:
+        return [coefficient]
     field = key_of_scene(key)
     assert field is not None
     _, largest = field.key.ends

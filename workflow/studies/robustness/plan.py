@@ -79,7 +79,7 @@ class Draw:
     )
 
     def __post_init__(self) -> None:
-        """Raises a ValueError for ends that are not allowed, or if there is nothing to draw from."""
+        """Raises a ValueError for ends that are not allowed, or for nothing to draw from."""
         check_ends(self.log, self.even)
         if not (self.log or self.even or self.of):
             raise ValueError("got nothing to draw from, expected log, even or of")
@@ -140,7 +140,7 @@ class KeyAxis:
     points: int = setting("Number of points", within="[2, inf)")
 
     def __post_init__(self) -> None:
-        """Raises a ValueError for ends that are not allowed, or unless there is one kind of ends."""
+        """Raises a ValueError for ends that are not allowed, or both or neither kind of ends."""
         check_ends(self.log, self.even)
         if (self.log is None) == (self.even is None):
             raise ValueError("got both or neither of log and even, expected one of them")
