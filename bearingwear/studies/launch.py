@@ -123,7 +123,7 @@ _ADVICE = dict.fromkeys(
 def check_arguments(arguments: Sequence[str], is_own_study: bool) -> None:
     """Refuses arguments that Snakemake does not know, and targets in the study of one scene.
 
-    Nothing but a dry run is not parsed, because the import of the parser takes long.
+    Arguments that only ask for a dry run pass at once, without the slow import of the parser.
 
     is_own_study: whether the study is of one scene.
     UsageError: the first of them, in one line.

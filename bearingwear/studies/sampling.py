@@ -61,7 +61,7 @@ DIAMETER = "ball_diameter_mm"
 
 
 def scene_with_values(scene: Scene, values: Mapping[str, float]) -> Scene | None:
-    """Returns the scene with other values under keys of `UNCERTAIN`.
+    """Returns the scene with other values under keys of `UNCERTAIN`, also in its cases.
 
     Groove factors and contact angle are those of nominal balls. A ball diameter then changes only
     the balls, like a batch out of tolerance: grooves and their centres keep their places

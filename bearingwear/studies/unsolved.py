@@ -25,8 +25,8 @@ def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
     The text is one line if all cases and lives were solved. Otherwise it counts the unsolved ones,
     and has a line for each (see `unsolved_lines`).
 
-    paths: study files and files of wear life. Without any, the text says that nothing was checked;
-        a study that has only design maps calls it so.
+    paths: study files and files of wear life. Without any, as in a study of design maps alone, the
+        text says that nothing was checked.
     unsolved_is {"error", "warning"}: whether an unsolved case or life raises `NotSolved`, or the
         text goes to standard error as a warning and is returned.
     NotSolved: there is an unsolved case or life, and that is an error.

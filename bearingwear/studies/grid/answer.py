@@ -373,9 +373,10 @@ def _end_sentences(lives: Sequence[MethodLife]) -> list[str]:
 
 
 def _other_scenes_sentences(lives: Sequence[MethodLife]) -> list[str]:
-    """Returns a sentence on the range of lives in other scenes, and one for each method that wins.
+    """Returns a sentence on the range of lives in other scenes, and one for each result.
 
-    It says in how many comparisons; equal lives, and methods that cannot be used, count likewise.
+    A result is the method with the longer life, that the methods are equal, or that neither can be
+    used; its sentence has the number of comparisons with that result.
     """
     comparisons = _comparisons(lives)
     hours = _hours_text([life.hours for life in lives])

@@ -58,7 +58,7 @@ def _outcomes(dataset: xr.Dataset) -> dict[str, Any]:
     is_wrong = is_crash | ((status == OK) & (messages != ""))
     is_unexplained = np.isin(status, WITHOUT_REASON)
     is_verified = (status == OK) & ~is_wrong
-    # maps have neither of these two: no state is then counted as a further one
+    # maps have neither of these: no point then counts as one with several states
     states = dataset["states"].values if "states" in dataset else np.zeros(1)
     qv_ratio = dataset["largest_qv_ratio"].values if "largest_qv_ratio" in dataset else np.zeros(1)
     return {
