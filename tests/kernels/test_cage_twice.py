@@ -1,8 +1,8 @@
 """A cage's forces and powers against two programs written from theory.md alone.
 
-`cage_states.json` holds states of five scenes and what the first of them found, before friction saw
-the damping of a pocket and before the land of a race at rest stood still. `plain_cage.py` gives its
-numbers with the laws of then, and the kernels' with the laws of today.
+`cage_states.json` holds states of five scenes and the numbers of the first program. Its laws were
+earlier ones: friction of a pocket left out its damping, and the land of an inner race moved with
+its displacement. `plain_cage.py` is the second: it has both laws, `STORED` and `TODAY`.
 """
 
 import functools
@@ -56,7 +56,11 @@ def systems(scene):
 
 
 def set_state(system, y):
-    """Sets a system to a stored state, and returns the arguments of `plain_cage.solve`."""
+    """Sets a system to a stored state, and returns the arguments of `plain_cage.solve` but `laws`.
+
+    y: balls, centre and velocity of the cage, quaternion, angular momentum. Moves the stored centre
+    to the centre of mass, which an imbalance shifts.
+    """
     R, cage = rotation(y[BALLS + 6 : BALLS + 10]), np.r_[y[BALLS : BALLS + 6], y[POSE - 3 : POSE]]
     bearing, buf = system.bearing, system.buffers
     system.y[:] = 0.0
@@ -115,7 +119,10 @@ def test_the_kernels_agree_with_the_plain_program(systems, name, k):
 
 @pytest.mark.parametrize("name", STATES["paths_from_start"])
 def test_the_first_impacts_follow_the_stored_paths(scene, name):
-    """The work in the pockets is 1 % more than stored, as damping now adds to the friction."""
+    """The cage's centre is within 10 nm after half a turn, and 100 nm later on.
+
+    The work in the pockets is 0.5 to 1.5 % more than stored, as damping now adds to the friction.
+    """
     changes = {"friction.slip_regularisation_m_s": 1e-2} | STATES["scenes"][name]
     s = scene("gyro_s1", changes)
     system = DynamicSystem.of(s, start_of(s).u)

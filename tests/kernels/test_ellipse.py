@@ -56,7 +56,7 @@ def points_of(rule, c, contact=CONTACT, v_r=V_R):
 
 
 def test_places_across_have_the_same_bits_wherever_they_lie_in_memory():
-    """The order of their sum does not depend on how close together the two arrays lie."""
+    """Two arrays lie n to 199 numbers apart in memory; their order of summation is the same."""
     rule, c = ellipse_rule("split", 5, 8), (3.0, 0.02, 5.0, 4e5)
     n, memory, results = rule.across.size, np.zeros(512), set()
     for distance in range(n, 200):
@@ -145,7 +145,10 @@ def test_an_opposite_gyroscopic_slip_gives_the_mirrored_friction(c, rule):
 @pytest.mark.parametrize("make", [chebyshev, chebyshev_halves])
 @pytest.mark.parametrize("n", [1, 2, 4, 7, 12])
 def test_points_across_integrate_a_semi_ellipse(make, n):
-    """Weights, symmetry, and the mean of y^2; only the halves have that of |y| exactly."""
+    """The weights sum to 1, the mean of y^2 is 1/4, and places are symmetric.
+
+    Only the rule of two halves has the mean of |y|, 4/(3 pi), exactly.
+    """
     across, share = make(n)
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
     assert_allclose(across, -across[::-1], atol=1e-16)

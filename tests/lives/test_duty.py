@@ -74,6 +74,7 @@ NOMINAL_ALONE = {"duty": {"phases": {"nominal": {"hours": 3.0}}}}
 
 
 def duty(phases, **more):
+    """Returns the block `duty` of these phases, with other keys of it."""
     return {"duty": {"phases": phases} | more}
 
 
@@ -81,12 +82,13 @@ MIXED = {"idle": {"hours": 1.0}, "nominal": {"hours": 6.5}, "fast": {"hours": 0.
 
 
 def even_life(scene):
-    """Life over a duty with Hertzian contacts, and its cycle."""
-    cycle = cycle_of(scene, 2)
+    """Returns the life over a duty with Hertzian contacts, and its cycle."""
+    cycle = cycle_of(scene, 2)  # two speeds for each start
     return hertzian_duty_life(cycle, [solver_of(item) for item in cycle.scenes]), cycle
 
 
 def hours(life):
+    """Returns the hours of a life, which has to be solved."""
     assert life.status == code.OK, code.STATUS_NAMES[life.status]
     return life.last.time / HOUR
 
@@ -154,7 +156,7 @@ def test_one_phase_wears_its_grooves_as_the_scene_itself(scene, changes):
 
 @pytest.mark.parametrize("changes", [HERTZ, HERTZ | POSITION], ids=["spring", "position"])
 def test_order_cuts_and_length_of_phases_do_not_change_a_life(scene, changes):
-    """Backwards to the last bit; cut in two, or twice as long, to rounding."""
+    """Phases in reverse order give the same bits; cut in two, or twice as long, to rounding."""
     duty_scene = scene("gyro_s1", changes | {"cases": CASES} | duty(MIXED))
     expected, _ = even_life(duty_scene)
     backwards, _ = even_life(duty_scene.with_(duty(dict(reversed(MIXED.items())))))
@@ -169,7 +171,10 @@ def test_order_cuts_and_length_of_phases_do_not_change_a_life(scene, changes):
 
 @pytest.mark.parametrize("film", [HERTZ | FILM, WORN | FILM], ids=["even", "worn"])
 def test_order_of_phases_does_not_change_a_life_whose_film_wears_through(scene, film):
-    """Cut in two, rates are summed otherwise: their last digit changes the seventh of the life."""
+    """Phases in reverse order give the same bits; one cut in two changes the seventh digit.
+
+    Rates are then summed in another order, which changes their last digit.
+    """
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.06}}
     cases = CASES | {"hot": {"friction.film.bare_ball_race": 0.3}}
     phases = {"fast": {"hours": 0.1}, "hot": {"hours": 0.7, "starts": 1.0}, "idle": {"hours": 0.3}}
@@ -236,7 +241,11 @@ def temperatures(inner_ring_C, balls_C, outer_ring_C):
     ids=["seldom fast", "cold and warm with a film", "pair that starts"],
 )
 def test_hours_follow_from_histories_at_all_speeds(scene, changes, phases, loss_um):
-    """t = integral of dL over the mean rate; each start is the mean over histories at 20 speeds."""
+    """The life is the integral of dL over the mean rate of the loss L of all phases.
+
+    Each rate is that of a life at the condition of a phase alone. A start, with its stop, has the
+    mean of 20 speeds in the middle of equal parts.
+    """
     cases = {
         "crawl": {"operation.shaft_speed_rpm": 3000.0},
         "sprint": {"operation.shaft_speed_rpm": 42000.0},
@@ -301,6 +310,7 @@ def test_a_start_to_a_low_speed_wears_half_of_its_time_at_that_speed(scene, meth
     result, _ = even_life(duty_scene)
     alone = duty_scene.in_cases["slow"]
     at_speed_alone = hours(surface_life(alone, solver_of(alone)))
+    # wear per turn is then the same at all speeds, which are half of it on the mean; 600 r/min is
     # so slow that centrifugal forces, which go as the square of the speed, do not show
     assert 0.5 * hours(result) == pytest.approx(at_speed_alone, rel=1e-3)
 
@@ -341,9 +351,10 @@ WARMING = {
 
 @pytest.mark.parametrize("hours_on", [1.0, 0.1], ids=["warm at the end", "never warm"])
 def test_a_start_wears_at_its_own_temperatures(scene, hours_on):
-    """Rates at all instants of a warm-up, each solved with its temperatures given, summed.
+    """The life is that of the mean rate over a cycle, at the temperatures of each instant.
 
-    The two sums over the instants, straight lines here, agree within 0.2 %.
+    Temperatures are those of `warmup`; each instant is solved with them as given. Between the
+    instants the rates here are straight lines, which leaves 0.2 %.
     """
     loss = {"wear.end_of_life": {"ball_diameter_loss_um": 0.001}}  # at which rates are as new
     full = {"friction.slip_regularisation_m_s": 1e-4}
@@ -383,6 +394,7 @@ WARM_STARTS = duty({"nominal": {"hours": 1.0, "starts": 1.0}}, start_s=60.0, war
 
 
 def test_starts_that_warm_up_need_heat_capacities(scene):
+    """A network of conductances alone is refused."""
     with pytest.raises(ValueError, match="duty.warmup: got true, expected a thermal network"):
         life(scene("gyro_s1", HERTZ | POSITION | NETWORK | WARM_STARTS))
 
@@ -567,7 +579,10 @@ SLOW_WEAR = {
 
 @pytest.fixture(scope="module")
 def life_over_duty(scene):
-    """Function (changes, phases) -> result of the life of gyro_s1 over a duty."""
+    """Returns a function (changes, phases, keys of the duty) that solves a life of gyro_s1.
+
+    By default the duty has the phases RAMPED and the keys RAMPS.
+    """
 
     def life_of(changes, phases=None, **more):
         inputs = duty(phases or RAMPED, **(RAMPS | more))
@@ -604,14 +619,17 @@ def test_the_phase_with_the_least_preload_ends_the_life(life_over_duty, contact)
 
 
 def test_miners_rule_holds_for_phases_that_do_not_interact(life_over_duty):
-    """They end at the loss alone, and 0.02 um hardly change their rates."""
+    """All phases end at the same loss of 0.02 um, which hardly changes their rates: to 0.1 %."""
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.02}}
     values = life_over_duty(HERTZ | end, MIXED, start_s=0.0, stop_s=0.0).values
     assert values["palmgren_miner_error"] == pytest.approx(0.0, abs=1e-3)
 
 
 def test_miners_rule_fails_where_a_phase_ends_by_what_others_wore(life_over_duty):
-    """The slow phase ends the life of all by the preload that the others took away."""
+    """The slow phase ends the life of all by the preload that the others took away.
+
+    The rule's life, 1/sum(time share/life of each phase alone), is then over by more than half.
+    """
     values = life_over_duty(HERTZ | POSITION, MIXED, start_s=0.0, stop_s=0.0).values
     share, lives = values["phase_time_share"], values["phase_life"]
     assert values["palmgren_miner_life"] == pytest.approx(1.0 / (share / lives).sum())
@@ -681,7 +699,10 @@ def test_acceleration_of_balls_by_hand(life_over_duty):
 
 @pytest.mark.parametrize(("contact", "rtol"), [(HERTZ, 1e-3), (WORN, 2e-2)], ids=["even", "worn"])
 def test_quick_lives_by_end_and_by_case_follow_the_duty(scene, contact, rtol):
-    """Within the tolerance of quick lives they have the time of the exact one."""
+    """Three ways to a quick life have the time of the exact one within the tolerance of quick lives.
+
+    Cases that are not in the duty have no life; the others share one time and differ in preload.
+    """
     duty_scene = scene("gyro_s1", contact | SLOW_WEAR | POSITION | {"cases": CASES} | duty(MIXED))
     exact = life(duty_scene).values["life"]
     quick = worn_life(duty_scene) or HertzianLives(duty_scene, quick=True)(duty_scene)
@@ -771,9 +792,9 @@ def test_a_pair_with_a_duty_is_checked_and_solved(scene, tmp_path, capsys):
 
 
 def test_requirements_hold_in_every_phase_along_one_life(scene):
-    """Extremes are the worst of the phases, not of cases that the duty does not name.
+    """Extremes of a design are the worst of the phases of the duty, not of cases outside it.
 
-    Points of a design are those of a life with other steps, hence 0.1 % for its extremes.
+    A design follows a life with other steps, hence 0.1 % for its extremes.
     """
     duty_scene = scene(
         "gyro_s1", HERTZ | SLOW_WEAR | POSITION | {"cases": CASES} | duty(RAMPED, **RAMPS)
@@ -800,7 +821,7 @@ def test_a_phase_that_is_not_solved_at_some_speed_leaves_no_preload(scene, monke
 
 
 def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):
-    """So a spread over one phase has the quantiles of the scene itself."""
+    """Its time has the same bits, by Hertzian contacts and by worn grooves."""
     alone = scene("gyro_s1", HERTZ | POSITION)
     with_duty = alone.with_(NOMINAL_ALONE)
     lives = [HertzianLives(item, quick=True)(item).last.time for item in (alone, with_duty)]

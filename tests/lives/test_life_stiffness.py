@@ -123,7 +123,10 @@ def dynamic_life(*changes):
 
 
 def test_a_dynamic_life_has_the_steady_quasistatic_stiffness():
-    """That of a steady solve with the wear of the run; twice for the pair that the scene means."""
+    """It is that of a steady solve with the same wear.
+
+    The stiffness of the system is twice that, because a single bearing stands for a symmetric pair.
+    """
     changes = [FIXED, "operation.preload_N=4", "wear.end_of_life={preload_fraction: 0.8}"]
     scene = load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes])
     wearing = Motion(scene)
@@ -151,6 +154,7 @@ def test_a_dynamic_life_ends_at_the_lesser_stiffness_and_names_it():
 
 
 def test_a_dynamic_life_under_radial_load_takes_that_of_race_control():
+    """At its start it has twice the quasi-static stiffness of a solve: a symmetric pair."""
     changes = "operation.radial_load_N=[0, 1]", "wear.end_of_life={preload_fraction: 0.98}", FIXED
     values = dynamic_life(*changes).values
     start = load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes])

@@ -40,6 +40,10 @@ def node_at(wearing, worn):
 
 
 def scene_of(method="constant_force", mu=0.08, balance="frictionless", **wear):
+    """Returns gyro_s1 with worn grooves, without its cage, to a loss of 0.3 um if `wear` has none.
+
+    wear: fields of the block `wear`. By default the track does not wander.
+    """
     base = replace(load_scene(scene_file("gyro_s1")), cage=None)
     limits = {"end_of_life": EndOfLife(ball_diameter_loss_um=0.3), "track_wander": 0.0}
     return replace(
@@ -57,6 +61,7 @@ METHODS = pytest.mark.parametrize("method", ["constant_force", "fixed_position"]
 @METHODS
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
 def test_a_groove_without_wear_is_hertz(method, balance):
+    """Its first state is the steady case of Hertzian contacts, but for differences over cells."""
     course = StiffGrooves(scene_of(method, balance=balance))
     (side,) = course.sides
     (state,) = course.completed(node_at(course, course.start)).states
@@ -99,8 +104,10 @@ def test_worn_volumes_are_those_of_archard(wander):
 
 
 def test_friction_of_cells_is_resolved_where_outer_races_control():
-    """The life of a high-speed 7008 at mu 0.16, whose lines of pure rolling pass cells, ends by
-    its criterion."""
+    """A life at mu 0.16, whose lines of pure rolling pass from cell to cell, ends by its criterion.
+
+    It is that of a high-speed 7008.
+    """
     scene = new(designation="7008C", speed=18000.0, friction=0.16)
     groove_life = follow_grooves(Grooves(scene.with_({"model.contact": "worn", "cage": None})))
     assert groove_life.status == code.OK
@@ -322,7 +329,7 @@ def test_a_hertzian_groove_is_deep_sooner(history_to_03_um):
 
 
 def test_auto_follows_the_grooves_for_a_limit_on_their_depth():
-    """However little wears."""
+    """A limit of 1 nm is met when hardly anything has worn, and yet they are followed."""
     shallow = scene_of(end_of_life=EndOfLife(groove_depth_um=1e-3))
     assert "groove_depth" in life(with_contact(shallow, "auto")).values
 
@@ -347,7 +354,10 @@ def test_a_criterion_met_at_the_start_gives_a_life_of_zero():
 
 
 def test_grooves_that_wear_beyond_the_solver_end_without_a_criterion():
-    """In coarse steps and cells, to a skid ratio that is never reached."""
+    """In coarse steps and cells, to a skid ratio that is never reached.
+
+    Which status says that no state is found does not matter.
+    """
     scene = scene_of(end_of_life=EndOfLife(skid_ratio=0.9))
     course = Grooves(scene, EXACT_GROOVES._replace(step=2.0, cells=(24, 5)))
     groove_life = follow_grooves(course)

@@ -99,8 +99,10 @@ def test_a_pair_without_a_state_when_new_has_lifted_off():
 
 
 def test_a_lightly_preloaded_pair_wears_to_its_criterion():
-    """At light preload, short steps predict a rotor place far off; each life still ends at its
-    criterion, and more preload still means a shorter life."""
+    """Each life ends at its criterion, and more preload means a shorter one, by over 1 %.
+
+    At light preload, short steps predict a rotor place far off.
+    """
     warm = {"inner_ring_C": 40.0, "balls_C": 40.0, "outer_ring_C": 30.0}
     pair = {
         "operation.preload_method": "fixed_position",
@@ -122,4 +124,5 @@ def test_a_lightly_preloaded_pair_wears_to_its_criterion():
             limit, rel=1e-3
         )
         lives.append(groove_life.last.time)
-    assert lives[0] > 1.01 * lives[1] > 1.01**2 * lives[2]
+    assert lives[0] > 1.01 * lives[1]
+    assert lives[1] > 1.01 * lives[2]

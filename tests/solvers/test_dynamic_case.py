@@ -34,9 +34,13 @@ TURNS = 40  # of accuracy standard
 
 
 def invented_solution(scene, restart=None, progress=None):
-    """What the solver returns, with any numbers; a run that goes on counts on from the last."""
+    """Returns values and attributes as the dynamic solver does, with random numbers.
+
+    Its final state counts simulated turns, on from those of a restart. It reports progress twice;
+    the first report has a line break within.
+    """
     start = 0.0 if restart is None else restart["time"]
-    count = np.zeros(12) if restart is None else restart["state"]
+    count = np.zeros(12) if restart is None else restart["state"]  # of any length
     if progress is not None:
         progress("turn 10 of 20, simulated 0.02 s\nin 1 s")
         progress("turn 20 of 20")
@@ -71,6 +75,7 @@ def invented_solution(scene, restart=None, progress=None):
 
 @pytest.fixture
 def solver(monkeypatch):
+    """Replaces the dynamic solver by `invented_solution`."""
     monkeypatch.setattr(dynamic_run, "solve_dynamic", invented_solution)
 
 
@@ -351,6 +356,7 @@ def test_models_that_cannot_solve_a_scene_are_refused(settings, fidelity, proble
 
 
 def test_limits_of_the_cage_need_its_wear():
+    """Only the dynamic model has it: elsewhere such a limit is left out, or refused if alone."""
     limit = "wear.end_of_life.guide_clearance_mm=0.3"
     scene = load_scene(S1, [limit])
     assert "guide_clearance_mm" in choice_for_life(scene).reasons[-1]
@@ -363,6 +369,7 @@ def test_limits_of_the_cage_need_its_wear():
 
 
 def test_limits_of_slip_need_a_balance_of_friction():
+    """Race control has none: such limits are left out, or refused if there is no other."""
     radial = "operation.radial_load_N=[0, 1]"
     scene = load_scene(S1, [radial])
     last_reason = choice_for_life(scene, "race_control").reasons[-1]
@@ -410,7 +417,7 @@ raise SystemExit(run_program())
 
 
 def test_ctrl_c_ends_a_run_that_would_take_hours(tmp_path):
-    """With its line and exit status, and without a file."""
+    """Its last line is `interrupted`, its exit status 130, and there is no file."""
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic"]
     argv += ["--set", "model.simulated_turns=1000000", "model.history_points_per_turn=0"]
     argv += ["--set", "operation.rotating_load_N=1"]

@@ -20,7 +20,7 @@ def covered(rows, name) -> float:
 
 @pytest.mark.long
 def test_estimates_of_random_steady_scenes_cover_the_error():
-    """95 of 100, and half of them are within ten times the error."""
+    """95 of 100 scenes of one seed, and half of the estimates are within ten times the error."""
     rows = benchmark("estimates").steady_rows(100, seed=7)
     for name in (*NUMBERS, "life"):
         assert covered(rows, name) >= 0.95, name
@@ -30,6 +30,7 @@ def test_estimates_of_random_steady_scenes_cover_the_error():
 
 @pytest.mark.long  # of one in periodic motion: test_periodic.py
 def test_estimates_of_marches_cover_the_error():
+    """Of three scenes, so few that with one miss the share would be less."""
     rows = benchmark("estimates").rows_in_time(3, seed=11, turns=25)
     for name in NUMBERS:
         assert covered(rows, name) >= 0.95, name

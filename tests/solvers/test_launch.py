@@ -115,7 +115,7 @@ def test_random_rotors_by_plain_scipy():
 
 
 def test_a_fixed_angle_opens_at_the_power_of_three_halves(pair):
-    """2^1.5 preloads as the preload goes to nothing, and more as the contact angle opens."""
+    """A gap opens at 2^1.5 preloads as these go to nothing, and at more as the angle opens."""
     ratios = [
         RotorAtRest.of(pair.with_({"operation.preload_N": F})).axial_rotor.opening_force / F
         for F in (1e-6, 1e-3, 75.0)
@@ -264,7 +264,7 @@ SOFT_AND_SHAKEN = SPRING | {
     ],
 )
 def test_a_soft_pair_that_gaps_is_warned_of_higher_loads(pair, changes, is_warned):
-    """In recommendations as on the sheet."""
+    """The sheet and a recommendation both say so, or neither."""
     scene = pair.with_(changes)
     heading = launch_document(scene, {"new": launch_result(scene)}).heading
     assert (SOFT_PAIR_GAPS in heading) == is_warned
@@ -303,7 +303,10 @@ def test_a_spring_without_a_stop_loses_its_rotor_at_launch(pair):
 
 
 def test_a_launch_is_judged_new_and_worn(pair):
-    """The worse of both, and no more wear than the scene says that there is before a launch."""
+    """Each value is the worse one of new and worn balls.
+
+    With `launch.after_wear_um` 0 the balls are new at launch, whatever wear follows.
+    """
     scene = pair.with_({"launch.axial_g": 100.0})
     worn = launch_result(scene.with_({"wear.ball_diameter_loss_um": 0.5}))
     new = launch_result(scene)
@@ -319,6 +322,10 @@ def test_a_launch_is_judged_new_and_worn(pair):
 
 
 def test_a_launch_is_checked_new_and_worn(pair):
+    """Worn by 0.5 um, the end of its life, whose other limit is met later. Without one, only new.
+
+    The heading names the launch that decides.
+    """
     scene = pair.with_(
         {"launch.axial_g": 100.0, "wear.end_of_life.ball_diameter_loss_um": 0.5,
          "wear.end_of_life.preload_fraction": 0.01}

@@ -43,6 +43,10 @@ def test_1_qv_falls_with_friction_on_the_ellipse_too(hertz):
 
 @pytest.mark.parametrize("mu, inside", [(0.02, 1), (0.08, 2)])
 def test_finding_2_needs_the_line_contact_at_low_friction(hertz, mu, inside):
+    """Pure-rolling points inside are two at high friction, and one at low friction; outside one.
+
+    On the line there are two inside at either friction. Slip changes sign at each of them.
+    """
     slip = hertz(mu=mu)["rolling_slip"][0]
     assert [(np.diff(np.sign(s)) != 0).sum() for s in slip] == [inside, 1]
 
@@ -70,7 +74,10 @@ def test_5_qv_is_flat_under_constant_force_and_falls_at_fixed_position_on_the_el
 
 
 def test_finding_7_needs_the_line_contact(hertz, values):
-    """After 0.5 um in a fixed position, the races share QV on the ellipse, not on the line."""
+    """After 0.5 um at fixed position, about half of QV is inside on the ellipse.
+
+    On the line it is less than a quarter.
+    """
     inside = hertz(POSITION, 0.08, 0.5)["qv"][0]
     assert 0.4 < inside[INNER] / inside.sum() < 0.6
     on_line = values(POSITION, 0.08, 0.5)["qv"][0]

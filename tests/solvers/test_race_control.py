@@ -25,6 +25,10 @@ CASES = {
 
 
 def solved(g, F, rpm, law):
+    """Returns shaft speed [rad/s], displacement [m], ball state and motion by a law of control.
+
+    F: thrust [N]; rpm: shaft speed [r/min].
+    """
     omega = rpm * math.pi / 30.0
     load = BallLoad(law, 0.0, omega, 0.0, 0.0, 0.0, 0.0, 0.0)
     delta_a, s = thrust_equilibrium(g, g.D0, load, F, 0.0, True, cold_start())
