@@ -699,7 +699,7 @@ def test_acceleration_of_balls_by_hand(life_over_duty):
 
 @pytest.mark.parametrize(("contact", "rtol"), [(HERTZ, 1e-3), (WORN, 2e-2)], ids=["even", "worn"])
 def test_quick_lives_by_end_and_by_case_follow_the_duty(scene, contact, rtol):
-    """Three ways to a quick life have the time of the exact one within the tolerance of quick lives.
+    """Three ways to a quick life have the time of the exact one, within what quick lives err by.
 
     Cases that are not in the duty have no life; the others share one time and differ in preload.
     """

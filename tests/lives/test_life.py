@@ -17,7 +17,7 @@ POSITION = {"operation.preload_method": "fixed_position"}
 
 
 def with_tolerance(scene, tolerance):
-    """Returns a scene with another `model.tolerance`, also one that a file may not have."""
+    """Returns a scene with another `model.tolerance`, without a check of its range."""
     return replace(scene, model=replace(scene.model, tolerance=tolerance))
 
 
@@ -99,7 +99,7 @@ def test_a_life_counts_what_its_scene_says(scene):
 
 
 def test_life_is_inverse_to_the_wear_coefficient(scene):
-    """The normalised life K_s/H times the life [1/Pa s] does not depend on it."""
+    """The normalised life, K_s/H times the life [s/Pa], does not depend on it."""
     K, H = 5e-6, 6.6e9  # of the steel of the scene; H in Pa
     s = scene("gyro_s1", POSITION)
     values = life(s).values

@@ -33,12 +33,13 @@ KINDS = (
 
 
 def run_command(*argv) -> None:
+    """Runs a command, which must succeed."""
     assert main([str(part) for part in argv]) == 0
 
 
 @pytest.fixture(scope="module")
 def file_of(tmp_path_factory):
-    """A file of each kind, by its kind, made by the commands."""
+    """Returns the path of a file of each of KINDS, made by commands and steps of the workflow."""
     folder = tmp_path_factory.mktemp("kinds")
     files = {kind: folder / f"{kind.replace(' ', '_')}.nc" for kind in KINDS}
     run_command("solve", SCENE, "-o", files["steady case"])
@@ -146,7 +147,10 @@ def shown(capsys, *argv):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_two_files_of_one_content_do_not_differ(file_of, kind, tmp_path, capsys):
-    """Every number of the sheet of one stands twice."""
+    """Both columns have the same values, and each number of the sheet of one file has a row.
+
+    Axes of the table of lives are no rows, because they name its points.
+    """
     copy = tmp_path / "copy.nc"
     shutil.copy(file_of[kind], copy)
     sheet, rows = shown(capsys, file_of[kind], copy)
@@ -276,6 +280,7 @@ def test_a_dynamic_life_is_drawn_and_tabulated(file_of, tmp_path, capsys):
 def test_only_a_dynamic_life_is_drawn_and_tabulated_as_one(
     file_of, kind, run, argument, tmp_path, capsys
 ):
+    """The line that refuses another kind begins with its path."""
     path = file_of[kind]
     capsys.readouterr()
     given = {argument: [path] if argument == "lives" else path}
@@ -301,7 +306,7 @@ def test_files_without_a_figure_are_refused_in_one_line(file_of, kind, tmp_path,
     assert re.fullmatch(r"got .*sweep.*, expected .*\n", capsys.readouterr().err)
 
 
-# the others are written as one of these
+# other kinds are written by the same code as one of these
 @pytest.mark.long  # the checker takes seconds a file, and its set-up more
 @pytest.mark.parametrize("kind", ["dynamic case", "dynamic life", "study"])
 def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeypatch):
@@ -330,4 +335,4 @@ def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeyp
     assert len(checks) > 10
     messages = {message for check in checks for message in check["msgs"]}
     assert not {m for m in messages if not m.endswith(BEYOND_CF)}
-    assert kind == "dynamic case" or not messages
+    assert kind == "dynamic case" or not messages  # only a dynamic case has times

@@ -1,4 +1,4 @@
-"""Names in memory, codes in files."""
+"""Flags and labels of axes are names in memory and codes in files."""
 
 import numpy as np
 import pytest

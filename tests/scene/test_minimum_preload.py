@@ -19,6 +19,7 @@ GMN = {"designation": "S 6007 E", "maker": "GMN", "preload": 140.0}
 
 
 def least(scene):
+    """Returns the least preload of the maker of a scene's bearing; None if it is not known."""
     data = scene.to_dict()
     return minimum_preload(data["bearing"], data["operation"])
 
