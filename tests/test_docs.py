@@ -124,7 +124,7 @@ def test_cited_equations_and_sections_exist():
         text = page.read_text(encoding="utf-8")
         tags += re.findall(r"\\tag\{(\d+a?)\}", text)
         numbers += re.findall(r"^# (\d+) ", text, re.M)
-    unused = {"57", "68", "69", "70"}
+    unused = {"57", "68", "69", "70"}  # numbers of equations that are no longer there
     assert len(tags) == len(set(tags)) and {str(k) for k in range(1, 78)} - unused <= set(tags)
     overview = (DOCS / "theory.md").read_text(encoding="utf-8")
     assert sorted(numbers, key=int) == re.findall(r"^\| (\d+) \| \[", overview, re.M)

@@ -283,6 +283,10 @@ def test_the_criterion_that_ended_a_life_is_stated(name):
 
 @of_ends
 def test_a_case_that_violates_a_criterion_is_marked(name):
+    """On its sheet, at 1.1 times its limit and not at 0.9; some variables only lives have.
+
+    At the limit itself the margin is 0.
+    """
     measure = ENDS[name]
     plain = json.dumps(scene_with_criterion(name).to_dict())
     for variable in measure.variables:
@@ -352,6 +356,7 @@ def test_a_measure_of_a_pair_is_that_of_its_worse_bearing(measure, monkeypatch):
 
 
 def test_a_measure_of_several_variables_is_the_worst_of_them_and_names_it():
+    """Of two stiffnesses [N/m] at two states; margins to 2.5 N/um are shares of the limit."""
     both = replace(
         LIMITED["axial_stiffness_N_um"],
         variables=("axial_stiffness", "skid_ratio"),

@@ -1,6 +1,7 @@
 """The rule whose points gather at the pure-rolling points of each contact."""
 
 import dataclasses
+import itertools
 import math
 
 import numpy as np
@@ -66,7 +67,7 @@ def adaptive_sums(c, v_r):
     return [
         sum(
             quad(lambda t, i=i: values(t)[i], a, b, epsabs=1e-13, epsrel=1e-10)[0]
-            for a, b in zip(edges, edges[1:], strict=False)
+            for a, b in itertools.pairwise(edges)
         )
         for i in range(5)
     ]

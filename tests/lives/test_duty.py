@@ -219,6 +219,7 @@ def test_hours_follow_from_the_histories_of_the_phases(scene, phases, method):
 
 
 def temperatures(inner_ring_C, balls_C, outer_ring_C):
+    """Returns the temperatures of the parts by their keys of a scene."""
     return {
         "temperature.inner_ring_C": inner_ring_C,
         "temperature.balls_C": balls_C,
@@ -438,6 +439,7 @@ class LossPhase:
         self.scene = scene
 
     def state(self, worn):
+        """Returns the solved state at a loss [m]."""
         scene = self.scene.with_({"wear.ball_diameter_loss_um": worn * 1e6})
         states = solver_of(scene)
         (state,) = states(states.bearings.start)
@@ -445,6 +447,7 @@ class LossPhase:
         return state
 
     def after(self, worn, span, at):
+        """Returns the loss after a span [s] at the rate of the loss `at` [m]."""
         return worn + span * self.state(at).rate
 
 

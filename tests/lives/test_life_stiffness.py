@@ -119,6 +119,7 @@ FIXED = "operation.preload_method=fixed_position"
 
 
 def dynamic_life(*changes):
+    """Returns the result of a short dynamic life of gyro_s1_hertz without its cage."""
     return life(load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes]), "dynamic")
 
 

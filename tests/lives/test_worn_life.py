@@ -275,6 +275,7 @@ def test_worn_volumes_are_the_time_integral_of_qv():
 
 
 def with_contact(scene, contact):
+    """Returns a scene with another model of its contacts."""
     return replace(scene, model=replace(scene.model, contact=contact))
 
 

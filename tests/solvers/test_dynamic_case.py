@@ -80,11 +80,13 @@ def solver(monkeypatch):
 
 
 def solve(output, *more) -> int:
+    """Runs `bearingwear solve` with the dynamic model, and returns its exit status."""
     return main(["solve", str(S1), "-o", str(output), "--fidelity", "dynamic", *more])
 
 
 @pytest.fixture
 def case(solver, tmp_path):
+    """Returns the file of a case that is "solved" by `invented_solution`."""
     path = tmp_path / "case.nc"
     assert solve(path) == 0
     return path
@@ -221,6 +223,7 @@ def test_a_restart_continues_in_time(case, tmp_path):
 
 
 def refused(capsys, argv) -> str:
+    """Returns the only line of a command that refuses its input with exit status 2."""
     assert main(argv) == 2
     err = only_line(capsys)
     assert "got " in err and "expected" in err and len(err) < 500

@@ -71,8 +71,9 @@ def test_growth_agrees_with_a_program_written_apart(scene, changes, preload, sta
     check_digits(values["residual_preload"], preload)
     check_digits(static_preload(grown), static)
     check_digits(values["total_qv"] / mounted["total_qv"], qv)
-    for value, text in zip(np.degrees(values["contact_angle"][0]), angles or (), strict=False):
-        check_digits(value, text)
+    if angles:  # the other program has none for a bearing with rings
+        for value, text in zip(np.degrees(values["contact_angle"][0]), angles, strict=True):
+            check_digits(value, text)
 
 
 def ring(inside=2e-3, outside=3e-3) -> Ring:

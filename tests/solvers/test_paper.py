@@ -2,7 +2,7 @@
 
 The tests have the numbers of docs/verification.md. The paper says in words how much: "slightly",
 "clear", "almost zero"; the bounds here are what gyro_s1 has, rounded up. A statement that does not
-hold to the letter is tested for what does hold.
+hold to the letter is tested for what does hold. `values` of tests/conftest.py solves gyro_s1.
 """
 
 import numpy as np

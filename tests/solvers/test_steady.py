@@ -1,4 +1,7 @@
-"""The friction-balanced steady state against two independent programs, and its own balances."""
+"""The friction-balanced steady state against two independent programs, and its own balances.
+
+`values` of tests/conftest.py solves gyro_s1 with some keys changed.
+"""
 
 import math
 from dataclasses import replace
