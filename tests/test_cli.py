@@ -164,6 +164,7 @@ def test_an_interrupt_while_python_ends_keeps_the_exit_status():
 
 
 def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
+    """On standard error, a line for each warning of the file, in the same order."""
     words = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
     assert main([*words, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
@@ -352,6 +353,7 @@ def test_each_reports_every_unsolved_value(tmp_path, capsys):
 
 
 def test_every_command_has_a_handler():
+    """It is the function of its name in `commands`, or belongs to an application."""
     from bearingwear import commands
     from bearingwear.results.kinds import imported_function
 
@@ -370,6 +372,7 @@ def test_every_command_has_a_handler():
     "settings", [{"changes": {"model.strips": 10}}, {"changes": {}, "fidelity": "steady"}]
 )
 def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
+    """It prints nothing and writes the same bytes."""
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
     changes = settings["changes"].items()
     options = [text for key, value in changes for text in ("--set", f"{key}={value}")]

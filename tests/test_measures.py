@@ -326,6 +326,10 @@ def test_every_limit_of_a_design_has_words_and_a_letter_in_figures(name):
 
 @of_limits
 def test_a_limit_of_a_design_applies_to_the_worst_value_along_a_life(name, monkeypatch):
+    """Three states are at 0.9, 1.1 and 0.5 times the limit, of which the second breaks it.
+
+    Frequencies of a rotor, which would need a solve, are unknown.
+    """
     unknown_frequency = "bearingwear.studies.design.condition_extremes.lowest_frequency"
     monkeypatch.setattr(unknown_frequency, lambda *_: np.nan)
     measure, scene = LIMITED[name], scene_with_criterion("skid_ratio")
@@ -344,6 +348,7 @@ def test_a_limit_of_a_design_applies_to_the_worst_value_along_a_life(name, monke
 
 @of_all
 def test_a_measure_of_a_pair_is_that_of_its_worse_bearing(measure, monkeypatch):
+    """One bearing is at 1.2 times the limit and the other at 0.3, in either order."""
     lowest = lambda _, both: min(item["lowest_frequency"] for item in both)  # noqa: E731
     monkeypatch.setattr(many, "lowest_frequency", lowest)
     rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))

@@ -40,6 +40,7 @@ def friction(points, c, v_r=V_R, size=5, contact=CONTACT, even=False):
 
 @pytest.mark.parametrize("c", SLIPS)
 def test_fixed_points_give_the_sums_of_the_steady_rule(c):
+    """Both take the same points, so that sums and slopes agree to rounding."""
     points = points_of(ellipse_rule("gauss", 40, 5), c)
     gradient, hessian = np.empty(5), np.empty((5, 5))
     ellipse_slopes(CONTACT, c, MU, V_R, points, gradient, hessian)

@@ -88,6 +88,7 @@ def test_without_wear_a_contact_is_that_of_hertz(side):
 
 @SIDES
 def test_an_even_depth_only_shifts_the_approach(side):
+    """The load is that of Hertz at an approach without the depth, from either reference."""
     deep = 0.3 * APPROACH
     race, hertz = worn_race(side, lambda x: np.full_like(x, deep))
     y = place_of_ball(side, APPROACH + deep)
@@ -102,6 +103,10 @@ def test_an_even_depth_only_shifts_the_approach(side):
 
 @SIDES
 def test_bodies_of_twice_the_size_carry_four_times_the_load(side):
+    """All lengths are doubled, also the depth of the groove over its place; the peak is the same.
+
+    A coefficient of the power p of the place [m] goes as 2^(1 - p).
+    """
     race, _ = worn_race(side, skew_depth)
     force = worn_force(G, D, race, side, 0.0, *place_of_ball(side))
     lengths = ("D0", "dm", "BD", "R_o", "R_i", "r_i", "r_o")

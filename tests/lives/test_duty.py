@@ -305,6 +305,7 @@ def test_points_of_a_ramp_integrate_the_rates_of_a_bearing():
 
 @pytest.mark.parametrize("method", [{}, POSITION], ids=["spring", "position"])
 def test_a_start_to_a_low_speed_wears_half_of_its_time_at_that_speed(scene, method):
+    """So a duty of starts and stops alone lives twice as long as its speed alone."""
     slow = {"slow": {"operation.shaft_speed_rpm": 600.0}}
     starts = duty({"slow": {"starts": 3.0}}, start_s=20.0, stop_s=60.0)
     duty_scene = scene("gyro_s1", HERTZ | method | {"cases": slow} | starts)
@@ -597,6 +598,7 @@ def life_over_duty(scene):
 @pytest.mark.parametrize("contact", [HERTZ, WORN], ids=["even", "worn"])
 @pytest.mark.parametrize("kind", [POSITION, RIGID | {"arrangement.external_axial_N": 1.0}])
 def test_shares_of_wear_and_time_add_up_to_one(life_over_duty, contact, kind):
+    """The share of starts is a part of that of their phase; shares along the life never fall."""
     result = life_over_duty(contact | kind)
     values = result.values
     assert result.status == "ok" and values["phase_time_share"].sum() == pytest.approx(1.0)
@@ -655,6 +657,7 @@ def test_a_phase_that_is_not_solved_is_named(scene, contact):
 
 
 def test_a_phase_that_requires_the_dynamic_model_is_refused(scene, tmp_path, capsys):
+    """Python raises an error; commands print it in one line, with exit status 2."""
     loaded = {"cases": {"idle": {"operation.radial_load_N": (1.0, 0.0)}}}
     duty_scene = scene("gyro_s1", PLAIN | loaded | duty({"idle": {"hours": 1.0}}))
     problem = "duty: got the case idle, which requires the dynamic"
@@ -843,6 +846,7 @@ def test_a_spread_over_one_phase_is_that_of_the_scene(scene):
 
 
 def test_values_of_a_case_vary_with_those_of_the_scene(scene):
+    """Friction of a case is multiplied by the factor of the scene's own, here 1.5."""
     duty_scene = scene(
         "gyro_s1", HERTZ | POSITION | {"cases": CASES} | duty({"hot": {"hours": 1.0}})
     )

@@ -158,6 +158,7 @@ def test_a_film_under_a_radial_load_wears_through_when_race_control_says(scene):
 
 
 def test_without_a_state_after_its_film_the_life_ends_there(scene, monkeypatch):
+    """The solve of a bare state is made to fail: the time so far is finite and kept."""
     s = scene("gyro_s1", THREE_BALLS | FILM | LOSS)
     solved_state = Motion.state
 

@@ -32,6 +32,7 @@ def equal_balls_life(scene):
 
 
 def test_a_dynamic_life_of_equal_balls_is_the_steady_one(scene, equal_balls_life):
+    """In preload, loss and time; its error is within its own estimate, which is 5 % at most."""
     values = equal_balls_life.values
     assert values["status"] == code.OK and CRITERIA[values["end_criterion"]] == "preload_fraction"
     steady = life(scene("gyro_s1", WITHOUT_CAGE), "steady").values
@@ -45,6 +46,7 @@ def test_a_dynamic_life_of_equal_balls_is_the_steady_one(scene, equal_balls_life
 
 
 def test_worn_volumes_add_up_and_are_those_of_the_worn_diameters(equal_balls_life):
+    """A step adds its mean rate times its time; a diameter is that of the sphere which is left."""
     values = equal_balls_life.values
     t = values["history_time"]
     for volume, rate in (
@@ -113,6 +115,10 @@ def life_ended_by_its_cage(scene):
 
 
 def test_the_cage_ends_the_life(life_ended_by_its_cage):
+    """It ends at the limit of the clearance, before the balls would end it.
+
+    The worn volume is the integral of its rate.
+    """
     values = life_ended_by_its_cage.values
     assert values["status"] == code.OK
     assert CRITERIA[values["end_criterion"]] == "pocket_clearance_mm"

@@ -47,6 +47,7 @@ def slope_of_further_solves(side, node):
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
 def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balance):
+    """At the end of a life to a loss of 0.2 um, in each arrangement of preload and balance."""
     scene = scene_of(method, balance=balance, end_of_life=LOSS_OF_02_UM)
     course = StiffGrooves(scene, FEW_CELLS)
     groove_life = follow_grooves(course)

@@ -50,6 +50,7 @@ WORN = {"model.contact": "worn", "wear.end_of_life": {"ball_diameter_loss_um": 0
 
 
 def test_grooves_of_a_symmetric_pair_are_those_of_the_single_bearing(life_result):
+    """All values of the second bearing agree to rounding, and files have a dimension `bearing`."""
     single_result, pair_result = life_result(POSITION | WORN), life_result(RIGID | WORN)
     assert single_result.status == pair_result.status == "ok"
     assert "groove_depth" in single_result.values

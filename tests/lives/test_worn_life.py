@@ -87,6 +87,10 @@ def test_a_groove_without_wear_is_hertz(method, balance):
 
 @pytest.mark.parametrize("wander", [0.0, 0.1])
 def test_worn_volumes_are_those_of_archard(wander):
+    """Rates of three states, each a step further: a race loses K_s/H times QV of its nine contacts.
+
+    A ball loses that of its two contacts. It holds for a track that wanders, too.
+    """
     course = Grooves(scene_of(track_wander=wander))
     (side,) = course.sides
     bearing = side.bearing
@@ -171,6 +175,7 @@ pressures and 2 % in half-lengths, as their grids say; cells and steps here are 
 
 @pytest.mark.parametrize("method, wander", OTHER_PROGRAMS)
 def test_grooves_as_they_wear_agree_with_other_programs(method, wander):
+    """Times to 1 %, QV and pressures to 2 %, and half-lengths to 5 %, of cells and steps here."""
     expected = OTHER_PROGRAMS[method, wander]
     end = EndOfLife(ball_diameter_loss_um=0.78)  # some steps beyond 0.7 um
     groove_life = follow_grooves(Grooves(scene_of(method, track_wander=wander, end_of_life=end)))
@@ -252,6 +257,7 @@ def test_lives_with_traction_reach_their_criterion(method, criterion):
 
 
 def test_a_worn_life_ends_at_its_loss_and_bounds_its_errors():
+    """The bound is on the integration; the estimate is of all numerical errors, 2 % at most."""
     scene = scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))
     result = life(scene)
     v = result.values

@@ -39,6 +39,7 @@ def test_a_pair_on_a_soft_spring_lives_as_under_a_constant_force():
 
 
 def test_a_rigid_pair_with_a_load_balances_and_wears_the_loaded_side_more():
+    """2 N load the first bearing: its grooves become deeper. Stiffness falls with wear."""
     pair = life_values(*RIGID, "arrangement.external_axial_N=2.0")
     assert pair["status"] == code.OK
     first, second = pair["history_residual_preload"]
@@ -53,6 +54,7 @@ def test_a_rigid_pair_with_a_load_balances_and_wears_the_loaded_side_more():
 
 
 def test_bearings_that_differ_start_as_with_unworn_grooves():
+    """The friction of the second is 0.05: their QV differs, and no load comes from outside."""
     changes = (*RIGID, "arrangement.second={friction.ball_race: 0.05}")
     pair, hertz = life_values(*changes), life_values(*changes, contact="hertz")
     assert pair["status"] == code.OK

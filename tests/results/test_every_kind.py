@@ -196,6 +196,7 @@ def test_one_changed_number_is_shown_with_its_percentage(
 
 
 def test_keys_and_attributes_that_differ_stand_below(file_of, tmp_path, capsys):
+    """A solve has other keys; its file gets another source hash and an attribute of its own."""
     changed = tmp_path / "changed.nc"
     changes = "operation.preload_N=9", "friction.ball_race=0.05"
     run_command("solve", SCENE, "-o", changed, "--set", *changes)
@@ -310,6 +311,7 @@ def test_files_without_a_figure_are_refused_in_one_line(file_of, kind, tmp_path,
 @pytest.mark.long  # the checker takes seconds a file, and its set-up more
 @pytest.mark.parametrize("kind", ["dynamic case", "dynamic life", "study"])
 def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeypatch):
+    """The checker finds nothing but BEYOND_CF, and that only in dynamic cases."""
     runner = pytest.importorskip(
         "compliance_checker.runner", reason="compliance-checker is not installed (extra cf)"
     )

@@ -308,6 +308,7 @@ def test_an_open_file_is_replaced_and_not_changed(case, tmp_path):
     "stop", [KeyboardInterrupt, MemoryError, RuntimeError("NetCDF: HDF error")]
 )
 def test_interrupted_writing_leaves_the_old_file(case, stop, tmp_path, monkeypatch):
+    """An error of the netCDF library becomes an OutputError; the other exceptions pass on."""
     path = tmp_path / "x.nc"
     path.write_bytes(b"old")
 

@@ -247,6 +247,7 @@ def test_a_fault_of_the_file_is_named_by_the_file_beside_an_override(tmp_path, c
 @pytest.mark.parametrize("command", ["solve", "life"])
 @pytest.mark.parametrize("what", ["missing", "folder", "line break", "zero byte"])
 def test_refuses_scene_that_is_no_file(command, what, tmp_path, capsys):
+    """A missing file, a folder, and names with a line break or a zero byte."""
     path = {
         "missing": str(tmp_path / "none.yaml"),
         "folder": str(tmp_path),

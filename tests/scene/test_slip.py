@@ -98,6 +98,7 @@ GIVEN = pytest.mark.parametrize("given", [STANDARD, 1e-3, 1e-6])
 
 @GIVEN
 def test_a_given_regularisation_is_kept_when_a_scene_is_changed(spindle, given):
+    """Directly, with other changes, in a case and as plain data: it does not follow the speed."""
     scene = spindle.with_({KEY: given})
     for slow in (
         scene.with_({SPEED: 60.0}),

@@ -146,6 +146,10 @@ def test_the_arm_of_the_starting_torque_is_that_of_the_measured_pair(catalogues)
 
 
 def test_the_page_has_these_totals(catalogues, groups):
+    """The sentence of totals, the row table of misprints, and two cells of a table near the top.
+
+    One has the number and the range of the comparisons at rest, the other the two of torques.
+    """
     page = catalogues.PAGE.read_text(encoding="utf-8")
     assert catalogues.totals(groups) in page
     at_rest = [group for group in groups if group.source in ("NSK", "GMN")]

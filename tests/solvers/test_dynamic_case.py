@@ -105,6 +105,10 @@ def test_python_returns_the_dataset_of_the_command(case):
 
 
 def test_histories_have_their_dimensions_units_and_numbers(case):
+    """Names, dimensions and units that others rely on; values are those of `invented_solution`.
+
+    Histories are single floats, to 1e-6; angles are in degrees in the file.
+    """
     both, each, direction = ("time", "ball", "race"), ("time", "ball"), ("time", "direction")
     contract = {
         "contact_load": (both, "N"), "slip": (both, "m s-1"), "contact_qv": (both, "W"),
@@ -208,6 +212,7 @@ def test_the_remaining_time_follows_the_recent_rate(monkeypatch):
 
 
 def test_a_restart_continues_in_time(case, tmp_path):
+    """Five turns follow the 40 of the case, in time as in the state that counts them."""
     again = tmp_path / "more.nc"
     assert solve(again, "--restart", str(case), "--set", "model.simulated_turns=5") == 0
     continued = load(again)
@@ -268,6 +273,7 @@ def test_a_restart_by_another_model_is_refused(options, fidelity, case, tmp_path
 
 
 def test_a_restart_of_a_file_that_is_no_dynamic_case_is_refused(solver, tmp_path, capsys):
+    """A steady case, a life, a text and a missing file; each line begins with the file."""
     steady, life, text = tmp_path / "steady.nc", tmp_path / "life.nc", tmp_path / "text.nc"
     assert main(["solve", str(S1), "-o", str(steady)]) == 0
     assert main(["life", str(S1), "-o", str(life)]) == 0

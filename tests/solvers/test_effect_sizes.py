@@ -81,6 +81,7 @@ def test_a_spring_makes_temperature_an_effect_of_second_order():
 
 
 def test_check_prints_a_line_for_each_effect(capsys):
+    """The line says whether it is on; as JSON, the table has a row for each, in the same order."""
     assert main(["check", str(S1), "--set", HELD]) == 0
     text = capsys.readouterr().out
     assert all(len(line) < 120 for line in text.split("\n"))

@@ -120,6 +120,7 @@ def test_wrong_wear_tables_are_refused_in_one_line(rows, problem, capsys):
 
 
 def test_a_table_requires_a_coefficient(capsys):
+    """All keys of the film that need one are taken away, too, so that this line comes first."""
     without = [
         f"friction.film.{name}=null"
         for name in ("wear_coefficient", "thickness_um", "bare_ball_race")

@@ -72,6 +72,7 @@ def test_law_goes_by_the_inverse_cube_root_of_the_load_to_its_limit():
 
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
 def test_each_contact_has_the_coefficient_of_its_mean_pressure(scene, fidelity):
+    """It is S_0 over the mean pressure plus alpha; inner and outer pressure differ by over 1 %."""
     values = solve(scene("gyro_s1", FILM | POSITION), fidelity).values
     peak = values["maximum_pressure"]
     assert peak[0, 0] != pytest.approx(peak[0, 1], rel=1e-2)
@@ -139,7 +140,8 @@ def test_the_check_rejects_another_friction_law(solved_balance, race, name):
 
 
 def test_a_march_of_thrust_alone_has_the_friction_of_the_steady_state(scene):
-    many = {"model.strips": 100, "model.points_across": 32}  # the two do not take the same points
+    """Coefficients, QV and heat agree to 1e-6 with many points, as each places its own."""
+    many = {"model.strips": 100, "model.points_across": 32}
     march = {"model.dynamic_solution": "march", "model.simulated_turns": 2} | many
     marching = scene(
         "gyro_s1", FILM | march | {"model.normal_balance": "frictionless"}
@@ -261,6 +263,10 @@ def test_film_of_the_balls_covers_both_contacts(scene):
 
 
 def test_parts_wear_as_their_own_film_then_their_partners_then_as_themselves(scene):
+    """K_s is 3e-7 of the film on the balls, 2e-6 of that on the races, and 5e-6 of bare steel.
+
+    A part without a film of its own takes that of its partner in the contact, if there is one.
+    """
     on_balls = {f"{STEEL}.film": {"thickness_um": 0.01, "wear_coefficient": 3e-7}}
     films = Films.of(scene("gyro_s1", FILM | on_balls))
     films = replace(films, race=replace(films.race, film=films.race.film._replace(K_s=2e-6)))

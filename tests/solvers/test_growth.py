@@ -153,6 +153,10 @@ def test_speed_takes_a_fit_away(scene):
 
 
 def test_a_fit_follows_the_warmth_of_shaft_and_housing(scene):
+    """The inner ring has 40 degC: a shaft of 20 degC loosens the fit and one of 50 tightens it.
+
+    Without a temperature of its own the shaft is as warm as the ring, and presses as when cold.
+    """
     base = SEATED | {"fits.shaft_interference_um": 2.0, "temperature.inner_ring_C": 40}
 
     def pressure(**temperatures):

@@ -61,6 +61,7 @@ def scene_and_plain_inputs(plain, scene, name, method, mu, loss, drag):
     ],
 )
 def test_steady_states_agree_with_the_plain_program(plain, scene, name, method, mu, loss, drag):
+    """Loads, angles and orbit to 1e-8; the soft spin axis, QV, heat and torque to 1e-6."""
     s, bearing, operation = scene_and_plain_inputs(plain, scene, name, method, mu, loss, drag)
     problem = ThrustProblem.of(s)
     case = problem.solve(problem.g.D0 - loss * 1e-6)

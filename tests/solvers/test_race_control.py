@@ -38,6 +38,7 @@ def solved(g, F, rpm, law):
 
 @pytest.mark.parametrize("name", CASES)
 def test_outer_control_under_thrust_agrees_with_published_bearings(name):
+    """In all of CASES, to 1e-5: the digits on which two programs agree."""
     g, F, rpm, reference = CASES[name]
     omega, delta_a, s, k = solved(g, F, rpm, OUTER_CONTROL)
     m = g.rho * math.pi / 6 * g.D0**3

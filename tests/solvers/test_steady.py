@@ -66,6 +66,7 @@ def values_of_2_mm_bearing(scene, mu, quadrature, points):
 def test_values_agree_with_the_reference_of_the_quadratures(
     scene, mu, quadrature, points, rtol, qv_rtol
 ):
+    """The angular velocity by its size alone, because w_y is small: the next test has it."""
     v, ref = values_of_2_mm_bearing(scene, mu, quadrature, points), REFERENCE[mu]
     assert_allclose(v["contact_load"][0], ref["Q"], rtol=rtol)
     assert_allclose(np.degrees(v["contact_angle"][0]), ref["alpha"], rtol=rtol)

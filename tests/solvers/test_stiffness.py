@@ -189,6 +189,7 @@ def test_the_stiffness_of_a_pair_is_the_slope_of_force_over_its_shift(scene, cha
 
 @pytest.mark.parametrize("radial", [[0.0, 0.0], [0.3, -0.5]])
 def test_quasistatic_stiffness_of_race_control_is_the_slope_of_further_solves(scene, radial):
+    """Under thrust and with a radial load; the inner race is held a little to either side."""
     pump = scene("turbopump", {"operation.radial_load_N": radial, "model.fidelity": "race_control"})
     problem = RaceControlProblem.of(pump)
     values, _ = solve_race_control(pump, problem)

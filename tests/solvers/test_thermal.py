@@ -144,6 +144,10 @@ def least_balance(scene) -> np.ndarray | None:
 
 
 def test_random_networks_have_their_least_balance_or_seize(scene):
+    """24 networks with conductances over two or three decades; some seize, and some do not.
+
+    `least_balance` finds the heats by plain substitution, to 1e-5.
+    """
     random = np.random.default_rng(3)
     seized = 0
     for _ in range(24):
@@ -161,6 +165,7 @@ def test_random_networks_have_their_least_balance_or_seize(scene):
 
 
 def test_warm_seizure_is_named(scene, tmp_path, capsys):
+    """The result has temperatures and no loads; the command ends with 3 and one line."""
     result = solve(scene("gyro_s1", HELD | SEIZES))
     assert result.status == "warm_seizure"
     assert "residual_preload" not in result.values

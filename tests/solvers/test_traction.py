@@ -200,6 +200,7 @@ def test_newton_converges_in_six_steps_from_nearby(scene):
 @pytest.mark.parametrize("name", ["gyro_s1", "turbopump", "bearing218"])
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 def test_balance_of_power_and_of_the_race(scene, name, method):
+    """Residuals, the preload from the contact forces, and shaft power as heat plus drag [W]."""
     s = scene(name, HERTZ | {"operation.preload_method": method})
     problem = ThrustProblem.of(s)
     case, n = problem.solve(problem.g.D0), problem.g.n_balls

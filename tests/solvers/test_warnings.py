@@ -299,6 +299,10 @@ def test_a_weightless_cage_is_warned_of_where_the_cage_is_solved(changes, fideli
 
 
 def test_every_caution_is_tested_and_documented():
+    """docs/warnings.md lists each id, marked with an asterisk if it makes a design impractical.
+
+    Each is expected by a scene of ABSURD, or by one of the tests that are named here.
+    """
     page = (ROOT / "docs" / "warnings.md").read_text(encoding="utf-8")
     ids_of_warnings = [warning.id for warning in WARNINGS]
     marks = dict(re.findall(r"^- `(\w+)`(\\\*)?: ", page, re.MULTILINE))
@@ -428,6 +432,7 @@ def test_the_torque_that_regularisation_takes_is_solved_for(spindle, fidelity, r
 
 
 def test_python_warns(spindle):
+    """A warning names the scene and the line of the caller; a life has two."""
     scene = variant(spindle, {"operation.preload_N": 20_000})
     with pytest.warns(
         UserWarning, match=r"^spindle_7008C: .*pressure .*3\.3\d GPa .*2 GPa"
@@ -443,6 +448,7 @@ def test_python_warns(spindle):
 
 
 def test_warnings_of_several_cases_are_counted_and_shown_at_their_worst():
+    """Three of four cases have it; merged twice, six of eight. The largest excess is shown."""
     small, large = (
         {"warnings": json.dumps([{"id": "groove_worn", "sentence": s, "advice": "a", "excess": x}])}
         for s, x in (("small", 2.0), ("large", 7.0))
