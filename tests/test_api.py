@@ -71,7 +71,7 @@ def test_the_example_is_the_scene_gyro_s1():
 
 
 def test_new_gives_the_scene_that_its_command_writes(tmp_path):
-    """Except that its description also states the assumed values."""
+    """The scenes are equal, except that the function's description states assumed values, too."""
     argv = [str(tmp_path / "mine.yaml"), "--bore", "40", "--outside", "68", "--ball-diameter", "8"]
     assert main(["new", *argv, "--ball-material", "silicon_nitride"]) == 0
     by_function = bearingwear.new(
@@ -114,7 +114,7 @@ def test_new_refuses_an_unknown_argument():
 
 @pytest.mark.parametrize("name", ["gyro_s1", "010"])
 def test_a_saved_scene_is_loaded_without_change(name, tmp_path):
-    """Even if readers of YAML 1.1 or 1.2 would take its name for a number."""
+    """Its name stays a text that readers of YAML 1.1 or 1.2 would take for a number."""
     scene = replace(bearingwear.example(), name=name)
     path = tmp_path / "new" / "mine.yaml"
     bearingwear.save(scene, path)

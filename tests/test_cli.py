@@ -164,7 +164,7 @@ def test_an_interrupt_while_python_ends_keeps_the_exit_status():
 
 
 def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
-    """On standard error, a line for each warning of the file, in the same order."""
+    """Standard error has a line for each warning of the file, in the same order."""
     words = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
     assert main([*words, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
@@ -404,7 +404,7 @@ def test_an_unknown_step_is_refused(run, problem, tmp_path, capsys):
 
 
 def test_an_unsolved_step_reports_its_status_and_ends_with_0(tmp_path, capsys):
-    """So that a study continues without the case; the status in the file tells it."""
+    """A study then continues without the case, whose file has the status."""
     settings = {"changes": {"friction.ball_race": 0}}
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
     assert only_line(capsys).startswith(f"{SCENE}: undetermined: ")
@@ -468,7 +468,7 @@ def test_an_output_that_would_replace_another_file_is_refused(command, tmp_path,
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
 def test_an_output_that_would_replace_a_read_only_file_is_refused(command, tmp_path, capsys):
-    """Before anything is solved, and even for root, who could write to it."""
+    """It is refused before anything is solved, and for root, too, who could write to it."""
     result = tmp_path / "kept.nc"
     assert run_solve(result) == 0
     content = result.read_bytes()

@@ -235,7 +235,7 @@ def test_calibrate_gives_what_its_command_writes(tmp_path, capsys):
 
 
 def test_cage_gives_what_its_command_writes(tmp_path, monkeypatch):
-    """For runs that are not solved: their results follow from their draws."""
+    """Its runs are not solved here: their results follow from their draws."""
 
     def run_without_solving(scene, start, least_turns, most_turns):
         work = {"work": scene.friction.cage * (1.0 + start.offset), "turns": float(most_turns)}

@@ -75,7 +75,7 @@ def set_state(system, y):
 
 @pytest.mark.parametrize(("name", "k"), CASES)
 def test_the_plain_program_with_the_earlier_laws_gives_the_stored_numbers(systems, name, k):
-    """To 1e-8 of the largest number of each kind."""
+    """They agree to 1e-8 of the largest number of each kind."""
     stored = STATES["states"][name][k]
     rates = np.array(stored["dy"])
     contacts, delta = solve(*set_state(systems(name, 0.0), np.array(stored["y"])), STORED)
@@ -93,7 +93,7 @@ def test_the_plain_program_with_the_earlier_laws_gives_the_stored_numbers(system
 
 @pytest.mark.parametrize(("name", "k"), CASES)
 def test_the_kernels_agree_with_the_plain_program(systems, name, k):
-    """With the laws of today, to 1e-8 of the largest number of each kind."""
+    """It has the laws of today; they agree to 1e-8 of the largest number of each kind."""
     system = systems(name, 5.0 if k else 0.0)
     expected, delta = solve(*set_state(system, np.array(STATES["states"][name][k]["y"])), TODAY)
     contacts, sums = system.buffers.cage, system.buffers.cage.sums

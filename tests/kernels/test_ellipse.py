@@ -96,7 +96,7 @@ def differences(c, points, result):
 @pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])
 @pytest.mark.parametrize("c", SLIPS)
 def test_gradient_and_hessian_of_the_potential_agree_with_differences(c, rule):
-    """At points that are held; the errors of the differences are those of test_friction.py."""
+    """Points are held; 1e-5 and 1e-6 are the errors of differences (see test_friction.py)."""
     points = points_of(rule, c)
     _, gradient, hessian = sums(c, points)
     size = np.abs(gradient / SCALE).max()
@@ -224,7 +224,7 @@ def test_the_torque_of_pure_spin_on_a_line_has_a_closed_form():
     ids=["default points", "fixed points"],
 )
 def test_few_points_give_the_torque_of_pure_spin(rule, error):
-    """At the ellipticity of gyro_s1's outer contact; the error of fixed points is 2.5e-4."""
+    """The ellipticity is that of gyro_s1's outer contact; fixed points err by 2.5e-4."""
     kappa = 3.07
     contact = CONTACT._replace(b=CONTACT.a / kappa)
     exact = 3 / 8 * MU * contact.Q * contact.a * ellipe(1.0 - kappa**-2)
@@ -233,7 +233,7 @@ def test_few_points_give_the_torque_of_pure_spin(rule, error):
 
 
 def test_heathcote_slip_agrees_with_johnson():
-    """Without spin and gyroscopic slip: Contact Mechanics, 8.5 (line slip, close conformity).
+    """There is no spin and no gyroscopic slip: Contact Mechanics, 8.5 (line, close conformity).
 
     Without a net force there is no slip at 0.34730 a, and the moment is 0.08057 mu Q a^2/R.
     """

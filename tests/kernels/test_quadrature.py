@@ -131,7 +131,7 @@ def test_rolling_points_are_roots_of_the_slip(roots):
 
 
 def test_degenerate_slip_gives_finite_points():
-    """Without slip, with spin alone, with equal slip everywhere; the weights add up to 1."""
+    """Slip is zero, spin alone, or equal everywhere; the weights add up to 1."""
     rule = ellipse_rule("split", 40)
     for c in ((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1e3), (0.0, 1.0, 0.0, 0.0), (5.0, 0, 0, 0)):
         for v_r in (0.0, 1e-9, 1e-3):
@@ -147,7 +147,7 @@ def test_degenerate_slip_gives_finite_points():
 @pytest.mark.parametrize("mu", [0.02, 0.11])
 @pytest.mark.parametrize("v_r", [1e-3, 1e-6])
 def test_forty_points_give_qv_of_a_steady_state_to_3e_5(scene, mu, loss, v_r):
-    """Against 2000 Gauss points (measured: 1.4e-5), with hardly more steps of Newton's method."""
+    """2000 Gauss points differ by 1.4e-5 at most; Newton's method takes 5 steps more at most."""
     changes = {
         "operation.preload_method": "fixed_position",
         "friction.ball_race": mu,

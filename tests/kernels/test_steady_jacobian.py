@@ -150,7 +150,7 @@ def test_the_stiffness_of_a_ball_agrees_with_differences(scene):
 
 @pytest.mark.parametrize("model", [ORBIT, OUTER_CONTROL, INNER_CONTROL])
 def test_a_packed_ball_state_is_unpacked_without_loss(scene, model):
-    """Except for its residual, which is not packed."""
+    """Only its residual is not packed."""
     g = parameters.geometry(scene("gyro_s1"))
     A1, A2 = groove_distance(g, 0.0, static_displacement(g, 7.0), 0.0, 0.0, 0.0)
     state = ball_equilibrium(g, g.D0, ball_load(model), A1, A2, cold_start())

@@ -21,7 +21,7 @@ FILM = {
 
 @pytest.mark.parametrize("changes", [{}, FILM], ids=["coulomb", "film"])
 def test_the_jacobian_of_the_friction_of_worn_contacts_agrees_with_differences(scene, changes):
-    """To 1e-5 of the largest term, and 1e-4 of the largest in each row."""
+    """They differ by 1e-5 of the largest term, and 1e-4 of the largest in each row, at most."""
     problem = ThrustProblem.of(scene("gyro_s1", LINE | {"model.contact": "worn"} | changes))
     bearing = WornBearing(problem, problem.solve(problem.g.D0), 0.0, (32, 8))
     wear = bearing.unworn()

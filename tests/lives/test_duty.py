@@ -305,7 +305,7 @@ def test_points_of_a_ramp_integrate_the_rates_of_a_bearing():
 
 @pytest.mark.parametrize("method", [{}, POSITION], ids=["spring", "position"])
 def test_a_start_to_a_low_speed_wears_half_of_its_time_at_that_speed(scene, method):
-    """So a duty of starts and stops alone lives twice as long as its speed alone."""
+    """A duty of starts and stops alone therefore lives twice as long as its speed alone."""
     slow = {"slow": {"operation.shaft_speed_rpm": 600.0}}
     starts = duty({"slow": {"starts": 3.0}}, start_s=20.0, stop_s=60.0)
     duty_scene = scene("gyro_s1", HERTZ | method | {"cases": slow} | starts)
@@ -319,7 +319,7 @@ def test_a_start_to_a_low_speed_wears_half_of_its_time_at_that_speed(scene, meth
 
 @pytest.mark.parametrize("method", [{}, POSITION], ids=["spring", "position"])
 def test_two_points_of_a_ramp_have_the_wear_of_forty_speeds(scene, method):
-    """Within 0.2 %, in a start to full speed; the forty are midpoints of equal parts."""
+    """A start to full speed has it within 0.2 %; the forty are midpoints of equal parts."""
     full = {"friction.slip_regularisation_m_s": 1e-4}
     starts = duty({"nominal": {"starts": 1.0}}, start_s=20.0, stop_s=60.0)
     duty_scene = scene("gyro_s1", HERTZ | method | full | starts)
@@ -539,7 +539,7 @@ def test_grooves_wear_in_all_phases_at_once(scene, film):
 
 @pytest.mark.parametrize("thickness", [0.02, 0.07])
 def test_a_film_worn_through_has_the_life_of_four_times_shorter_steps(scene, thickness):
-    """Within 0.5 %: steps of 0.24 of the gap of the contact, and of 0.06."""
+    """Steps of 0.24 of the gap of the contact and of 0.06 differ by less than 0.5 %."""
     film = FILM | {"friction.film.thickness_um": thickness}
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.15}}
     filmed = scene("gyro_s1", WORN | POSITION | film | end)

@@ -62,7 +62,7 @@ SHARE = {"wear.end_of_life": {"film_worn_share": 0.5}}
     ids=["pressed, ball", "on balls", "running in", "depth"],
 )
 def test_a_dynamic_life_with_equal_balls_agrees_with_the_steady_one(scene, changes):
-    """To 1 %, what eight steps of a dynamic life leave out; its own estimate covers that.
+    """Eight steps of a dynamic life leave out 1 % at most, which its own estimate covers.
 
     The estimate itself is at most 6 %, so that it says something.
     """
@@ -146,7 +146,7 @@ def test_a_cage_does_not_keep_a_film_from_its_end(scene):
 
 
 def test_a_film_under_a_radial_load_wears_through_when_race_control_says(scene):
-    """Within a fifth, because race control only estimates the slip that wears the film."""
+    """They agree within a fifth: race control only estimates the slip that wears the film."""
     few = {"model.simulated_turns": 3, "model.evaluated_turns": 1, "model.life_steps": 4}
     loaded = {"operation.radial_load_N": [0.3, 0.0]}
     s = scene("gyro_s1", THREE_BALLS | FILM | LOSS | few | loaded)

@@ -32,7 +32,7 @@ def equal_balls_life(scene):
 
 
 def test_a_dynamic_life_of_equal_balls_is_the_steady_one(scene, equal_balls_life):
-    """In preload, loss and time; its error is within its own estimate, which is 5 % at most."""
+    """Its error is within its own estimate, which is 5 % at most; it ends at the same loss."""
     values = equal_balls_life.values
     assert values["status"] == code.OK and CRITERIA[values["end_criterion"]] == "preload_fraction"
     steady = life(scene("gyro_s1", WITHOUT_CAGE), "steady").values

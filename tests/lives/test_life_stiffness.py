@@ -47,7 +47,7 @@ def slope_of_further_solves(side, node):
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
 def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balance):
-    """At the end of a life to a loss of 0.2 um, in each arrangement of preload and balance."""
+    """The state is the last one of a life to a loss of 0.2 um."""
     scene = scene_of(method, balance=balance, end_of_life=LOSS_OF_02_UM)
     course = StiffGrooves(scene, FEW_CELLS)
     groove_life = follow_grooves(course)
@@ -92,7 +92,7 @@ def test_a_worn_life_ends_at_the_lesser_stiffness_and_names_it(limit, lesser, ap
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes, kind):
-    """To 0.1 %, of the cells of a groove, and have both stiffnesses at every state."""
+    """Cells of a groove leave 0.1 %. Every state of a life has both stiffnesses."""
     end = "wear.end_of_life={preload_fraction: 0.9, ball_diameter_loss_um: 0.1}"
 
     def life_values(contact):

@@ -132,7 +132,7 @@ class EvenWear(Grooves):
 
 @METHODS
 def test_grooves_that_wear_evenly_have_the_hertzian_life(method):
-    """In half of the usual steps, of which each leaves out a quarter as much: to 0.1 %."""
+    """They are followed in half of the usual steps, which leave out a quarter as much: 0.1 %."""
     scene = scene_of(method)
     half_steps = EvenWear(scene, EXACT_GROOVES._replace(step=0.5 * STEP))
     even, hertz = follow_grooves(half_steps), HertzianLives(scene)(scene)
@@ -246,7 +246,7 @@ def test_the_preload_left_by_even_wear_agrees_with_other_programs():
     [("constant_force", "ball_diameter_loss_um"), ("fixed_position", "preload_fraction")],
 )
 def test_lives_with_traction_reach_their_criterion(method, criterion):
-    """With half of the cells, too, and after a time within 2 % of theirs."""
+    """Half of the cells change the life by 2 % at most."""
     end = EndOfLife(preload_fraction=0.4, ball_diameter_loss_um=0.7)
     scene = scene_of(method, balance="with_traction", track_wander=0.1, end_of_life=end)
     groove_life = follow_grooves(Grooves(scene))
@@ -271,7 +271,7 @@ def test_a_worn_life_ends_at_its_loss_and_bounds_its_errors():
 
 
 def test_worn_volumes_are_the_time_integral_of_qv():
-    """By trapezoids over the few steps of the history: to 1 %."""
+    """Trapezoids over the few steps of the history give it to 1 %."""
     v = life(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))).values
     time, qv = v["history_time"], v["history_qv"]
     K_H = 5e-6 / 6.6e9
@@ -316,7 +316,7 @@ def history_to_03_um():
 def test_pressure_and_depth_end_a_life_at_the_values_of_a_longer_one(
     history_to_03_um, criterion, limit, history, factor
 ):
-    """Within 3 %, of its few steps."""
+    """The few steps of the longer one leave 3 %."""
     values, time = factor * history_to_03_um[history], history_to_03_um["history_time"]
     assert values.max() > limit > values[0]
     rising = slice(values.argmax())
@@ -361,7 +361,7 @@ def test_a_criterion_met_at_the_start_gives_a_life_of_zero():
 
 
 def test_grooves_that_wear_beyond_the_solver_end_without_a_criterion():
-    """In coarse steps and cells, to a skid ratio that is never reached.
+    """Coarse steps and cells are to reach a skid ratio that is never reached.
 
     Which status says that no state is found does not matter.
     """

@@ -32,7 +32,7 @@ def life_values(*changes, contact="worn"):
 
 
 def test_a_pair_on_a_soft_spring_lives_as_under_a_constant_force():
-    """Within 0.1 %: the spring of 10 N/m gives way by the loss, and steps differ."""
+    """Lives agree within 0.1 %: the spring of 10 N/m gives way by the loss, and steps differ."""
     single = life_values("operation.preload_method=constant_force")
     spring = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1e-5")
     assert life_values(*spring)["life"] == pytest.approx(single["life"], rel=1e-3)

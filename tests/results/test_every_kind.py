@@ -101,7 +101,7 @@ def file_of(tmp_path_factory):
     ],
 )
 def test_show_has_the_main_numbers_of_each_kind(file_of, kind, name, column, value, capsys):
-    """For people in short lines without NaN, and for programs each under a key of its own.
+    """People read short lines without NaN; programs find each number under a key of its own.
 
     Computed numbers are regression values, which `bearingwear show FILE --csv` prints.
     """

@@ -67,7 +67,7 @@ def test_wrong_ratings_identify_nothing(identify):
 
 @pytest.mark.parametrize(("maker", "count"), [("NSK", 241), ("SNFA", 340), ("GMN", 269)])
 def test_every_bearing_with_a_class_m_makes_a_scene_of_its_preload(maker, count):
-    """As many as its table in benchmarks/catalogue has."""
+    """There are as many as its table in benchmarks/catalogue has."""
     entries = [entry for entry in bearings() if entry.maker == maker and "M" in entry.preloads]
     assert len(entries) == count
     for entry in entries:

@@ -46,7 +46,7 @@ def test_a_designation_gives_bore_outside_and_width(designation, bore, outside, 
 
 @pytest.mark.parametrize("series", SERIES)
 def test_sizes_grow_with_the_bore_code(series):
-    """As in any dimension series: a wrong entry of the table would stand out."""
+    """They do in any dimension series, so that a wrong entry of the table would stand out."""
     sizes = [designation_of(series + code) for code in CODES]
     for a, b in itertools.pairwise(sizes):
         assert b.bore > a.bore and b.outside > a.outside and b.width >= a.width

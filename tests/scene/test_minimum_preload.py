@@ -116,7 +116,7 @@ def test_the_minimum_preload_is_on_the_sheet(command, tmp_path, capsys, monkeypa
 
 
 def test_the_minimum_preload_is_on_the_line_of_the_bearing():
-    """Without a preload of the scene too, as in studies."""
+    """It is there without a preload of the scene, too, as in studies."""
     data = bearingwear.new(**GMN, speed=15000.0).to_dict()
     del data["operation"]["preload_N"]
     assert "GMN minimum preload 179 N at 15000 r/min" in bearing_line(data)

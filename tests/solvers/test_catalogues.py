@@ -127,7 +127,7 @@ def test_the_first_screen_counts_all_groups_and_values(groups, catalogues):
 
 
 def test_grooves_of_the_ratings_meet_the_rigidities(catalogues, groups):
-    """On the mean to 2, 0.5 and 0.5 % for S, SM and KH; nothing is fitted to a row.
+    """The means of S, SM and KH differ by 2, 0.5 and 0.5 % at most; nothing is fitted to a row.
 
     With a groove factor of 0.52, SM and KH would be 15 % off.
     """

@@ -146,7 +146,7 @@ def test_integrators_agree_with_scipy(scene, contact):
     ],
 )
 def test_energy_that_shaft_and_loads_supply_is_accounted_for(scene, changes):
-    """To 1e-5 of the heat over six turns."""
+    """It is what the other energies gain over six turns, to 1e-5 of the heat."""
     motion = started(scene("gyro_s1", changes))
     before = motion.energy()
     assert motion.advance(6 * motion.turn, 3e-5).status == OK

@@ -85,7 +85,7 @@ def test_presets_become_finer_one_after_the_other():
 
 
 def test_a_required_error_takes_the_coarsest_preset_that_has_it():
-    """Or the finest, if none has."""
+    """If none has it, the finest is taken."""
     assert accuracy_preset(PRESETS[1].error) is PRESETS[1]
     assert accuracy_preset(0.999 * PRESETS[1].error) is PRESETS[2]
     assert accuracy_preset(1.0) is PRESETS[0] and accuracy_preset(1e-9) is PRESETS[-1]

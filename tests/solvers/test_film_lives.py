@@ -199,7 +199,7 @@ def test_lives_of_a_bearing_have_the_ratios_of_the_tests(lives_by_row):
      (1500, 1.0, 0.194, 1.0 / 0.194, 0.01)],
 )  # fmt: skip
 def test_warmth_shortens_lives_with_worn_grooves(scene, pressure, at_23, at_120, steel, within):
-    """By the ratio of the table, within 10 or 12 %: it has no say in the steel below the film.
+    """Lives have the ratio of the table within 10 or 12 %: steel below the film does not follow it.
 
     steel: wear of warm over cold steel. Where it wears more by the ratio of the table, too, the
     lives have that ratio to 1 %.

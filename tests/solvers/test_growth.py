@@ -136,7 +136,7 @@ def test_a_tight_ring_on_a_full_shaft_is_a_full_disc(scene):
 
 
 def test_an_outer_ring_in_a_thick_housing(scene):
-    """Of one material the track closes by I a/(2 b)."""
+    """The track closes by I a/(2 b), where ring and housing are of one material."""
     ring = growth_with_fit(scene, housing_interference_um=3.0).outer
     assert_allclose(ring.fit, -1.5e-6 * track_radius(scene, 1.0) / 6.5e-3, rtol=1e-10)
 
@@ -216,7 +216,7 @@ def test_mass_of_the_balls_is_kept(scene):
 
 @pytest.mark.parametrize("orientation", ["back_to_back", "face_to_face"])
 def test_axial_change_of_a_pair(orientation):
-    """From the distances of the grooves on shaft and in housing; one bearing has no span."""
+    """Shaft and housing expand over the distances of their grooves; one bearing has no span."""
     heat = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=2e-4, housing=5e-5)
     A1, span = 70e-6, 20e-3
     back = orientation == "back_to_back"
@@ -238,7 +238,7 @@ def test_a_hybrid_bearing_that_is_warmed_evenly_loses_preload(scene):
 
 
 def test_growth_at_speed_more_than_doubles_a_turbopump_preload(scene):
-    """Of `turbopump` at fixed position, with the 35 mm bore of its description.
+    """That is `turbopump` at fixed position, with the 35 mm bore of its description.
 
     `change_at_speed` estimates the static preload to 2 %. At speed centrifugal forces take a part.
     """
@@ -258,7 +258,7 @@ def static_preload_ratio(scene) -> float:
     ("name", "changes"), [("gyro_s1", {}), ("turbopump", HYBRID), ("bearing218", {})]
 )
 def test_the_estimated_effect_of_a_warm_ring_is_right_within_2_percent(scene, name, changes):
-    """Of an inner ring that is 5 K warmer than when mounted, at 20 degC."""
+    """The inner ring is 5 K warmer than when mounted, at 20 degC."""
     warm = scene(name, HELD | changes | {"temperature.inner_ring_C": 25.0})
     estimate = 1.0 + change_by_warm_ring(warm, 5.0)
     assert_allclose(estimate, static_preload_ratio(warm), rtol=0.02)
@@ -303,7 +303,7 @@ def numbers_of_fit(result) -> list[float]:
 
 
 def test_the_warning_of_a_missing_fit_has_the_preload_of_usual_fits(rigid_spindle):
-    """At rest within 2 %, at speed within 5 % of a solve with the fit; loose where a solve is."""
+    """Solves with a fit have it within 2 % at rest and 5 % at speed, and lose the fit as stated."""
     _, _, *numbers = numbers_of_fit(solve(rigid_spindle))
     fits = [numbers[:4], numbers[4:]]
     assert [um for um, *_ in fits] == [5.0, 12.0]
@@ -348,7 +348,7 @@ def test_no_fit_is_wider_than_a_scene_may_have(scene):
 
 
 def test_a_worn_bearing_is_warned_of_its_fit_when_new(rigid_spindle):
-    """Within 15 %: an estimate by the preload at speed, which a solve of the worn state has not."""
+    """The preload at speed is that of the new one within 15 %: a worn solve does not have it."""
     preload_with_fit = 4  # index of that at speed, with the first of the usual fits
     new = numbers_of_fit(solve(rigid_spindle))[preload_with_fit]
     worn = rigid_spindle.with_({"wear.ball_diameter_loss_um": 1.0})

@@ -77,7 +77,7 @@ def pair():
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
 def test_a_rotor_under_loads_agrees_with_a_program_written_apart(case):
-    """To the seven digits of its file."""
+    """Its file has seven digits."""
     inputs, near = case["inputs"], {"rel": 1e-6, "abs": 1e-9}
     rest = RotorAtRest.of(scene_of(inputs))
     loaded = rest.under(inputs["axial_load_N"], inputs["radial_load_N"])
@@ -160,8 +160,10 @@ def test_a_spring_bottoms_on_its_stop(pair):
 
 
 def test_frequencies_are_those_of_the_stiffness_at_rest(pair):
-    """To 0.1 %, and that of tilting to 0.5 %: a stiffness matrix leaves out the turn of tilted
-    ball loads."""
+    """They agree to 0.1 %, and that of tilting to 0.5 %.
+
+    A stiffness matrix leaves out that ball loads turn as the rotor tilts.
+    """
     K = RestingPair.of(pair).bearing.stiffness_matrix(75.0)
     expected = natural_frequencies(pair.arrangement, np.array([K, K]), 2.0 * K[0, 0])
     axial, radial, tilting = RotorAtRest.of(pair).frequencies(pair.arrangement)
@@ -188,7 +190,7 @@ def three_sigma(launch):
 
 
 def test_miles_equation(pair):
-    """Of a random load of no duration, three sigma at the axial frequency."""
+    """A random load of no duration counts as three sigma at the axial frequency."""
     assert miles(0.1, 100.0, 10.0) == pytest.approx(math.sqrt(50.0 * math.pi))
     launch = launch_result(pair.with_(RANDOM))
     assert launch.axial_g == pytest.approx(three_sigma(launch), rel=1e-12)
@@ -207,7 +209,7 @@ def test_a_random_load_that_lasts_has_its_expected_peak(pair):
 
 
 def test_the_expected_peak_of_a_narrow_band_response():
-    """In 120 s at 300 Hz; and the mean of the largest of 400 times 3000 Rayleigh amplitudes."""
+    """It is sqrt(2 ln(f t)) sigma: 120 s at 300 Hz, and drawn Rayleigh amplitudes, 3000 of 10 s."""
     assert expected_peak(300.0, 120.0) == pytest.approx(math.sqrt(2.0 * math.log(36000.0)))
     assert expected_peak(300.0, 0.0) == 0.0 and expected_peak(0.5, 1.0) == 0.0
     draws = np.random.default_rng(7).rayleigh(size=(400, 3000)).max(axis=1)

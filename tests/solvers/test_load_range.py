@@ -48,7 +48,7 @@ def every_instant(scene, windows):
 
 
 def test_largest_and_smallest_loads_are_those_of_all_instants(scene, loaded_case):
-    """Of each ball, against the averages of the shortest intervals, one at a time."""
+    """Those of each ball are compared with the averages of the shortest intervals, one by one."""
     v = loaded_case.values
     windows = round(v["simulated_turns"] / v["evaluated_turns"])
     loads, pressures = every_instant(scene("gyro_s1", LOADED), windows)

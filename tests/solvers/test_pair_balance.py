@@ -73,7 +73,7 @@ def test_a_rotor_that_runs_away_stops_where_the_force_rises_again():
 
 
 def test_a_force_that_jumps_over_zero_balances_no_rotor():
-    """From -3 to 3 N at 1 um, where the search ends."""
+    """It jumps from -3 to 3 N at 1 um, where the search ends."""
     result = search(lambda x: HELD * (x - 1e-6) + math.copysign(3.0, x - 1e-6))
     assert result.status == code.NO_STEADY_STATE
     assert_allclose(result.place, 1e-6, rtol=1e-8)

@@ -113,7 +113,7 @@ def test_7_rolling_slip_is_nearly_the_same_for_both_preloads(values):
 
 
 def test_7_departs_above_06_um_where_the_spin_moves_to_the_inner_race(values):
-    """Without drag."""
+    """There is no drag: the ratio of spin to roll inside over outside passes a half."""
     inner_over_outer = [
         np.divide(*values(POSITION, 0.08, loss)["spin_to_roll_ratio"][0]) for loss in (0.5, 0.7)
     ]

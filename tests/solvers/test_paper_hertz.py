@@ -94,7 +94,7 @@ def test_8_constant_force_rises_and_lies_above_fixed_position(hertz):
 @pytest.mark.parametrize("mu, longer", [(0.02, FORCE), (0.08, POSITION)])
 @pytest.mark.parametrize("name", ["gyro_s1", "gyro_s1_hertz"])
 def test_the_method_that_lasts_longer_is_the_same(scene, name, mu, longer):
-    """On the line and on the ellipse."""
+    """It is the spring at low and the fixed position at high friction, on line and ellipse."""
 
     def life_s(method):
         changes = {"operation.preload_method": method, "friction.ball_race": mu}

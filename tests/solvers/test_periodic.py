@@ -90,7 +90,7 @@ def test_scenes_without_a_periodic_motion_are_refused(scene, changes, why):
 
 
 def test_an_undetected_periodic_motion_is_reported_or_marched(scene, monkeypatch):
-    """Not converged where the scene says `periodic`, marched by `auto`."""
+    """The scene with `periodic` has not converged; with the default `auto` it is marched."""
     monkeypatch.setattr(periodic, "ACCEPTED", 0.0)
     monkeypatch.setattr(periodic, "MARCHED", (0.0, 1.0))
     of_scene = solve(scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}).without_cage)

@@ -40,7 +40,7 @@ def test_under_thrust_one_steady_ball_stands_for_all_in_motion(scene, name, meth
 
 @pytest.mark.parametrize("name", ["gyro_s1", "gyro_s1_drag"])
 def test_without_its_cage_a_scene_has_the_claimed_qv_and_loss_rate(scene, name):
-    """Within 1 % of QV, and 2 % of the loss rate that counts balls and races.
+    """It has QV within 1 %, and the loss rate that counts balls and races within 2 %.
 
     The balls' wear in the pockets is left out with the cage: 8 % of what they lose in the first
     twenty turns of gyro_s1.
@@ -60,7 +60,7 @@ def test_without_its_cage_a_scene_has_the_claimed_qv_and_loss_rate(scene, name):
 
 @pytest.mark.parametrize("name", ["gyro_s1", "gyro_s1_drag", "turbopump", "bearing218"])
 def test_the_estimated_centrifugal_force_is_right_within_a_factor_of_two(scene, name):
-    """Stated before any solve, by kinematics at the free contact angle."""
+    """It is stated before any solve, by kinematics at the free contact angle."""
     s = scene(name)
     values = solve(s, "steady").values
     load = values["contact_load"].mean()

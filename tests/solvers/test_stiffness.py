@@ -113,7 +113,7 @@ def test_the_linear_response_is_the_derivative_of_the_balance_and_of_the_inner_f
     u = np.append(case.u, [case.T_i, case.T_o])[:k]
 
     def balance_and_force(column, step):
-        """Of a state with one unknown, or its place, a step further."""
+        """Returns balance (k,) and inner force (2,) with an unknown, or the place, shifted."""
         shifted, place = u.copy(), case.delta_a
         if column < k:
             shifted[column] += step

@@ -80,7 +80,7 @@ def test_a_required_preload_fraction_is_one_of_each_bearings_own_share(scene):
     [((1, 1), 1.0), ((2, 1), 1.36), ((3, 1), 1.57), ((2, 2), 2.0), ((3, 2), 2.42)],
 )
 def test_a_set_of_bearings_matched_as_a_pair_has_the_printed_preload(scene, tandem, printed):
-    """Over that of the pair, with two decimals in catalogues.
+    """Its ratio to the preload of the pair has two decimals in catalogues.
 
     To 0.5 % it follows from the same offset at the faces, by exact static displacements.
     """

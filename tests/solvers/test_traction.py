@@ -115,7 +115,7 @@ def solved_balance(request, scene):
 
 
 def test_jacobian_of_all_six_unknowns_is_their_derivative(solved_balance):
-    """Against central differences, the equilibrium solved at each orbit rate and traction."""
+    """Differences solve the equilibrium of the ball at each orbit rate and traction."""
     p, seat, u = solved_balance
     assert full_jacobian(p, p.bearing.op.v_r, seat, u) == code.OK
     jacobian = p.jacobian.copy()
@@ -191,7 +191,7 @@ def test_the_check_rejects_another_traction(solved_balance):
 
 
 def test_newton_converges_in_six_steps_from_nearby(scene):
-    """From the state of balls that have lost 1 nm."""
+    """It starts from the state of balls that have lost 1 nm."""
     problem = ThrustProblem.of(scene("gyro_s1", HERTZ))
     start = problem.solve(problem.g.D0 - 1e-9).u
     assert problem.solve(problem.g.D0, start=start).iterations <= 6

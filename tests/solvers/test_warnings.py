@@ -270,7 +270,7 @@ def test_no_warning_of_skidding_at_rest(spindle):
 
 
 def test_a_ball_without_load_reaches_no_shoulder():
-    """Where its contact angle would put its ellipse does not count."""
+    """Its contact angle would put its ellipse over the shoulder, which does not count."""
     loaded = {
         "operation.radial_load_N": [0.0, -60.0],
         "operation.shaft_speed_rpm": 3000.0,
