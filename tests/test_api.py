@@ -186,7 +186,8 @@ def test_plot_draws_a_dataset_and_a_file_alike(scene, tmp_path):
     bearingwear.save(case, tmp_path / "case.nc")
     settings = dict(matplotlib.rcParams)
     of_dataset, of_file = bearingwear.plot(case), bearingwear.plot(tmp_path / "case.nc")
-    assert of_dataset.get_suptitle() == of_file.get_suptitle() != ""
+    assert of_dataset.get_suptitle() == of_file.get_suptitle()
+    assert of_file.get_suptitle()
     for dataset_axes, file_axes in zip(of_dataset.axes, of_file.axes, strict=True):
         for dataset_line, file_line in zip(dataset_axes.lines, file_axes.lines, strict=True):
             np.testing.assert_array_equal(dataset_line.get_xydata(), file_line.get_xydata())

@@ -185,7 +185,8 @@ def test_order_of_phases_does_not_change_a_life_whose_film_wears_through(scene, 
     results = [duty_life(filmed.with_(duty(mix, **ramps))) for mix in (phases, backwards, apart)]
     forwards_life, backwards_life, life_cut_in_two = (result.life for result in results)
     assert forwards_life.last.states[0]["film_left"].min() <= 0.0
-    assert forwards_life.last.time == backwards_life.last.time > 0.0
+    assert forwards_life.last.time == backwards_life.last.time
+    assert forwards_life.last.time > 0.0
     assert life_cut_in_two.last.time == pytest.approx(forwards_life.last.time, rel=1e-6)
     assert len({result.ending_case_index for result in results}) == 1
 

@@ -78,7 +78,8 @@ def test_every_bearing_with_a_class_m_makes_a_scene_of_its_preload(maker, count)
         b = scene.bearing
         assert (b.ball_count, b.ball_diameter_mm) == (entry.balls, entry.ball)
         assert (b.maker, b.designation) == (entry.maker, entry.designation)
-        assert scene.operation.preload_N == entry.preloads["M"] > 0.0
+        assert scene.operation.preload_N == entry.preloads["M"]
+        assert entry.preloads["M"] > 0.0
         assert scene.operation.preload_method == "fixed_position"
 
 

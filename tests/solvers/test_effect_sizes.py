@@ -75,7 +75,8 @@ def test_race_control_has_no_balance_of_friction():
 
 def test_a_spring_makes_temperature_an_effect_of_second_order():
     at_fixed_position = sizes(HELD)["temperature"]
-    assert at_fixed_position.size > at_fixed_position.limit == 10.0  # % of the preload
+    assert at_fixed_position.limit == 10.0  # % of the preload
+    assert at_fixed_position.size > at_fixed_position.limit
     under_a_spring = sizes("operation.preload_method=constant_force")["temperature"]
     assert under_a_spring.size == "2nd order"
 

@@ -323,7 +323,8 @@ def test_every_caution_is_tested_and_documented():
 
 
 def test_effects_have_ids_of_their_own_and_more_of_them_than_there_are_warnings():
-    assert len({effect.id for effect in EFFECTS}) == len(EFFECTS) > len(WARNINGS)
+    assert len({effect.id for effect in EFFECTS}) == len(EFFECTS)
+    assert len(EFFECTS) > len(WARNINGS)
 
 
 def test_hoop_stress_of_a_disc_with_a_tiny_hole(spindle):
