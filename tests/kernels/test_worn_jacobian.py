@@ -37,7 +37,7 @@ def test_the_jacobian_of_the_friction_of_worn_contacts_agrees_with_differences(s
         worn_friction_balance(g, op, point.D, point.seat, op.v_r, rule, work, u, out)
         return out
 
-    residual(point.u)
+    residual(point.u)  # which fills the Jacobian
     analytic, step = work.jacobian.copy(), 1e-3 * op.v_r / (0.5 * point.D)
     J = np.column_stack(
         [(residual(point.u + h) - residual(point.u - h)) / (2.0 * step) for h in step * np.eye(4)]

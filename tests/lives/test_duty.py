@@ -316,8 +316,8 @@ def test_a_start_to_a_low_speed_wears_half_of_its_time_at_that_speed(scene, meth
     result, _ = even_life(duty_scene)
     alone = duty_scene.in_cases["slow"]
     at_speed_alone = hours(surface_life(alone, solver_of(alone)))
-    # wear per turn is then the same at all speeds, which are half of it on the mean; 600 r/min is
-    # so slow that centrifugal forces, which go as the square of the speed, do not show
+    # rates go as the speed, whose mean over a ramp is half of it: 600 r/min is so slow that
+    # centrifugal forces, which go as the square of the speed, do not show
     assert 0.5 * hours(result) == pytest.approx(at_speed_alone, rel=1e-3)
 
 

@@ -81,17 +81,16 @@ def test_a_worn_life_ends_at_the_lesser_stiffness_and_names_it(limit, lesser, ap
 
 
 @pytest.mark.parametrize(
-    ("changes", "kind"),
+    "changes",
     [
-        ((*RIGID, *LOADED), "rigid"),
-        ((*SPRING, *LOADED), "spring"),
-        ((*RIGID, "arrangement.second={friction.ball_race: 0.05}"), "unlike"),
-        (("operation.preload_method=fixed_position", NETWORK), "warm"),
-        ((*RIGID, *LOADED, NETWORK), "warm pair"),
+        pytest.param((*RIGID, *LOADED), id="rigid"),
+        pytest.param((*SPRING, *LOADED), id="spring"),
+        pytest.param((*RIGID, "arrangement.second={friction.ball_race: 0.05}"), id="unlike"),
+        pytest.param(("operation.preload_method=fixed_position", NETWORK), id="warm"),
+        pytest.param((*RIGID, *LOADED, NETWORK), id="warm pair"),
     ],
-    ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes, kind):
+def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes):
     """Cells of a groove leave 0.1 %. Every state of a life has both stiffnesses."""
     end = "wear.end_of_life={preload_fraction: 0.9, ball_diameter_loss_um: 0.1}"
 

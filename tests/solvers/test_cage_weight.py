@@ -174,7 +174,7 @@ def test_a_drift_to_the_land_is_not_settled(scene):
         "friction.cage": 0.02,
         "model.simulated_turns": 60,
         "model.evaluated_turns": 20,
-        "model.settled_drift": 1.0,
+        "model.settled_drift": 1.0,  # drifts of QV and wear settle at once
     }
     values, attrs = solve_dynamic(scene("gyro_s1", changes))
     assert values["status"] == OK and values["simulated_turns"] == 60

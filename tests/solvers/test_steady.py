@@ -183,7 +183,7 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
     case = few.solve(D)
     slowest = few.decay_rates(D, case).real.max()
     rates = converged_rates(few, D, case, within=0.1)
-    assert 5e-3 * rates.max() < slowest < 0.0  # up to 200 times slower
+    assert 5e-3 * rates.max() < slowest < 0.0  # rates are negative: up to 200 times slower
     assert few.stable(D, case) and solve(few_strips).values["status"] == code.OK
 
 
