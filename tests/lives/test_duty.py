@@ -22,6 +22,7 @@ from bearingwear.lives.duty.lives import (
     hertzian_duty_life,
     worn_duty_life,
 )
+from bearingwear.lives.duty.warm import _steady_warm_up
 from bearingwear.lives.duty.wearing import DutyCriteria, DutyGrooves, DutySurfaces
 from bearingwear.lives.grooves import EXACT_GROOVES, Grooves, StiffGrooves, follow_grooves
 from bearingwear.lives.life import life
@@ -410,6 +411,13 @@ def test_starts_of_a_bearing_that_seizes_are_refused(scene):
     seizing |= {"thermal.conductance_W_K.ball_race": 1e-4, "friction.ball_race": 0.3}
     with pytest.raises(NotAvailable, match="got a start without a steady state"):
         life(scene("gyro_s1", HERTZ | POSITION | seizing | WARM_STARTS))
+
+
+def test_starts_of_a_bearing_without_a_state_as_mounted_are_refused(scene):
+    """With 60 um of wear, the balls no longer reach the inner race in the position set at 7 N."""
+    loose = WARMING | {"wear.ball_diameter_loss_um": 60.0}
+    with pytest.raises(NotAvailable, match="duty.warmup: got bearings without a state as mounted"):
+        _steady_warm_up(scene("gyro_s1", HERTZ | POSITION | loose), 60.0)
 
 
 # phases one after the other, with the wear carried on

@@ -16,7 +16,7 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import at_speed
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.warmup.transient import WarmUp, network_at, ramp, warm_up
+from bearingwear.solvers.warmup.transient import NoState, WarmUp, network_at, ramp, warm_up
 
 LATER_POINTS = 2  # more points of the time at speed than of the ramp
 _EARLY_POWER = 3  # of the even points of the time at speed, so that most are early
@@ -36,7 +36,13 @@ def _steady_warm_up(scene: Scene, start_s: float) -> WarmUp:
 
     start_s: time from rest to the full speed [s].
     """
-    warmup = warm_up(scene, ramp(start_s))
+    try:
+        warmup = warm_up(scene, ramp(start_s))
+    except NoState as unsolved:
+        raise NotAvailable(
+            f"{scene.name}: duty.warmup: got bearings without a state as mounted "
+            f"({code.STATUS_NAMES[unsolved.status]}), expected starts that warm up"
+        ) from None
     if warmup.status != code.OK:
         end = warmup.instants[-1].time
         ending = "runaway" if warmup.runs_away else "no state"

@@ -8,7 +8,7 @@ from typing import Any
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.slip import at_speed_share
-from bearingwear.solvers.warmup.transient import STEP_TOLERANCE, ramp, warm_up
+from bearingwear.solvers.warmup.transient import STEP_TOLERANCE, NoState, ramp, warm_up
 from bearingwear.studies.design.condition_extremes import (
     KEPT,
     UNLOADED,
@@ -31,9 +31,15 @@ def warm_up_extremes(scene: Scene, seconds: float, quick: bool) -> ConditionExtr
     quick: whether the steps are coarser than those of `bearingwear warmup`.
     """
     tolerance = STEP_TOLERANCE * (ROUGHER if quick else 1.0)
-    warming = warm_up(scene, ramp(seconds), tolerance=tolerance)
-    parts = []
     where: dict[str, Any] = {}
+    try:
+        warming = warm_up(scene, ramp(seconds), tolerance=tolerance)
+    except NoState as unsolved:
+        mounted = OperatingCondition(at_speed_share(scene, 0.0), WARMING)
+        where = mounted.where(wear=NEW, time_s=0.0)
+        status_name = code.STATUS_NAMES[unsolved.status]
+        return ConditionExtremes({}, 0, unsolved.status, where | {"status": status_name})
+    parts = []
     for instant in warming.instants:
         condition = OperatingCondition(at_speed_share(scene, instant.share), WARMING)
         where = condition.where(wear=NEW, time_s=instant.time)
