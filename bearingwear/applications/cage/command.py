@@ -19,7 +19,11 @@ if TYPE_CHECKING:
 
 
 def cage_command(args: argparse.Namespace) -> int:
-    """Runs an ensemble, writes its file and prints its sheet."""
+    """Runs an ensemble, writes its file and prints its sheet.
+
+    Returns SUCCESS if any run succeeded. Otherwise it says so on stderr and returns NOT_SOLVED, or
+    SUCCESS with `--record-failures`.
+    """
     args.output = output_of(args, "-cage.nc")
     scene = given_scene(args)
     from bearingwear.applications.cage.life import cage_results
@@ -67,6 +71,7 @@ def cage(
     seed : int
     life : bool
         Whether to compute the life of the cage as well, from ensembles at successive wear states.
+        The files of these stand beside `path`.
     workers : int
         Number of processes, which affects only the time.
     path : path, optional

@@ -33,7 +33,8 @@ _UNLIKELY = 0.01
 """Probability below which a test and the model are said to disagree."""
 
 _FAR = 2.58
-"""Shift of a mean, in standard deviations before the tests, with a probability of 0.01."""
+"""Shift of a mean, in standard deviations before the tests, beyond which a two-sided probability is
+below 0.01."""
 
 _COLOURS = dict(zip(STAGES, ("0.6", "black"), strict=True))
 
@@ -47,8 +48,8 @@ _WEAR_INTERVAL = "wear_over_hardness_interval"
 class _Curve(NamedTuple):
     """The curves of a panel before and after the tests: two variables and their labels."""
 
-    axis: str
-    name: str
+    axis: str  # name of the variable of the abscissa
+    name: str  # name of the variable of the ordinate
     x_label: str
     y_label: str
 
@@ -143,7 +144,7 @@ def conflicts(file: Any) -> list[str]:
 
 
 def _test_labels(file: Any) -> list[str]:
-    """Returns row and kind of result of each test as text: `row 2, torque`."""
+    """Returns line in the file and kind of result of each test as text: `row 2, torque`."""
     names = [SEEN[int(code)] for code in variable_values(file, "seen")]
     return [
         f"row {int(row)}, {SEEN_AS[name].words}"
@@ -182,12 +183,15 @@ def _stage_intervals(file: Any, name: str) -> tuple[Interval, ...]:
 
 
 def _interval(ends: np.ndarray) -> Interval:
-    """Returns the interval between two ends (2,)."""
+    """Returns the interval with a lower and an upper end (2,)."""
     return Interval(*map(float, ends))
 
 
 def calibration_figure(calibration: xr.Dataset) -> Figure:
-    """Returns a figure of friction, K_s/H and life, before and after the tests."""
+    """Returns a figure of friction, K_s/H and life, before and after the tests.
+
+    A known friction has no panel. Lives and run-outs of the tests are marked on the axis of life.
+    """
     scene = plain_scene(calibration)
     curves = [_Curve("wear_over_hardness", "wear_density", "K_s/H (m²/N)", _DENSITY)]
     if "friction_density" in calibration:
