@@ -59,7 +59,8 @@ def surface_error(scene: Scene, life: Life) -> dict:
 def _change_by_solver(life: Life, solver: Remembered, ends: Criteria) -> float | None:
     """Returns the relative change of a life by another solver of its start, middle and end [1].
 
-    The change is a magnitude. None where a state is not solved, or another criterion ends the life.
+    The life is that of one bearing, over its loss. The change is a magnitude. None where a state is
+    not solved, or another criterion ends the life.
     """
     nodes = life.three_nodes()
     solver.bearings.near = nodes[0].states[0].answer  # or the first would be solved from nothing

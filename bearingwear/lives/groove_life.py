@@ -50,6 +50,7 @@ def wear_over_gap(scene: Scene) -> float:
     for race in (INNER, OUTER):
         hertz = race_contact(g, race, g.D0, math.cos(g.alpha0), math.nan)
         approaches.append(contact_approach(hertz.K, Q))
+        # the third integral is A a^2 over the approach
         gaps.append(elliptic_integrals(math.exp(-hertz.log_kappa))[2] * approaches[-1])
     losses = [math.inf]
     if end.ball_diameter_loss_um is not None:
@@ -76,7 +77,11 @@ class GrooveChoice(NamedTuple):
 def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
     """Returns whether a life of a scene follows the grooves, and why.
 
-    Raises NotAvailable where the scene requests worn grooves that its model cannot follow.
+    The sentence is empty where the scene asks for Hertzian contacts, or where its model cannot
+    follow grooves. Raises NotAvailable where the scene requests worn grooves that its model cannot
+    follow.
+
+    fidelity: model that solves the scene.
     """
     scene = scene.symmetric_half
     obstacle = None
@@ -152,9 +157,12 @@ def life_groove_values(life: Life) -> dict:
 
 
 def groove_values(side: Worn, states: Sequence[State]) -> dict:
-    """Returns result variables of the wear of one bearing along a life.
+    """Returns result variables of the wear of one bearing along a life [SI].
 
-    The profiles of grooves and pressure are those of `SHOWN` states.
+    Histories have the states as their first dimension, then the races (inner, outer) if they are of
+    these. The profiles of grooves and pressure are those of up to `SHOWN` states.
+
+    side: solver of the bearing.
     """
     points = [point_of(state) for state in states]
     bearing = side.bearing

@@ -238,7 +238,7 @@ class StiffGrooves(Grooves):
 def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
     """Returns the life with grooves as they wear.
 
-    Its states have the rate at which the even loss grows, unless the start is not solved.
+    Its states have the rate at which their loss grows, unless the start is not solved.
 
     ends: criteria, those of the scene if None.
     """
@@ -260,9 +260,12 @@ def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
 
 
 def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[float]:
-    """Returns the rate at which the even loss of a bearing grows, at each state [m/s].
+    """Returns the rate at which `State.loss` of a bearing grows, at each state [m/s].
 
-    It is the slope of the loss over time; for a single state, the rate of an unworn contact.
+    It is the slope of the loss over time, to second order. A last step that is short is left out:
+    its state has the rate of the one before. A single state has the rate of an unworn contact.
+
+    times: of the states (n,) [s].
     """
     if len(states) < 2:
         first = states[0]
@@ -278,6 +281,6 @@ def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[floa
     loss = np.array([state.loss for state in states])
     steps = np.diff(times)
     is_last_short = len(times) > 2 and steps[-1] < _SHORT * steps[-2]
-    n = len(times) - is_last_short  # a short last step says nothing of a rate
+    n = len(times) - int(is_last_short)  # rounding of the loss would spoil the slope there
     rates = np.gradient(loss[:n], times[:n], edge_order=2 if n > 2 else 1)
     return np.append(rates, rates[-1:])[: len(times)].tolist()

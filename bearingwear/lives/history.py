@@ -17,8 +17,8 @@ from bearingwear.solvers.state import State, history_values
 def life_values(scene: Scene, life: Life) -> dict:
     """Returns the result variables of a life [SI]; those of two bearings are as by `joined`.
 
-    They are its status and criterion alone if its start is not solved, or if nothing wears and no
-    criterion is met at the start.
+    They are its status and criterion alone if its start is not solved, or if a bearing does not
+    wear and no criterion is met.
     """
     values: dict = {"status": life.status, "end_criterion": life.criterion}
     start = life.nodes[0]

@@ -106,8 +106,9 @@ def lives_by_case(scene: Scene, quick: bool = False) -> dict[str, Life]:
     """Returns the lives along which requirements of a scene hold, by the names of its cases.
 
     Over a duty, all cases have the same life, each with the states of the bearings in that case.
-    Otherwise each case in which something wears has its life alone, and that of the scene is the
-    shortest. A scene without cases has one, by the name of the nominal case.
+    Otherwise each case in which a race turns has its life alone, or every case if none turns; the
+    life of the scene is the shortest. A scene without cases has one, by the name of the nominal
+    case.
 
     quick: as in `worn_life` and `HertzianLives`.
     """

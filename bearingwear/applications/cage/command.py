@@ -41,7 +41,7 @@ def cage_command(args: argparse.Namespace) -> int:
     tell_of_file(args)
     if not args.quiet:
         print_file(args.output, args)
-    if (results["status"] == 0).any():
+    if (results["status"] == 0).any():  # the flag of `ok`
         return SUCCESS
     sys.stderr.write(one_line(f"{args.scene}: none of the cage runs succeeded"))
     return SUCCESS if args.record_failures else NOT_SOLVED
@@ -69,6 +69,7 @@ def cage(
     within : float
         Target relative half-width of the 90 % interval of the mean work per turn.
     seed : int
+        Random seed of the draws.
     life : bool
         Whether to compute the life of the cage as well, from ensembles at successive wear states.
         The files of these stand beside `path`.

@@ -387,8 +387,8 @@ def resumed_ensemble(
 ) -> Iterator[xr.Dataset]:
     """Yields an ensemble that continues from its file, or from the journal of a killed process.
 
-    The `with` block must write the file at `path`; the journal is removed after it. Arguments:
-    `cage_ensemble`.
+    The `with` block must write the file at `path`. The journal is removed after it, but stays if
+    the block raises. A file that cannot be read is solved anew. Arguments: `cage_ensemble`.
     """
     earlier = None
     if path.is_file():

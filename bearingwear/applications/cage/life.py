@@ -141,6 +141,7 @@ class EnsembleWear(Motion):
         """
         ensemble = self.ensemble_at(self.ensembles, self.parts.cage_depths(worn))
         self.ensembles += 1
+        # the first of the groups of a mean contains all runs
         work = np.array([float(ensemble[f"mean_{part}_work"][0]) for part in CAGE_PARTS])
         status = OK if np.isfinite(work).all() else int(ensemble["status"].values[0])
         intervals = [ensemble[f"mean_{part}_work_interval"].values[0] for part in CAGE_PARTS]
@@ -256,7 +257,8 @@ def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Datase
         attrs = {"cage_ended_by": measure.criterion_phrase(value, limit, variable)}
         ending_part = 0 if variable.startswith(CAGE_PARTS[0]) else 1  # as in `work_error`
         relative_error = np.array([state["work_error"][ending_part] for state in life.states])
-        # the ensembles of a life have the same draws, so that their errors add
+        # the ensembles of a life have the same draws, so that their errors add; a large wear
+        # coefficient makes the short end of the interval
         half_width = np.trapezoid(relative_error, turns) / turns[-1]
         interval = turns[-1] * np.array([1.0 - half_width, 1.0 + half_width])
         results |= {

@@ -153,6 +153,7 @@ def _stretch(run: TimeRun, length: int) -> _Stretch:
     """
     last = slice(run.done - length, run.done)
     trend, history = run.trend, run.recorder.history
+    # over the turns of the window: their number, and sums of the torque and of its square
     torques = np.array(
         [trend.sums[0], trend.values[0, TREND_OF_TORQUE], trend.values[2, TREND_OF_TORQUE]]
     )

@@ -246,6 +246,8 @@ def ensemble_figure(ensemble: xr.Dataset) -> Figure:
 def _draw_runs(panel: Any, ensemble: xr.Dataset, units: Mapping[str, Display]) -> None:
     """Draws two variables of every run against each other, in the colour of its motion.
 
+    Runs without a motion, which were not solved, are left out.
+
     units: of the variable of the abscissa, then of that of the ordinate, by their names.
     """
     x_name, y_name = units

@@ -292,14 +292,14 @@ def _prior(scene: Scene, friction: str) -> Prior:
 
     friction: name of the uncertain friction; if empty, friction is known.
     """
-    x = Normal(0.0, 0.0)
+    x = Normal(0.0, 0.0)  # without a coefficient of friction, on which no curve depends then
     if friction:
         x = _log_normal(scene, friction)
     elif scene.friction.ball_race:
         x = Normal(math.log(scene.friction.ball_race), 0.0)
     y = _log_wear(scene, _wear_names_of_batch(scene))
     _, rho = friction_correlation(scene.uncertainty or {})
-    # y contains the hardness, which is not correlated with friction
+    # y contains the hardness, which is not correlated with friction; it is uncertain, as K_s is
     wear_share = _log_normal(scene, "wear_coefficient").deviation / y.deviation
     return Prior(x, y, rho * wear_share if friction else 0.0)
 
@@ -452,6 +452,8 @@ def _log_lives(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: in
 def _log_torques(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: int) -> np.ndarray:
     """Returns logarithms of torques [N m] (n,); NaN where not solved.
 
+    CaseFileError: a torque could not be computed for another reason.
+
     names: of the uncertain values that differ from the scene's.
     rows: these values for each torque (n, names).
     """
@@ -543,6 +545,7 @@ def _calibrated_scene(
     if friction:
         rho = max(-_CLOSEST, min(_CLOSEST, _rounded(after.correlation())))
     spread["wear_coefficient"] = _lognormal(y.deviation, rho)
+    # exp(y) is a factor on K_s/H of the scene, as `with_wear` takes it
     calibrated = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
     if friction:
         spread[friction] = _lognormal(x.deviation)

@@ -69,7 +69,9 @@ def launch_document(scene: Scene, states: Mapping[str, LaunchResult]) -> Documen
 def _load_blocks(loads: Sequence[LaunchLoad], suffix: str) -> list[Block]:
     """Returns blocks of the rotor and of both bearings, with a column for each load.
 
-    suffix: of the titles, which names the state of wear. Empty without loads.
+    Without loads there are no blocks.
+
+    suffix: of the titles, which names the state of wear.
     """
     if not loads:
         return []

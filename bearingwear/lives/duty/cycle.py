@@ -137,7 +137,7 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
         case, phase = phases[k]
         if not phase.starts:
             continue
-        longest = duty.running_s(phase) / phase.starts
+        longest = duty.running_s(phase) / phase.starts  # time at speed after each start [s]
         start = warm_start(cycle.scenes[case], duty.start_s, longest, cycle.points)
         running[k, case] -= phase.starts * start.warming_s / duty.cycle_s
         scenes += start.scenes

@@ -63,7 +63,7 @@ def palmgren_miner_life(shares: np.ndarray, lives: np.ndarray) -> float:
     """Returns the life by the linear rule of Palmgren and Miner, in the unit of the lives.
 
     The inverse life is the sum of the share of each phase over its life. The life is NaN where that
-    of a phase with a share is not known.
+    of a phase with a share is not known, and where that sum is 0.
 
     shares, lives: share of the time of each phase, and life in it alone (phases,).
     """

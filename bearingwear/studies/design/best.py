@@ -397,6 +397,7 @@ class PreloadSearch:
         if is_edge or best.end_criterion != near.end_criterion:
             return width > _EDGE
         drop = math.log(best.life / near.life)
+        # without a jump it rises and then falls in proportion, to a peak where both lines meet
         largest_gain = width if drop > width else 0.5 * (width - drop)
         return largest_gain > _GAIN
 

@@ -277,6 +277,7 @@ def _assumption_changes(
         answers = search.answers_at(quick_life, [*unchanged, *changed])
         lives = [answer.get("life", math.nan) for answer in answers]
         if not exact_over_quick:
+            # the first answers are those of the unchanged scenes, one for each point
             exact_over_quick = [
                 point.life / life if life > 0.0 else 1.0
                 for point, life in zip(best, lives, strict=False)

@@ -168,9 +168,9 @@ def _value_text(
 def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
     """Returns the condition in which a measure is the worst; empty where that is not known.
 
-    has_cases: whether to name the case.
     values: of a design point.
     name: of the measure, a key of `LIMITED`.
+    has_cases: whether to name the case.
     """
     measure = LIMITED[name]
     deciding = values.get(DECIDING, {})

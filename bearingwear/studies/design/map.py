@@ -175,11 +175,12 @@ class _SolvedLife(NamedTuple):
 
 
 def life_point(scene: Scene, slip_limit: float | None) -> PointValues:
-    """Returns a life with Hertzian grooves at the scene's own speed, or one over its duty.
+    """Returns a life with Hertzian grooves at the scene's own speed.
 
     Its values are those of `POINT` by their names [SI]. Where the status is not OK, they are
     `status`, `end_criterion`, `solves` and `failed_solves` alone. `time_to_slip_limit` is infinite
-    where the share stays below its limit, and left out without one.
+    where the share stays below its limit, and left out without one. Over a duty, the point is that
+    of `design_point` at the speeds of its cases alone, with the grooves that the model follows.
 
     slip_limit: gyroscopic slip share [1], the time to which is computed; None without one.
     """
@@ -382,7 +383,7 @@ def _standstill_point(scene: Scene, limits: DesignLimits) -> PointValues:
     values |= {"groove": HERTZIAN_GROOVE, "hertzian_life": life}
     if limits.gyroscopic_slip_share is not None:
         values["time_to_slip_limit"] = math.inf
-    values |= values_of_states(scene, [worse_state(states, scene)] * 2)
+    values |= values_of_states(scene, [worse_state(states, scene)] * 2)  # new and at the end
     node = Node(0.0, None, states, life)
     standstill = Life([node], None, status=OK)
     return _with_all_conditions(scene, values, standstill, limits, quick=False)
@@ -394,10 +395,9 @@ def _with_all_conditions(
     """Returns a point with the extremes in all conditions of the limits, and which ones decide.
 
     If a condition is not solved, the point is returned with its status and `NOT_SOLVED_AT`. A
-    warm-up is not solved if another condition breaks a limit already. Solves are added to `solves`
-    of the values.
+    warm-up is not solved if another condition breaks a limit already.
 
-    values: those at the scene's own speed.
+    values: those at the scene's own speed; changed in place, with all solves in `solves`.
     life: solved, at least a node of new bearings.
     quick: see `design_point`.
     """
@@ -570,9 +570,8 @@ def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
 def _first_impractical(scene: Scene, states: Sequence[State]) -> int:
     """Returns the flag of the variable `impractical`: the first such warning, or 0 for none.
 
-    States of a pair stand for its worse bearing.
-
-    states: when new and at the end of life.
+    states: when new and at the end of life. Of a pair they are those of the worse bearing, which
+        are judged as states of the first one.
     """
     bearing = scene.sides[0]
     values = {"end_criterion": NO_CRITERION, **history_values(list(states))}

@@ -24,8 +24,8 @@ def uncertain_scene(scene: Source, settings: Sequence[str] = (), tell: Tell | No
 
     settings: changes `KEY=VALUE`.
     tell: takes a line on the distributions that are assumed, if any are.
-    SceneError: a life that requires another model, or a lognormal distribution about a value that
-        is not above 0.
+    SceneError: the life requires another model, or a lognormal distribution is one about a value
+        that is not above 0.
     """
     source = source_name(scene)
     scene, assumption = with_usual_spread(life_scene(scene, settings, films=True))

@@ -173,7 +173,8 @@ def _draw_lives_over_preload(
 def end_changes(line: xr.Dataset) -> list[tuple[int, str]]:
     """Returns indices of preloads from which on another criterion ends the life, and its name.
 
-    They rise. Preloads whose life was not solved are passed over.
+    They rise. Preloads whose life was not solved are passed over, and so are lives that no
+    criterion ends.
 
     line: map over the preload.
     """

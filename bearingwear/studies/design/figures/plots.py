@@ -87,7 +87,10 @@ def _preload_line_figure(design: xr.Dataset) -> Figure:
 
 
 def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
-    """Returns a figure of the spread of lives at each friction, with Sobol indices if computed."""
+    """Returns a figure of the spread of lives, by friction and preload method.
+
+    If Sobol indices were computed, it is `uncertainty_figure`, which shows these as well.
+    """
     if "total_index" in uncertainty:
         return uncertainty_figure(uncertainty)
     frictions = at_each_friction(uncertainty)
