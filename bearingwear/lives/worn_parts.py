@@ -128,9 +128,10 @@ class WornParts:
         return values
 
     def cage_rate(self, criterion: str, rates: np.ndarray) -> float:
-        """Returns the rate of the measure that a criterion of the cage limits [m/s], [1/s].
+        """Returns the rate of the measure that a criterion of the cage limits.
 
-        It is the faster one of the variables of the measure: its change in a second from new on.
+        It is in m/s for a clearance, and in 1/s for the worn share of a film.
+        Of the variables of the measure, it is the faster one: the change in a second from new on.
 
         criterion: one of `OF_CAGE`.
         rates: wear per second of all parts.

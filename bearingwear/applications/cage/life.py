@@ -132,6 +132,7 @@ class EnsembleWear(Motion):
         self.ensemble_at, self.ensembles, self.steps = ensemble_at, 0, LIFE_STEPS
         self.turn = 60.0 / scene.operation.fastest_rpm
         assert scene.cage is not None
+        # worn volume per second over the work per turn [m3/(J s)]
         self.per_second = wear_per_joule(scene, scene.cage.material) / self.turn
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:

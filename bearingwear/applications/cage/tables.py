@@ -247,7 +247,9 @@ def quiet_region(motions: xr.Dataset) -> str:
 
 
 def _friction_range(quiet: list[float], mapped: list[float]) -> str:
-    """Lists the friction coefficients of quiet cages; `up to 0.2` if all mapped ones are quiet.
+    """Lists the friction coefficients of quiet cages.
+
+    The text is `up to 0.2` if these are all mapped ones up to that, and several.
 
     quiet, mapped: in rising order, the former a part of the latter.
     """

@@ -139,7 +139,7 @@ def _natural_frequencies(states: Iterable[LaunchResult]) -> list[np.ndarray]:
 def _acceleration_limit_rows(states: Collection[LaunchResult]) -> tuple[Row, ...]:
     """Returns rows of the accelerations at which gapping and denting start, and of frequencies.
 
-    Each has a value for each state.
+    Each has a value for each state. Frequencies that are not known have no rows.
     """
     rows = [
         Row("gapping starts at", "g", tuple(state.opening_g for state in states), "opening_g"),

@@ -61,7 +61,8 @@ def duty_errors(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, f
 def _groove_errors(cycle: Cycle, life: Life) -> tuple[float, float]:
     """Returns a bound on the error of the steps [s], and the relative error of steps and cells [1].
 
-    Both are NaN where a life in a quicker mode ends otherwise.
+    They come from lives with longer steps, and with fewer cells as well. A figure is NaN where a
+    life that it needs ends otherwise.
     """
 
     def length(mode: GrooveMode) -> float:

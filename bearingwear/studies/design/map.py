@@ -255,6 +255,7 @@ def new_point(scene: Scene, limits: DesignLimits) -> PointValues:
     if scene.cases or scene.duty is not None:
         cases = cases_of_use(scene)
         return worst_point({name: new_point(case, limits) for name, case in cases.items()})
+    # such a life has a single state, that of the new bearings
     ended = with_required_measures(with_end(scene, END_WHEN_NEW), limits)
     life = HertzianLives(ended)(ended)
     if life.status != OK:

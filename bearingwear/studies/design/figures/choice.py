@@ -119,7 +119,7 @@ def _draw_stiffness_limit(panel: Any, design: xr.Dataset) -> bool:
     """Labels the axis of stiffness, and draws its limit; returns whether there is one."""
     stiffness = stiffness_of(design)
     panel.set_xlabel(STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.words}\n"))
-    limit = limits_of(design).given.get(stiffness.key)
+    limit = limits_of(design).given.get(stiffness.key)  # [N/um], the unit of the axis
     if limit is None:
         return False
     panel.axvline(limit, **_LIMIT_LINE)
