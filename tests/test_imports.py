@@ -58,6 +58,7 @@ BETWEEN_STUDIES = {
     "grid": {"lives.figures", "lives.duty_figure"},  # to plot a life of any kind
     # a recommended life is quoted with its spread, if that is sampled
     "design": {"uncertainty.plan"},
+    "lives": {"design.recommend", "design.document"},  # a duty is shown at the recommended preload
     "uncertainty": {"design.recommend"},  # a sample is taken at the preload that design recommends
 }
 """What modules of a study's folder may import of another's; `page` imports none."""

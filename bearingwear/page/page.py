@@ -161,7 +161,7 @@ def page(
     section_of = _sections(section_datasets)
     inputs = [section.scene for section in section_of.values()]
     inputs = inputs or [plain_scene(dataset) for dataset in datasets]
-    assumed = _assumed_keys_with_descriptions(inputs, scenes)
+    assumed = _assumed_keys_with_file_contents(inputs, scenes)
     figures = list(drawings([*section_files, *answer_files]))
     page_answers = _page_answers(answer_files, figures)
     shown_in_answers = {figure.path for answer in page_answers for figure in answer.figures}
@@ -205,10 +205,12 @@ def page(
     )
 
 
-def _assumed_keys_with_descriptions(
+def _assumed_keys_with_file_contents(
     scenes: Sequence[dict[str, Any]], files: Iterable[Path]
 ) -> set[str]:
-    """Copies the descriptions of scene files into scenes; returns the keys assumed in all files.
+    """Copies what studies do not store from scene files; returns the keys assumed in all files.
+
+    That is the description, which may have changed, and the friction, which a study varies.
 
     scenes: changed in place; the file of each is found by its name.
     """
@@ -222,6 +224,8 @@ def _assumed_keys_with_descriptions(
             file, content = files_and_contents[scene["name"]]
             if description := " ".join(content.get("description", "").split()):
                 scene["description"] = description
+            if (mu := content.get("friction", {}).get("ball_race")) is not None:
+                scene["friction"].setdefault("ball_race", mu)
             assumed.append(assumed_keys(file))
     return set.intersection(*assumed) if len(assumed) == len(scenes) > 0 else set()
 

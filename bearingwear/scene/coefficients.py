@@ -81,7 +81,8 @@ class LogSpread:
     def of(cls, low: float, high: float, least: float = 1.0) -> LogSpread:
         """Returns the spread whose 90 % interval is from low to high.
 
-        least: smallest factor that it may have.
+        least: smallest factor that it may have; a smaller one is raised to it, which widens the
+            interval about the same median.
         """
         factor = (high / low) ** (0.5 / NINETY)
         return cls(median=math.sqrt(low * high), factor=max(factor, least))
@@ -131,6 +132,10 @@ def _wear_range(row: str) -> tuple[float, float]:
     """Returns the least and largest K_s/H [m2/N] of a row of `MEASURED_WEAR` that has both."""
     least, largest = MEASURED_WEAR[row].wear
     return M2_PER_N * least, M2_PER_N * largest
+
+
+_BOUND_ROWS = ("nesc_r4", "nesc_r4_hybrid")
+_WRITTEN = 5e-3  # to which `new` rounds a wear coefficient
 
 
 def _upper_bound(row: str) -> LogSpread:
@@ -193,6 +198,9 @@ def rubbing(lubrication: str | None, ball_material: str | None) -> Rubbing:
     """Returns coefficients for a lubrication and a ball material; assumed without a lubrication.
 
     KeyError where no source has them.
+
+    lubrication: of `LUBRICATIONS`, or None.
+    ball_material: `bearing_steel` or `silicon_nitride`; steel if None. Races are of steel.
     """
     if lubrication is None:
         return _assumed_rubbing()
@@ -219,6 +227,20 @@ def rubbing(lubrication: str | None, ball_material: str | None) -> Rubbing:
         friction_rule="" if pair.friction is ASSUMED_FRICTION else rule,
         summary=_lubrication_summary(lubrication, pair),
     )
+
+
+def is_wear_bound(scene: Mapping[str, Any]) -> bool:
+    """Whether the K_s/H of balls and races is that of starved oil, which is an upper bound.
+
+    scene: as `Scene.to_dict` has it.
+    """
+    bearing, bounds = scene["bearing"], [_upper_bound(row).median for row in _BOUND_ROWS]
+    for part in ("ball", "race"):
+        material = scene["materials"][bearing[f"{part}_material"]]
+        wear = material["wear_coefficient"] / (1e9 * material["brinell_hardness_GPa"])
+        if not any(math.isclose(wear, bound, rel_tol=_WRITTEN) for bound in bounds):
+            return False
+    return True
 
 
 def _assumed_rubbing() -> Rubbing:

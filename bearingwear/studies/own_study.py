@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from bearingwear.solvers.compose import Remembered
 
 FRICTIONS = (0.5, 1.0, 1.5, 2.0)
-"""Friction coefficients of the grid, relative to the scene's."""
+"""Friction coefficients of the grid, relative to the scene's; over a duty, the scene's alone."""
 
 STATES_OF_WEAR = 8
 """Number of steps of the grid from new to the end of the scene's life."""
@@ -141,13 +141,19 @@ def _cage_configuration(scene: Scene, name: str) -> dict[str, Any]:
 
 
 def _grid_frictions(scene: Scene, source: str) -> list[float]:
-    """Returns the friction coefficients of the grid, rising. Raises SceneError at no friction."""
+    """Returns the friction coefficients of the grid, rising. Raises SceneError at no friction.
+
+    Over a duty, it is that of the scene alone: phases may have friction of their own, and each life
+    costs as much as one in each phase.
+    """
     coefficient = scene.friction.coefficient
     key = "friction.ball_race"
     if coefficient <= 0.0:
         raise SceneError(
             key, f"got {coefficient:g}, expected a number > 0 for a study", source=source
         )
+    if scene.duty is not None:
+        return [coefficient]
     field = key_of_scene(key)
     assert field is not None
     _, largest = field.key.ends

@@ -32,12 +32,15 @@ from bearingwear.measures import WORST
 from bearingwear.results.life_variables import DUTY
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import NotAvailable
+from bearingwear.scene.read import load_scene
 from bearingwear.sides import SHARED
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
 from bearingwear.studies.design import map as design_map
+from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.recommend import recommendation
 from bearingwear.studies.lives.duty_report import duty_report
 from bearingwear.studies.sampling import scene_with_values
 from bearingwear.studies.uncertainty.quantiles import uncertain_lives
@@ -726,6 +729,10 @@ def test_the_page_has_the_phases_and_their_figure(scene, tmp_path):
         block.title for block in answer.blocks_in("open")
     }
     assert "phase idle meets its criterion" in str(answer.blocks_in("lead"))
+    rows = {row.name: row for block in answer.blocks_in("open") for row in block.rows}
+    percent = 100.0 * float(dataset["palmgren_miner_error"])
+    assert numbers_in(rows["palmgren_miner_life"].note) == [float(f"{percent:.2g}")]
+    assert "more" in rows["palmgren_miner_life"].note and "palmgren_miner_error" not in rows
     assert float(dataset["life_cycles"]) > 0.0
     assert len(figure.axes) == 2  # the wear of the phases, and what is left of the preload
 
@@ -737,6 +744,36 @@ def test_the_page_names_the_phase_without_a_life(scene, tmp_path):
     bearingwear.save(scene("gyro_s1", HERTZ | bare | phases), path)
     _, stored, _ = duty_report(path)
     assert "no life over the duty: in phase still" in stored
+
+
+def test_the_page_has_the_duty_at_the_recommended_preload(scene, tmp_path):
+    """That of the longest life where no life is long enough; the input preload where none is."""
+    path, file = tmp_path / "gyro.yaml", tmp_path / "recommendation.nc"
+    changes = SLOW_WEAR | HERTZ | RIGID | {"cases": CASES} | duty(RAMPED, **RAMPS)
+    bearingwear.save(scene("gyro_s1", changes), path)
+
+    def duty_answer(limits):
+        chosen = recommendation(load_scene(path), limits)
+        chosen.to_netcdf(file)
+        lived, stored, _ = duty_report(path, file)
+        (tmp_path / "duty.json").write_text(stored)
+        return chosen, lived, load_document(tmp_path / "duty.json")
+
+    stiff = DesignLimits(system_axial_stiffness_N_um=3.0, at_speed_only=True)
+    chosen, lived, answer = duty_answer(stiff)
+    best = int(np.argmax(chosen["life"].values))
+    longest = float(chosen["life"][best])
+    assert float(lived["life"]) == pytest.approx(longest, rel=1e-9)
+    assert f"recommended preload, {float(chosen['preload'][best]):g} N" in answer.facts["beside"]
+    (table,) = [block for block in preload_document(chosen).blocks if block.title == "recommended"]
+    (cycles,) = [row.values[best] for row in table.rows if row.name == "life_cycles"]
+    assert cycles == pytest.approx(float(lived["life_cycles"]), rel=1e-9)
+    chosen, lived, answer = duty_answer(replace(stiff, life_h=2.0 * longest))
+    assert chosen["life"].isnull().all() and "longest life" in answer.facts["beside"]
+    assert float(lived["life"]) == pytest.approx(longest, rel=1e-9)
+    _, _, answer = duty_answer(replace(stiff, maximum_pressure_GPa=0.01))
+    assert "input preload" in answer.facts["beside"]
+    assert "No preload is recommended" in str(answer.blocks_in("lead"))
 
 
 def test_worst_values_of_a_duty_are_shared_by_both_bearings():

@@ -10,7 +10,7 @@ import bisect
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -167,14 +167,21 @@ class _Job(NamedTuple):
 
 @dataclass
 class PreloadSearch:
-    """Lives of a scene over preload, by each method."""
+    """Lives of a scene over preload, by each method.
+
+    The longest life is looked for within all requirements but that on the life itself: so it is
+    known, too, where it is too short.
+    """
 
     scene: Scene
     limits: DesignLimits
     answers_at: AnswersAt = map
     lines: list[PreloadLine] = field(init=False)
+    but_life: DesignLimits = field(init=False)  # the limits without that on the life
 
     def __post_init__(self) -> None:
+        no_life: dict[str, Any] = {"life_h": None}
+        self.but_life = replace(self.limits, **no_life)
         centre = self.scene.operation.preload_N
         preloads = {round_factor(factor, centre) for factor in SWEPT_FACTORS}
         grid = sorted(preload for preload in preloads if preload <= largest_permitted_preload())
@@ -233,7 +240,7 @@ class PreloadSearch:
         preloads = self._preloads_beside_best(line) or self._preloads_at_worn_edges(line)
         if preloads:
             return preloads
-        bests = [other.best(self.limits) for other in self.lines]
+        bests = [other.best(self.but_life) for other in self.lines]
         longest = int(np.argmax([best.life if best else 0.0 for best in bests]))
         return self._preloads_at_ends(line) if line is self.lines[longest] else []
 
@@ -254,7 +261,7 @@ class PreloadSearch:
         point that breaks them less than its neighbours, up to the width `_EDGE`.
         """
         points = [line.new[p] for p in sorted(line.new)]
-        least = [point.margins(self.limits).min() for point in points]
+        least = [point.margins(self.but_life).min() for point in points]
         gaps = {k for k in range(len(points) - 1) if (least[k] >= 0.0) != (least[k + 1] >= 0.0)}
         for k in range(1, len(points) - 1):
             if least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1]):
@@ -267,8 +274,8 @@ class PreloadSearch:
 
         The ends and the middle of each range that they allow are among them.
         """
-        preloads = {p for p in line.grid[::2] if line.may_live(p, self.limits)}
-        ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.limits))
+        preloads = {p for p in line.grid[::2] if line.may_live(p, self.but_life)}
+        ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.but_life))
         for is_allowed, range_preloads in ranges:
             if is_allowed:
                 lowest, *others = range_preloads
@@ -284,12 +291,12 @@ class PreloadSearch:
 
         Those between two shorter lives that the same criterion ends are left out.
         """
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         longest = best.life if best else 0.0
         solved_preloads = sorted(line.lives)
         preloads = []
         for p in line.grid:
-            if p in line.lives or not line.may_live(p, self.limits):
+            if p in line.lives or not line.may_live(p, self.but_life):
                 continue
             k = bisect.bisect(solved_preloads, p)
             neighbours = [line.lives[near] for near in solved_preloads[max(k - 1, 0) : k + 1]]
@@ -306,15 +313,17 @@ class PreloadSearch:
         that meets them: a narrow range between may be allowed, if another criterion soon ends the
         life. Gaps up to the width `_EDGE`, and those beside the best point, are left out.
         """
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         longest = best.life if best else 0.0
         preloads = []
-        for point, following in itertools.pairwise(line.points(self.limits)):
+        for point, following in itertools.pairwise(line.points(self.but_life)):
             if _log_width(point, following) <= _EDGE:
                 continue
             for broken, met in ((point, following), (following, point)):
                 is_longer = broken.solved != NEW_BEARING and broken.life > longest
-                is_edge = broken.margins(self.limits).min() < 0.0 <= met.margins(self.limits).min()
+                is_edge = (
+                    broken.margins(self.but_life).min() < 0.0 <= met.margins(self.but_life).min()
+                )
                 if is_longer and is_edge and met is not best:
                     preloads.append(self._preload_between(met, broken))
         return preloads
@@ -325,7 +334,7 @@ class PreloadSearch:
         Returns the best point, at that end; None if the grid is as before. The new preloads are not
         solved yet.
         """
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         if best is None or line.best_beyond_end:
             return None
         if best.preload not in (line.grid[0], line.grid[-1]):
@@ -346,7 +355,7 @@ class PreloadSearch:
 
         end: the point at the end of the range before.
         """
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         assert best is not None
         if best is end or best.life >= _LITTLE_LONGER * end.life:
             return
@@ -367,14 +376,14 @@ class PreloadSearch:
         are dropped from the line first.
         """
         line.lives = {p: point for p, point in line.lives.items() if self._is_kept(line, point)}
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         if best is None:
             return []
         preloads = {best.preload}
-        points = line.points(self.limits)
+        points = line.points(self.but_life)
         k = _index_at_preload(points, best)
         for near in (*points[max(k - 1, 0) : k], *points[k + 1 : k + 2]):
-            margin = near.margins(self.limits).min()
+            margin = near.margins(self.but_life).min()
             may_gain = self._may_gain(best, near)
             is_refused_by_quick_life = near.solved == QUICK_LIFE and margin < 0.0
             if is_refused_by_quick_life and (margin > -_ROUGH or not may_gain):
@@ -393,7 +402,7 @@ class PreloadSearch:
         best to the near preload jumps between these.
         """
         width = abs(_log_width(best, near))
-        is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.limits)
+        is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.but_life)
         if is_edge or best.end_criterion != near.end_criterion:
             return width > _EDGE
         drop = math.log(best.life / near.life)
@@ -409,8 +418,8 @@ class PreloadSearch:
 
         best: a point that meets all requirements.
         """
-        inside = best.margins(self.limits)
-        outside = near.margins(self.limits)
+        inside = best.margins(self.but_life)
+        outside = near.margins(self.but_life)
         is_broken = (outside < 0.0) & (outside > -1.0)
         if not is_broken.any() or (outside <= -1.0).any():
             return _middle_preload(best, near)
@@ -481,17 +490,17 @@ class PreloadSearch:
 
         best: a point of the line.
         """
-        points = line.points(self.limits)
+        points = line.points(self.but_life)
         k = _index_at_preload(points, best)
         neighbours = [points[j] for j in (k - 1, k + 1) if 0 <= j < len(points)]
-        names = [*self.limits.effective, ACTIVE[NOT_PRACTICAL]]
-        margins = best.margins(self.limits)
+        names = [*self.but_life.effective, ACTIVE[NOT_PRACTICAL]]
+        margins = best.margins(self.but_life)
         is_at_limit = margins.min() < _AT_LIMIT
         refused = [
-            point.margins(self.limits)
+            point.margins(self.but_life)
             for point in neighbours
             if point.values["status"] == OK
-            and point.margins(self.limits).min() < 0.0
+            and point.margins(self.but_life).min() < 0.0
             and (point.solved == NEW_BEARING or point.life > best.life)
         ]
         if refused:

@@ -65,6 +65,7 @@ MEASURE_OF = {name: measure for measure in LIMITED.values() for name in measure.
 """Limited measures by the names of their extremes."""
 
 KEPT, QUASISTATIC = "preload_kept", "quasi-static"
+_DYNAMIC_STIFFNESSES = {"system_axial_stiffness", "axial_stiffness"}
 
 Extremes = dict[str, dict[str, Any]]
 """Worst values by the names of extremes: `value` [SI], and the keys of the condition with it."""
@@ -329,9 +330,8 @@ class _ConditionSearch:
         states = self.solve(condition.scene)
         status = next((state.status for state in states if state.status != code.OK), code.OK)
         if status == code.OK:
-            return ConditionExtremes(
-                state_extremes(condition.scene, states, where, with_quasistatic=False)
-            )
+            extremes = state_extremes(condition.scene, states, where, with_quasistatic=False)
+            return ConditionExtremes(_without_unknown_stiffness(extremes))
         return ConditionExtremes({}, 1, status, where | {"status": code.STATUS_NAMES[status]})
 
     def _unloaded(self, answer: ConditionExtremes) -> Extremes:
@@ -344,6 +344,18 @@ class _ConditionSearch:
             raise _Unsolved(answer.status, answer.unsolved)
         self.is_unloaded = True
         return {KEPT: answer.unsolved | {"value": 0.0}}
+
+
+def _without_unknown_stiffness(extremes: Extremes) -> Extremes:
+    """Returns extremes without a dynamic stiffness that is not known.
+
+    It has no value where the motion of the balls goes over to another one; speeds beside that have.
+    """
+    return {
+        name: extreme
+        for name, extreme in extremes.items()
+        if name not in _DYNAMIC_STIFFNESSES or not math.isnan(extreme["value"])
+    }
 
 
 class _LowestPoint(NamedTuple):

@@ -18,6 +18,7 @@ from bearingwear.studies.design.document.words import limit_text
 from bearingwear.studies.design.map import NOT_SOLVED_AT
 from bearingwear.studies.design.plan import DesignLimits
 
+_LIFE = LIMITED["life_h"]
 NO_LIFE_SOLVED = "no life could be computed"
 
 
@@ -56,6 +57,22 @@ def infeasibility_text(
         value_text = _value_text(name, points[k], limits, is_together, has_cases)
         phrases.append(f"{_required_text(name, limits)}, but {value_text}")
     return introduction + "; ".join(phrases) + _conflict_with_ends(without_life)
+
+
+def life_too_short(longest: PreloadPoint, active: str, limits: DesignLimits) -> str:
+    """Returns that the life is shorter than required, by how much, and what it is limited by.
+
+    longest: the point with the longest life within the other requirements.
+    active: what keeps it from a longer life, an item of `ACTIVE`.
+    """
+    life = float(_LIFE.shown(longest.life))
+    text = (
+        f"where the others are satisfied, the life is at most {digits(life)} h "
+        f"(at {longest.preload:.7g} N), not {limits.life_h:.7g} h"
+    )
+    if active not in limits.effective:
+        return text
+    return f"{text}. A longer life is prevented by {_required_text(active, limits)}"
 
 
 def _points_without_life(
@@ -161,7 +178,7 @@ def _value_text(
     required = plain(float(measure.shown_limit(limits.effective[name])), 7)
     texts = (plain(worst, count) for count in range(3, 8))
     text = next((text for text in texts if text != required), plain(worst, 7))
-    side = "" if is_together else f"never {'above' if measure.falls else 'below'} "
+    side = "" if is_together else f"at {'most' if measure.falls else 'least'} "
     return f"{side}{text} at {digits(point.preload)} N{_where_words(point.values, name, has_cases)}"
 
 

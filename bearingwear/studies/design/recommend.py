@@ -39,6 +39,7 @@ from bearingwear.studies.design.best import (
 )
 from bearingwear.studies.design.changes import changes_dataset, choice_changes
 from bearingwear.studies.design.choice import (
+    ACTIVE,
     ACTIVE_LIMIT,
     NO_PRELOAD,
     limits_of,
@@ -51,7 +52,11 @@ from bearingwear.studies.design.conditions import (
     conditions_of,
 )
 from bearingwear.studies.design.document.words import NO_LIMIT, NONE_BECAUSE
-from bearingwear.studies.design.infeasible import infeasibility_text, least_violations
+from bearingwear.studies.design.infeasible import (
+    infeasibility_text,
+    least_violations,
+    life_too_short,
+)
 from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
     CASE_POINTS,
@@ -82,6 +87,11 @@ SETTABLE = table(
         "one: requirements hold, and the life is at least 90 % as long"),
     Variable("most_preload", (), "N", "most preload that may be set in place of the recommended "
         "one: requirements hold, and the life is at least 90 % as long"),
+)  # fmt: skip
+TOO_SHORT = table(
+    Variable("longest_preload", (), "N", "preload with the longest life within all requirements "
+        "but that on the life, which is too short there"),
+    Variable("longest_life", (), "h", "wear life at longest_preload", scale=HOURS_PER_SECOND),
 )  # fmt: skip
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
@@ -197,6 +207,8 @@ def recommendation(
         if point is None:
             rows.append({"active_limit": NO_PRELOAD, "status": -1})
             reasons[line.method] = no_preload_reason(search, line) if limits.given else NO_LIMIT
+            if limits.given and (longest := line.best(search.but_life)):
+                rows[-1] |= {"longest_preload": longest.preload, "longest_life": longest.life}
         else:
             rows.append(_recommended_values(search, line, point))
             rows_with_preload.append(rows[-1])
@@ -220,7 +232,10 @@ def no_preload_reason(search: PreloadSearch, line: PreloadLine) -> str:
 
     line: of the search, without an allowed preload.
     """
-    limits = search.limits
+    limits = search.but_life
+    if longest := line.best(limits):
+        active = ACTIVE[search.active_limit(line, longest)]
+        return life_too_short(longest, active, search.limits)
 
     def nearest_quick_preloads(other: PreloadLine) -> list[float]:
         """Returns the preloads [N] of the line that are nearly allowed by quick lives."""
@@ -329,7 +344,12 @@ def _recommendation_dataset(
     reasons: why no preload is recommended, by the methods without one.
     """
     variables = table(
-        RECOMMENDED_PRELOAD, ACTIVE_LIMIT, LIFE_ERROR, *BEYOND_RANGE.values(), *SETTABLE.values()
+        RECOMMENDED_PRELOAD,
+        ACTIVE_LIMIT,
+        LIFE_ERROR,
+        *BEYOND_RANGE.values(),
+        *SETTABLE.values(),
+        *TOO_SHORT.values(),
     )
     flags = [PRELOAD_METHODS.index(method) for method in PRELOAD_METHODS]
     dataset = dataset_of_points(

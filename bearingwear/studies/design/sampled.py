@@ -22,7 +22,7 @@ from bearingwear.results.quantiles import (
     quantities_of,
     spread_at,
 )
-from bearingwear.results.units import Rough, key_in_words, text_to_error
+from bearingwear.results.units import key_in_words, text_to_error
 from bearingwear.results.words import methods, name_in_words, plain_scene
 from bearingwear.scene.scene import PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
@@ -102,8 +102,7 @@ def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
         Row("method", "", tuple(point.method_words for point in points), "preload_method"),
         Row("preload", "", tuple(point.preload_words for point in points), "preload_choice"),
         Row("preload", "N", _floats(points, "preload"), "preload"),
-        Row("nominal life", "h", tuple(map(Rough, _floats(points, "nominal_life"))),
-            "nominal_life"),
+        Row("life with median values", "h", _floats(points, "nominal_life"), "nominal_life"),
         *spread_rows([point.spread for point in points]),
         *(
             Row(f"{label.strip()}, interval due to sampling", "h",

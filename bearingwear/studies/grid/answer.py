@@ -12,7 +12,7 @@ import xarray as xr
 
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import counted_words, film_lines
+from bearingwear.document.rows import caveat_lines, counted_words
 from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
@@ -26,7 +26,7 @@ from bearingwear.results.quantiles import (
     load_quantiles,
     spread_of,
 )
-from bearingwear.results.units import Estimated, Rough, printed_unit, span
+from bearingwear.results.units import Rough, printed_unit, span
 from bearingwear.results.words import (
     friction_text,
     methods,
@@ -38,8 +38,8 @@ from bearingwear.scene.arrangement import PAIRS
 from bearingwear.studies.dataset import load_with_axes
 
 NO_END = "no end-of-life criterion is met"
-RANK = 1
-"""The rank of the answer on a page; one that recommends a preload comes before it."""
+RANK = 2
+"""The rank of the answer on a page; a recommended preload, and its duty, come before it."""
 
 
 def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str:
@@ -387,17 +387,12 @@ def lives_block(title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any
     rows = (
         Row("friction", "", tuple(life.friction for life in lives), "friction", given=True),
         Row("preload method", "", tuple(name_in_words(life.method) for life in lives)),
-        Row(
-            "life",
-            "h",
-            tuple(Estimated.of(life.hours, life.error * life.hours) for life in lives),
-            "life",
-        ),
+        Row("life", "h", tuple(life.hours for life in lives), "life"),
         *spread_rows([life.spread for life in lives]),
         Row("ended by", "", tuple(life.end for life in lives), "end_criterion"),
         Row("numerical error", "%", tuple(Rough(100.0 * life.error) for life in lives)),
     )
-    return Block(title, rows=rows, lines=(_table_note(lives, scene), *film_lines(scene)), axes=2)
+    return Block(title, rows=rows, lines=(_table_note(lives, scene), *caveat_lines(scene)), axes=2)
 
 
 def detailed_lives_block(

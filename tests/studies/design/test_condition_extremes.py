@@ -313,6 +313,25 @@ def test_a_preload_that_must_be_kept_may_decide(contact):
     assert "residual preload" in limit and numbers_in(limit) == [80.0]
 
 
+def test_a_stiffness_that_is_not_known_at_a_lower_speed_is_that_of_the_others(spindle):
+    """Balls that change their motion at half of the speed have no dynamic stiffness there."""
+
+    def states_without_stiffness_at_half_speed(scene):
+        states = new_states(scene)
+        if scene.operation.shaft_speed_rpm != pytest.approx(9000.0):
+            return states
+        unknown = dict.fromkeys(("axial_stiffness", STIFFNESS), math.nan)
+        return tuple(state.with_values(unknown) for state in states)
+
+    at_speed = state_extremes(spindle, new_states(spindle), OperatingCondition(spindle).where())
+    conditions = OtherConditions(spindle, STIFF.effective, quick=True)
+    known, unknown = (
+        conditions.extremes(at_speed, solve_states, "new").extremes[STIFFNESS]["value"]
+        for solve_states in (new_states, states_without_stiffness_at_half_speed)
+    )
+    assert unknown == pytest.approx(known, rel=0.05) and math.isfinite(known)
+
+
 def test_a_rotor_whose_stiffness_is_not_known_has_no_frequency():
     scene = bearingwear.new(designation="7001C", speed=600.0, preload_method="fixed_position")
     pair = scene.with_(

@@ -150,7 +150,7 @@ def _recommended_text(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     life = float(point["life"])
     if not np.isfinite(life):
         return limit
-    text = f"{Rough(life).text} h at {preload_text(point)} N, limited by\n{limit}"
+    text = f"{digits(life)} h at {preload_text(point)} N, limited by\n{limit}"
     if active in LIMITED:
         where = brief_condition_words(recommendation, point, critical_extreme(point, active))
         text += f"\n({where})" if where else ""

@@ -33,7 +33,7 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread_of
-from bearingwear.results.units import Display, Interval, Rough, display
+from bearingwear.results.units import Display, Interval, digits, display
 from bearingwear.results.words import friction_text, methods, percent, plain_scene
 
 WEAR_RATE = display("m3 s-1")
@@ -372,7 +372,7 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     if not hours_by_condition:
         return "no end of life was found"
     ends = (min(hours_by_condition.values()), max(hours_by_condition.values()))
-    range_text = " to ".join(dict.fromkeys(Rough(hours).text for hours in ends))
+    range_text = " to ".join(dict.fromkeys(digits(hours) for hours in ends))
     details = f"wear of {counted_words(scene)}"
     if len(hours_by_condition) == 1:
         details += f"; {next(iter(hours_by_condition))}"
