@@ -125,7 +125,7 @@ class Method:
         return nodes
 
     def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
-        """Returns the nodes of a finished step that its life keeps."""
+        """Returns the nodes of a step that its life keeps, if all of these are solved."""
         return step.nodes
 
     def shorten(self) -> bool:

@@ -92,7 +92,7 @@ class Grooves:
         return self.last
 
     def unsolved_states(self) -> States:
-        """Returns states at the present losses, with the status of the new bearings."""
+        """Returns unsolved states at the present losses, with the status of the new bearings."""
         losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.symmetric_half.sides)
         return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
 

@@ -138,7 +138,10 @@ def life_in_case(scene: Scene, name: str) -> Life | None:
 
 @cached_in_scene
 def _duty_lives(scene: Scene) -> dict[str, Life]:
-    """Returns the lives along which the requirements of a scene hold, by case, computed once."""
+    """Returns the lives over the duty of a scene by the names of its cases, computed once.
+
+    They are those of `lives_by_case`, kept with the scene.
+    """
     return lives_by_case(scene)
 
 

@@ -104,7 +104,13 @@ class Simpson(Method):
         return step
 
     def _part_of_step(self, start: Node, step: LifeStep, end: float) -> LifeStep:
-        """Returns a solved step up to an end within it [m], by the quartic through its nodes."""
+        """Returns the part of a solved step up to an end within it, which is solved as well.
+
+        The inverse rate is the quartic through the nodes of the step.
+
+        start: node at which the step starts.
+        end: loss [m].
+        """
         h = step.end - start.x
         powers = np.arange(1, 6)
         slowness = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *step.nodes)])
@@ -272,7 +278,7 @@ class InTime(Method):
         return self.step_to(min(now.x + self.longest, bound))
 
     def step_to(self, end: float) -> LifeStep:
-        """Returns a step from the last node to an end [s]."""
+        """Returns a step of one node, from the last node to a time [s]."""
         return LifeStep(end=end, nodes=self.solved_at(end))
 
 

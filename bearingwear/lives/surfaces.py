@@ -373,7 +373,10 @@ def follow_surfaces(wearing: Any, ends: Criteria, scene: Scene, quick: bool = Fa
 
 
 def surface_steps_error(scene: Scene, solver: Remembered, life: Life) -> float:
-    """Returns the error by its steps of a life whose contacts stay Hertzian [s]."""
+    """Returns the error by its steps of a life whose contacts stay Hertzian [s]; see `steps_error`.
+
+    scene, solver: those of the life, which the solver follows once more if need be.
+    """
     return steps_error(Surfaces(scene, solver), Criteria(scene), scene, life)
 
 

@@ -30,7 +30,10 @@ class WornLayout:
 
 
 def cage_surfaces(scene: Scene) -> tuple[float, float]:
-    """Returns the area of the wall of one pocket, and of the guiding surface of a cage [m2]."""
+    """Returns the area of the wall of one pocket, and of the guiding surface of a cage [m2].
+
+    Both are cylinders. The latter is the outer surface of a cage that the balls guide.
+    """
     cage, MM = scene.cage, parameters.MM
     assert cage is not None
     r_i, r_o = 0.5 * cage.inner_diameter_mm * MM, 0.5 * cage.outer_diameter_mm * MM

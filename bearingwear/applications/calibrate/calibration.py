@@ -305,7 +305,7 @@ def _prior(scene: Scene, friction: str) -> Prior:
 
 
 def _wear_names_of_batch(scene: Scene) -> list[str]:
-    """Returns the uncertain values of wear and hardness that are the same for all of a batch."""
+    """Returns the names of the uncertain values of `WORN` that are the same for all of a batch."""
     uncertainty = scene.uncertainty or {}
     return [
         name for name in WORN if name in uncertainty and is_same_for_batch(name, uncertainty[name])

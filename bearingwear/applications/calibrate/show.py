@@ -125,7 +125,11 @@ def _summary_sentences(file: Any, scene: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def conflicts(file: Any) -> list[str]:
-    """Returns a sentence for each disagreement of tests and model that chance hardly explains."""
+    """Returns a sentence for each disagreement of tests and model that chance hardly explains.
+
+    That is a test with a probability below `_UNLIKELY`, or a mean of K_s/H or friction that the
+    tests shift by more than `_FAR` standard deviations.
+    """
     sentences = []
     probabilities = variable_values(file, "probability_of_test")
     for label, probability in zip(_test_labels(file), probabilities, strict=True):

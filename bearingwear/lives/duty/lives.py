@@ -215,7 +215,7 @@ def ramp_error(
 
 
 def present_losses(cycle: Cycle) -> list[float]:
-    """Returns the loss of each bearing at the start of a life [m]."""
+    """Returns the loss of each bearing that is solved, at the start of a life [m]."""
     bearings = cycle.scenes[0].symmetric_half.sides
     return [side.wear.ball_diameter_loss_um[0] * UM for side in bearings]
 

@@ -131,7 +131,10 @@ class PreloadLine:
     best_beyond_end: PreloadPoint | None = None
 
     def points(self, limits: DesignLimits) -> list[PreloadPoint]:
-        """Returns lives, and new bearings that do not meet the requirements; rising in preload."""
+        """Returns the points with a life, and new bearings that are not allowed, rising in preload.
+
+        At a preload with both, it is the life.
+        """
         refused = {p: point for p, point in self.new.items() if not point.is_allowed(limits)}
         return [point for _, point in sorted((refused | self.lives).items())]
 

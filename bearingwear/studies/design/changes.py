@@ -161,7 +161,11 @@ def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -
 
 
 def _limit_range(now: float, name: str) -> tuple[float, float]:
-    """Returns the lowest and highest value of a requirement that are tried."""
+    """Returns the lowest and highest value of a requirement that are tried, in its unit.
+
+    They are a factor of `_FARTHEST` away from the present one; the highest is not above the largest
+    that is allowed.
+    """
     _, highest = Key(within=LIMITED[name].limit[1]).ends
     return now / _FARTHEST, max(now, min(_FARTHEST * now, highest))
 
