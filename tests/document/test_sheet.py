@@ -104,7 +104,8 @@ def test_the_criterion_that_ends_a_life_is_marked():
     assert preload.values[-1] == pytest.approx(preload.limit, rel=1e-3) and preload.limit == 40.0
     assert rows["end_criterion"].values == (preload.label,)
     slip = criteria["gyroscopic_slip_share"]
-    assert max(slip.values) < slip.limit == 50.0
+    assert slip.limit == 50.0
+    assert max(slip.values) < slip.limit
 
 
 def test_rates_with_and_without_grooves_have_different_labels(capsys):
@@ -119,7 +120,8 @@ def test_rates_with_and_without_grooves_have_different_labels(capsys):
     even_rate, groove_rate = (
         rows["history_ball_diameter_loss_rate"] for rows in (lives["hertz"], lives["worn"])
     )
-    assert even_rate["label"] == state_rate["label"] != groove_rate["label"]
+    assert even_rate["label"] == state_rate["label"]
+    assert groove_rate["label"] != state_rate["label"]
     assert even_rate["values"]["start"] == pytest.approx(state_rate["value"], rel=1e-6)
     assert groove_rate["values"]["start"] != pytest.approx(state_rate["value"], rel=0.02)
     assert lives["worn"]["loss_at_end"]["value"] == pytest.approx(0.3, rel=1e-4)

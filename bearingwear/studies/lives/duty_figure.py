@@ -17,7 +17,9 @@ def duty_figure(life: xr.Dataset) -> Figure:
     """Returns the figure of a life over a duty, of a bearing.
 
     Its panels are the residual preload in each phase over time, and the worn volumes, stacked by
-    phase.
+    phase. A dashed line is at the preload that ends the life, if one does.
+
+    life: dataset of a life over a duty, of a single bearing.
     """
     time = life["history_time"].values
     phases = str(life.attrs["phases"]).split()
@@ -38,6 +40,7 @@ def duty_figure(life: xr.Dataset) -> Figure:
     wear_panel.set_ylabel("worn volume (% of the end)")
     wear_panel.set_xlabel("time of use (h)")
     for panel in (preload_panel, wear_panel):
+        # a life of 0 h needs an axis of some length, too
         panel.set_xlim(0.0, max(float(time[-1]), np.finfo(float).tiny))
         start_at_zero(panel)
     keys: list[Patch | Line2D] = [
