@@ -27,6 +27,8 @@ def infeasibility_text(
 ) -> str:
     """Returns which requirements no preload meets, how near one comes, and in which condition.
 
+    Without a point that was solved, or that has a life, the text says so instead.
+
     points: solved preloads, none of which is allowed.
     has_cases: whether the scene has several, which are then named.
     """
@@ -109,12 +111,12 @@ def _conflict_with_ends(points: Sequence[PreloadPoint]) -> str:
 def least_violations(
     points: Sequence[PreloadPoint], limits: DesignLimits
 ) -> tuple[dict[str, int], bool]:
-    """Returns requirements that no preload meets, each with the index of the nearest point.
+    """Returns the requirements in the way of all preloads, and whether they are so together.
 
-    If each is met at some preload, they are those that the best point violates: the one whose worst
-    margin is best, among worn bearings if there are any.
-
-    Returns: indices of points by requirement, and whether each is met at some preload.
+    False: some are met at no preload. They have the index of the point that comes nearest, each one
+    its own. True: each is met at some preload. Then they are those that the best point violates,
+    with its index: the one whose worst margin is best, among worn bearings if there are any. Both
+    are empty and False if no point is usable: solved, practical, and with a life.
     """
     usable = [
         k
@@ -146,12 +148,17 @@ def least_violations(
 
 
 def _may_live(point: PreloadPoint) -> bool:
-    """Whether a point has a life above zero, or is of new bearings alone."""
+    """Returns whether a point has a life above zero, or is of new bearings alone."""
     return point.solved == NEW_BEARING or point.life > 0.0
 
 
 def _required_text(name: str, limits: DesignLimits) -> str:
-    """Returns a requirement in words; that on lift-off, which applies unasked, with its reason."""
+    """Returns a requirement in words, with its limit.
+
+    That on lift-off has its reason where nobody gave it: it always applies.
+
+    name: of the measure, a key of `LIMITED`.
+    """
     text = limit_text(name, limits.effective[name])
     return text if name in limits.given else f"no bearing lifts off ({text})"
 
@@ -162,7 +169,7 @@ def _value_text(
     """Returns the worst value of a measure at a preload, and in which condition it is.
 
     name: of the measure, a key of `LIMITED`.
-    is_together: whether other preloads meet the requirement.
+    is_together: whether other preloads meet the requirement; else the text says "never".
     has_cases: whether to name the case.
     """
     measure = LIMITED[name]
@@ -178,9 +185,9 @@ def _value_text(
 def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
     """Returns the condition in which a measure is the worst; empty where that is not known.
 
-    has_cases: whether to name the case.
     values: of a design point.
     name: of the measure, a key of `LIMITED`.
+    has_cases: whether to name the case.
     """
     measure = LIMITED[name]
     deciding = values.get(DECIDING, {})
@@ -192,7 +199,9 @@ def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
 
 
 def _unsolved_words(points: Sequence[PreloadPoint], has_cases: bool) -> str:
-    """Returns the condition in which most points were not solved, and why; empty if unknown.
+    """Returns the condition in which most points were not solved, and why, in brackets.
+
+    It is empty if no point has a condition.
 
     has_cases: whether to name the case.
     """

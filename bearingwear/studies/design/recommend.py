@@ -117,11 +117,14 @@ def small_map(
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Step: returns a design map of a scene, and its recommendation.
 
+    Lines of progress go to stderr.
+
     axes, limits: fields of `MapAxes` and `DesignLimits`.
     workers: processes that solve lives.
     """
 
     def tell(text: str) -> None:
+        """Writes a line of progress, which begins with the name of the scene's file."""
         print(f"{scene.stem}: {text}", file=sys.stderr)
 
     base = life_scene(scene, films=True)
@@ -155,7 +158,8 @@ def recommendation_and_map(
 ) -> tuple[xr.Dataset, xr.Dataset | None]:
     """Returns the recommendation at the scene's own friction and speed, and a map or None.
 
-    The map contains lives over preload, for a choice where no requirement is given.
+    The map contains lives over preload, for a choice by hand. It is None if any requirement is
+    given.
 
     source: of the scene, for errors.
     workers: processes that solve lives.
@@ -180,13 +184,13 @@ def recommendation(
 ) -> xr.Dataset:
     """Returns the recommended preload of each method, and what would change the choice.
 
-    Lives at the preloads that are named are exact. Without a requirement no preload is recommended.
+    The dataset has the variables of `POINT` at the recommended preload and those of
+    `_recommendation_dataset` over `preload_method`, and those of `CHANGES` over `change`. Lives at
+    the preloads that are named are exact. Without a requirement no preload is recommended. A method
+    without a preload has NaN, the status -1, and a reason in the attribute `NONE_BECAUSE`.
 
     answers_at: asks a function at points, `map` or that of `Workers`.
     tell: takes lines of progress.
-
-    Returns a dataset over `preload_method` with the values of `POINT` at the recommended preload
-        and the variables of `_recommendation_dataset`, and `CHANGES` over `change`.
     """
     tell = tell or (lambda text: None)
     search = PreloadSearch(scene, limits, answers_at)
@@ -223,7 +227,8 @@ def recommendation(
 def no_preload_reason(search: PreloadSearch, line: PreloadLine) -> str:
     """Returns why no preload of a line is allowed, and how near one comes.
 
-    Quick lives at the preloads that it names are replaced by exact ones before.
+    Quick lives at the preloads that the text names are solved exactly first, and replaced in the
+    line.
 
     line: of the search, without an allowed preload.
     """
@@ -250,8 +255,9 @@ def _recommended_values(
 ) -> dict[str, Any]:
     """Returns the values of a recommended preload by the names of variables.
 
-    Beside those of its design point they are the preload, its active limit, the preloads that may
-    be set in its place, and a better one far outside of the range.
+    Beside those of its design point they are the preload, its active limit, the range of preloads
+    that may be set in its place, and a better one far outside of the search. The range is left out
+    unless the lives at its ends are exact, and the last one if there is none.
 
     best: the recommended point of the line.
     """
@@ -284,7 +290,8 @@ def _chosen_answers(chosen: _ChosenPreload) -> dict[str, Any]:
 def _life_answers(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the numerical error of a life, its warnings as JSON and, of several cases, the worst.
 
-    Over several cases, the error is the largest one, and each warning names its cases.
+    Over several cases, the error is the largest one, and each warning names its cases. The error is
+    relative [1], and NaN where there is no estimate.
 
     point: design point of the scene.
     """
@@ -328,9 +335,12 @@ def _recommendation_dataset(
     rows: Sequence[dict[str, Any]],
     reasons: Mapping[str, str],
 ) -> xr.Dataset:
-    """Returns a recommendation over `preload_method`.
+    """Returns a recommendation over `preload_method`, without `CHANGES`.
 
-    rows: values of variables and of `ATTRIBUTES` for each method.
+    Attributes hold what is no variable, as JSON: warnings, worst cases, deciding conditions, all
+    conditions of the requirements, what the machine requires, and the reasons.
+
+    rows: values of variables and of `ATTRIBUTES` for each of `PRELOAD_METHODS`.
     reasons: why no preload is recommended, by the methods without one.
     """
     variables = table(
@@ -367,7 +377,7 @@ def _recommendation_dataset(
 
 
 def is_of_scene(dataset: xr.Dataset, scene: Scene) -> bool:
-    """Whether the scene in a dataset agrees with another one in all values that decide a life."""
+    """Returns whether the scene in a dataset has the values of another that decide a life."""
     return decisive_data(plain_scene(dataset)) == decisive_data(scene.to_dict())
 
 

@@ -38,9 +38,9 @@ class _SampledPreload(NamedTuple):
     """Lives of one method that were sampled at one preload."""
 
     method_words: str
-    preload_words: str
+    preload_words: str  # name of the choice of preload
     lives: xr.Dataset
-    spread: Spread | None
+    spread: Spread | None  # None without a life
 
 
 def sampled_blocks(uncertainty: xr.Dataset) -> list[Block]:
@@ -120,15 +120,19 @@ def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
 
 
 def _floats(points: Sequence[_SampledPreload], name: str) -> tuple[float, ...]:
-    """Returns the number in a variable of the lives at each preload.
+    """Returns the number in a variable of the lives at each preload, in the unit of the file.
 
     points: lives at each preload.
+    name: of a variable without dimensions.
     """
     return tuple(float(point.lives[name]) for point in points)
 
 
 def _index_block(uncertainty: xr.Dataset) -> Block:
-    """Returns a table of Sobol indices, with a line for each uncertain value."""
+    """Returns a table of total Sobol indices, with a line for each uncertain value.
+
+    For each method there are those with all values uncertain, and those with wear as stated.
+    """
     scene = plain_scene(uncertainty)
     names = quantities_of(uncertainty)
     distributions = [scene["uncertainty"][name] for name in names]

@@ -19,19 +19,24 @@ from bearingwear.studies.design.condition_extremes import (
 from bearingwear.studies.design.conditions import NEW, WARMING, OperatingCondition
 
 ROUGHER = 100.0
-"""How much coarser the steps are of a warm-up that shows where to look for a preload: peaks of
-preload and pressure are within 2e-4 of those of fine steps."""
+"""Factor on the tolerance of the steps of a warm-up that shows where to look for a preload.
+
+Peaks of preload and pressure are within 2e-4 of those of fine steps.
+"""
 
 
 @functools.lru_cache(maxsize=256)  # quick and exact lives ask for the same new bearings
 def warm_up_extremes(scene: Scene, seconds: float, quick: bool) -> ConditionExtremes:
     """Returns extremes of new bearings from rest to steady temperatures, or where that failed.
 
+    Where some bearing carries nothing, that is no failure: no share of its preload is kept, at the
+    last instant that was solved.
+
     seconds: time of the ramp from rest to speed [s].
     quick: whether the steps are coarser than those of `bearingwear warmup`.
     """
     tolerance = STEP_TOLERANCE * (ROUGHER if quick else 1.0)
-    where: dict[str, Any] = {}
+    where: dict[str, Any] = {}  # after the loop, that of the last instant
     try:
         warming = warm_up(scene, ramp(seconds), tolerance=tolerance)
     except NoState as unsolved:
