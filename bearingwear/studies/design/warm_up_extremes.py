@@ -39,11 +39,11 @@ def warm_up_extremes(scene: Scene, seconds: float, quick: bool) -> ConditionExtr
     where: dict[str, Any] = {}  # after the loop, that of the last instant
     try:
         warming = warm_up(scene, ramp(seconds), tolerance=tolerance)
-    except NoState as unsolved:
+    except NoState as no_state:
         mounted = OperatingCondition(at_speed_share(scene, 0.0), WARMING)
         where = mounted.where(wear=NEW, time_s=0.0)
-        status_name = code.STATUS_NAMES[unsolved.status]
-        return ConditionExtremes({}, 0, unsolved.status, where | {"status": status_name})
+        status_name = code.STATUS_NAMES[no_state.status]
+        return ConditionExtremes({}, 0, no_state.status, where | {"status": status_name})
     parts = []
     for instant in warming.instants:
         condition = OperatingCondition(at_speed_share(scene, instant.share), WARMING)
