@@ -47,6 +47,16 @@ GLOSSARY = {
     "whose force remains constant as parts wear, or by a spacer, with which the preload decreases "
     "as parts wear. With a spring, only one bearing of the arrangement supports the rotor axially.",
     "residual preload": "The axial force that remains at speed and after wear.",
+    "spacer offset": "How much closer the rings of the two bearings come when the preload is "
+    "applied, unworn and at rest: the sum over both bearings. The spacers are ground to differ in "
+    "length by this amount.",
+    "dynamic, quasi-static stiffness": "Force per unit displacement. In the dynamic case, as in "
+    "vibration, spin axes and friction do not change; in the quasi-static case, as under a slowly "
+    "varying force, they adapt. A required stiffness applies to both.",
+    "K_s/H": "Wear coefficient over hardness (m²/N). All lives are inversely proportional to it.",
+    "batch": "Bearings of a batch share one wear coefficient and lubrication. Scatter within a "
+    "batch is what differs from bearing to bearing; the uncertainty of the batch is what is common "
+    "to all and not known in advance.",
     "gyroscopic slip share": "The share of a ball's sliding that is perpendicular to its "
     "rolling direction and driven by the gyroscopic moment.",
     "requirement": "A condition that the bearing or machine must meet from new to the end of life, "

@@ -109,7 +109,7 @@ def _achieved_requirements(recommendation: xr.Dataset) -> str:
                 where = f" {where}" if where.startswith("at ") else f", {where}"
             text += (
                 f" (achieved: {achieved} {printed_unit(measure.unit)}{where}; "
-                f"margin {margin_percent:.0f} %)"
+                f"margin {margin_percent:.{0 if margin_percent >= 1.0 else 1}f} %)"
             )
         texts.append(text)
     return "; ".join(texts)
