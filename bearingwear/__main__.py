@@ -13,7 +13,11 @@ from bearingwear.process import set_environment
 
 
 def run_program() -> int:
-    """Runs a command and returns its exit status."""
+    """Runs a command and returns its exit status.
+
+    It installs handlers of Ctrl-C and SIGTERM, which end the process at once, unless the parent has
+    them ignored or handled; and it sets the environment for libraries.
+    """
     process = os.getpid()
     for signal_number in (signal.SIGINT, signal.SIGTERM):
         # in a background job, the shell has Ctrl-C ignored, and that stays

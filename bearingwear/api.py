@@ -168,12 +168,13 @@ def uncertainty(
         A scene with at least one criterion under `wear.end_of_life`. A scene without `uncertainty`
         uses the one in the table of coefficients.
     friction : sequence of float
-        Ball-race friction coefficients, in place of that of the scene.
+        Ball-race friction coefficients; if empty, that of the scene.
     method : sequence of str
-        Preload methods, in place of that of the scene.
+        Preload methods; if empty, that of the scene.
     samples : int
         Number of bearings, bearings of a batch, and batches sampled, a power of two.
     seed : int
+        Seed of the sample; the same seed gives the same lives.
     workers : int
         Number of processes, which affects only the time.
 
@@ -217,6 +218,8 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
     ------
     SceneError, NotAvailable
         Both are ValueErrors with a one-line message.
+    TypeError
+        A requirement that does not exist.
 
     Warns
     -----
@@ -259,7 +262,7 @@ def warmup(
         Time from rest to full speed, at constant acceleration; if omitted, `duty.start_s`, and
         at once without a duty.
     course : sequence of (float, float), optional
-        Times [s], which rise from 0, and shaft speeds [r/min], in place of `seconds`.
+        Times [s], which rise from 0, and shaft speeds [r/min]; `seconds` then has no effect.
     duration : float, optional
         Time at which to end [s]; if omitted, once the temperatures are steady.
 
@@ -296,7 +299,12 @@ def warmup(
 
 
 def _dataset_with_warnings(result: Result, scene_name: str) -> xr.Dataset:
-    """Return the dataset of a result, and issue its warnings where `solve` or `life` was called."""
+    """Return the dataset of a result with `message`, and issue its warnings.
+
+    A warning names the line that called `solve` or `life`, which alone may call this function.
+
+    scene_name: with which warnings begin.
+    """
     result_dataset = dataset_of_result(result, by_name=True)
     result_dataset.attrs["message"] = STATUS_SENTENCES[result.status]
     if result.status != "ok":
@@ -380,6 +388,11 @@ def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False)
     every : bool
         Whether to include residuals, error estimates and versions, like `bearingwear show --all`.
 
+    Returns
+    -------
+    Document
+        The sheet, which prints as text and is displayed as HTML.
+
     Raises
     ------
     SceneError, CaseFileError
@@ -431,7 +444,10 @@ def new(
     Raises
     ------
     SceneError
-        A ValueError with a one-line message.
+        A ValueError with a one-line message: a value is not allowed, or values contradict each
+        other.
+    TypeError
+        A designation that is no text, an option that does not exist, or two clearances.
     """
     from bearingwear.scene.new.scene_file import OPTIONS, checked_scene, scene_text
 
@@ -465,7 +481,10 @@ def new(
 
 
 def _check_choices(options: Mapping[str, float | str]) -> None:
-    """Refuse an option of `new` whose text is none of its choices."""
+    """Raise SceneError for an option of `new` with a text that is none of its choices.
+
+    Options that have no list of choices, and values that are no text, are not checked.
+    """
     for option, choices in CHOICES.items():
         text = options.get(option)
         if isinstance(text, str) and text not in choices:
@@ -510,6 +529,10 @@ class Plot:
         bearing : {"first", "second"}, optional
             Bearing of a pair, which is required if the two differ.
 
+        Returns
+        -------
+        matplotlib.figure.Figure
+
         Raises
         ------
         CaseFileError
@@ -519,7 +542,10 @@ class Plot:
         return self._figure(data, STUDY_PLOTS, bearing)
 
     def __getattr__(self, name: str) -> Callable[..., Figure]:
-        """Return the function that draws results of one kind, such as `plot.case`."""
+        """Return the function that draws results of one kind, such as `plot.case`.
+
+        AttributeError: no kind of result that is drawn has this name.
+        """
         kinds = {kind.replace(" ", "_"): kind for kind in STUDY_PLOTS}
         if name not in kinds:
             raise AttributeError(f"plot: got {name!r}, expected {', '.join(kinds)}")

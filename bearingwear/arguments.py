@@ -64,7 +64,7 @@ class _Parser(argparse.ArgumentParser):
     """A parser whose errors take one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Exits with one line that says what was given and what is expected."""
+        """Prints a line that says what was given and what is expected; exits with `BAD_INPUT`."""
         message = _choice_message(_number_message(message))
         preload = re.match("argument --preload: got '([a-z]+)'", message)
         if preload and preload[1] in PRELOAD_CLASSES:
@@ -75,7 +75,7 @@ class _Parser(argparse.ArgumentParser):
 def _number_message(message: str) -> str:
     """Returns argparse's message on an invalid number in the words of this program.
 
-    Any other message is unchanged.
+    Any other message is returned unchanged.
     """
     for pattern, expected in _EXPECTED.items():
         if match := re.search(f"invalid {pattern}", message):
@@ -149,7 +149,10 @@ def command_parser(typed: str | None = None) -> argparse.ArgumentParser:
 
 # fmt: off
 def _add_one_scene(add_command: Callable[[str, str], argparse.ArgumentParser]) -> None:
-    """Adds the commands that check or solve a scene, or choose its preload."""
+    """Adds the commands that check or solve a scene, or choose its preload.
+
+    add_command: adds a command by its name and description, and returns its parser.
+    """
     check = add_command("check", "check a scene; report its model and a table of effects")
     _add_fidelity(check)
     add_formats(check)
@@ -222,7 +225,10 @@ def _add_step(step: argparse.ArgumentParser) -> None:
 
 
 def _add_many(add_command: Callable[[str, str], argparse.ArgumentParser]) -> None:
-    """Adds the commands for many cases."""
+    """Adds the commands for many cases.
+
+    add_command: adds a command by its name and description, and returns its parser.
+    """
     _add_sweep(add_command("sweep", "solve scenes or their lives at many values of their keys"))
     _add_gather(add_command("gather", "gather case files of one scene over their grid, or parts "
         "of a sweep, into one file"))
@@ -401,16 +407,23 @@ def _add_warmup(sub: argparse.ArgumentParser) -> None:
 
 
 def _limit_of_ramp(text: str) -> tuple[str, float]:
-    """Returns the name of a limit during a warm-up, and its value [GPa or N]: `pressure=1.8`."""
+    """Returns the name of a limit during a warm-up, and its value [GPa or N]: `pressure=1.8`.
+
+    ArgumentTypeError: another name, no `=`, or a value out of its range.
+    """
     name, equals, value = text.partition("=")
     if name not in ("pressure", "preload") or not equals:
         raise argparse.ArgumentTypeError(f"got {text}, expected pressure=GPA or preload=N")
+    # the largest values that a scene takes for a pressure limit and for preload_N
     unit, most = ("GPa", "20") if name == "pressure" else ("N", "1e7")
     return name, number_in(Part("number", Key("", unit, f"(0, {most}]")))(value)
 
 
 def _course(text: str) -> list[tuple[float, float]]:
-    """Returns times [s] and shaft speeds [r/min] of a text such as `0:0,10:6000`."""
+    """Returns pairs of time [s] and shaft speed [r/min] of a text such as `0:0,10:6000`.
+
+    ArgumentTypeError: a pair that is no two numbers, or times that do not rise from 0.
+    """
     points = []
     for pair in text.split(","):
         try:
@@ -461,7 +474,10 @@ def _names(text: str) -> list[str]:
 
 
 def _part(text: str) -> tuple[int, int]:
-    """Returns the number of a part and the number of all parts of a text K/N."""
+    """Returns the number of a part and the number of all parts of a text K/N.
+
+    ArgumentTypeError: no such text. The sweep checks that 1 <= K <= N.
+    """
     part, _, parts = text.partition("/")
     if not (part.isdecimal() and parts.isdecimal()):
         raise argparse.ArgumentTypeError(f"got {text!r}, expected K/N such as 3/10")

@@ -108,6 +108,9 @@ def reason(error: BaseException) -> str:
 def check_output(path: Path, scene: str) -> None:
     """Refuses, before anything is solved, an output that cannot or must not be written.
 
+    OutputError: no file name, the scene itself, an existing file that is no result or is read-only,
+    more than one new folder.
+
     scene: file of the scene, which the output must not replace.
     """
     try:
@@ -126,7 +129,10 @@ def check_output(path: Path, scene: str) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Refuses more than one new folder, because the path is then probably mistyped."""
+    """Raises OutputError if more than one new folder is needed, or if the folder is a file.
+
+    A path with several new folders is probably mistyped.
+    """
     if path.parent.exists() and not path.parent.is_dir():
         raise OutputError(f"{path.parent}: got a file, expected a folder")
     if not path.parent.parent.exists():

@@ -53,7 +53,9 @@ _GARBAGE_THRESHOLD = 100_000
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs a command and returns its exit status.
+    """Runs a command and returns its exit status, which the docstring of the module explains.
+
+    Printed characters that the locale lacks become question marks, also after it returns.
 
     argv: arguments after the name of the program; by default those of this process.
     """
@@ -93,7 +95,10 @@ def _collect_garbage_rarely() -> None:
 
 
 def _exit_status(argv: Sequence[str]) -> int:
-    """Runs a command and returns its exit status; turns SystemExit into one."""
+    """Runs a command and returns its exit status; turns SystemExit into one.
+
+    The message of a SystemExit is printed as a line, with the status of bad input.
+    """
     try:
         return _run(_parsed_arguments(argv))
     except SystemExit as stop:
@@ -108,7 +113,10 @@ def _drop(stream: TextIO) -> None:
 
 
 def _parsed_arguments(argv: Sequence[str]) -> argparse.Namespace:
-    """Parses a command line; exits with one line if it has no command or an unknown argument."""
+    """Parses a command line; exits with one line if it has no command or an unknown argument.
+
+    Of `study`, arguments that it does not have are stored in `more`, for Snakemake.
+    """
     if "_ARGCOMPLETE" in os.environ:  # the shell asks how a line may go on
         import argcomplete
 
@@ -166,6 +174,7 @@ def _argument_hint(unknown: Sequence[str], options: Collection[str], argv: Seque
 def _word_hint(word: str, argv: Sequence[str]) -> str:
     """Returns why a word that no option takes may have been typed, or ""."""
     place = argv.index(word) if word in argv else 0
+    # an option and its value must stand before the word
     if place < 2 or word.startswith("-"):
         return ""
     option, value = argv[place - 2 : place]
@@ -179,7 +188,13 @@ def _word_hint(word: str, argv: Sequence[str]) -> str:
 def _check_study(
     parser: argparse.ArgumentParser, args: argparse.Namespace, argv: Sequence[str]
 ) -> None:
-    """Refuse options of a scene without one, misspelt ones, and a name after other options."""
+    """Exits with one line if a study has options of a scene but no scene, or misspelt options.
+
+    Also if its name stands after options for Snakemake.
+
+    parser: of the command `study`.
+    argv: the whole command line.
+    """
     from bearingwear.studies.launch import DRY_RUN
 
     options = [measure.option for measure in LIMITED.values()] + ["--output", "--jobs"]
@@ -204,9 +219,10 @@ def _check_study(
 
 
 def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-    """Sets the file that is drawn and the figures, which `-o` takes for one list.
+    """Sets `args.file`, the file that is drawn, and `args.output`, its figures.
 
-    In `plot -o figure.png FILE.nc`, the file stands after the figures.
+    In `plot -o figure.png FILE.nc`, `-o` takes the file for one of the figures. Without `-o`, the
+    figure is an SVG beside the file. Exits with one line if no file, or more than one, is named.
     """
     if args.file is None:
         files = [path for path in args.output if path.suffix == ".nc"]
@@ -218,7 +234,11 @@ def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> Non
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Calls the handler of a command and returns its exit status; prints errors as lines."""
+    """Calls the handler of a command and returns its exit status.
+
+    It prints errors of input as lines and returns `BAD_INPUT`; `NOT_SOLVED` if a process that
+    should have answered has ended. Other exceptions pass.
+    """
     # imported here, because `--help` does not need them
     from bearingwear.atomic import OutputError
     from bearingwear.results.kinds import imported_function

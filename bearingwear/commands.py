@@ -61,7 +61,10 @@ TO_CHOOSE_BY = ("recommend", "study")
 
 
 def new(args: argparse.Namespace) -> int:
-    """Writes a scene file and suggests the next commands."""
+    """Writes a scene file, solves it once and suggests the next commands; `--list` prints bearings.
+
+    Nothing is solved where that would first compile the solver.
+    """
     from bearingwear.scene.new.scene_file import usual_limits, write_scene
     from bearingwear.scene.read import load_scene
 
@@ -104,7 +107,7 @@ def new(args: argparse.Namespace) -> int:
 def _next_commands(path: str, limits: UsualLimits) -> list[str]:
     """Returns the commands that a new scene file suggests, as lines for a shell.
 
-    limits: that `recommend` and `study` get.
+    limits: of stiffness and pressure, which `recommend` and `study` get as options.
     """
     stem = str(Path(path).with_suffix(""))
     lines = []
@@ -138,7 +141,9 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
     """Returns the scene's file and the designation of some typed words.
 
     The file is named after a designation alone. The designation may have spaces; it is None where a
-    file alone is typed.
+    file alone is typed. In `7008C mine.yaml`, the file comes last.
+
+    SceneError: no word, or a word without a suffix in place of the file.
     """
     if not names:
         problem = "got nothing, expected MYBEARING.yaml, a designation such as 7008C, or both"
@@ -196,7 +201,13 @@ def _only_output(paths: list[str] | None) -> str | None:
 
 
 def _solve_each(args: argparse.Namespace) -> int:
-    """Solves a case for each value of `--each`, and writes each to its own file."""
+    """Solves a case for each value of `--each`, and writes each to its own file.
+
+    Returns `NOT_SOLVED` if any case has no solution, unless `--record-failures` is set.
+
+    UsageError: `--each` is no KEY=VALUE,VALUE..., values and files differ in number, or it is given
+    with `--restart`.
+    """
     key, _, values_text = args.each.partition("=")
     values, outputs = values_text.split(","), args.output or []
     if not (key and values_text) or len(outputs) != len(values):
@@ -225,7 +236,10 @@ def _solve_each(args: argparse.Namespace) -> int:
 
 
 def sweep(args: argparse.Namespace) -> int:
-    """Solves scenes at many values of their keys and writes a dataset."""
+    """Solves scenes at many values of their keys and writes a dataset; a dry run prints its cost.
+
+    Returns `NOT_SOLVED` if no point is solved, unless `--record-failures` is set.
+    """
     args.scene = args.scenes[0]  # the file that messages name
     part, parts = args.part or (1, 1)
     args.output = output_of(args, f"-sweep-{part}of{parts}.nc" if args.part else "-sweep.nc")
@@ -266,7 +280,7 @@ def gather(args: argparse.Namespace) -> int:
     from bearingwear.results.netcdf import header
     from bearingwear.studies.dataset import write_dataset
 
-    if "part" in header(args.files[0]):
+    if "part" in header(args.files[0]):  # an attribute of the parts of a sweep alone
         from bearingwear.results.labels import coded
         from bearingwear.studies.sweep_dataset import gathered_parts
 
@@ -311,7 +325,10 @@ def life(args: argparse.Namespace) -> int:
 
 
 def uncertainty(args: argparse.Namespace) -> int:
-    """Computes the spread in life and writes a file."""
+    """Computes the spread in life, writes a file and prints its sheet.
+
+    Returns `NOT_SOLVED` if no life could be computed, unless `--record-failures` is set.
+    """
     args.output = output_of(args, "-uncertainty.nc")
     check_output(args.output, args.scene)
     with ProgressLines(args.scene) as tell:
@@ -340,7 +357,11 @@ def uncertainty(args: argparse.Namespace) -> int:
 
 
 def recommend(args: argparse.Namespace) -> int:
-    """Prints the recommended preload of a scene."""
+    """Prints the recommended preload of a scene; without requirements, lives over preload.
+
+    Returns `NOT_SOLVED` if no life could be computed, `INFEASIBLE` if no preload satisfies the
+    requirements.
+    """
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.solve import life_scene
 
@@ -365,7 +386,11 @@ def recommend(args: argparse.Namespace) -> int:
 
 
 def warmup(args: argparse.Namespace) -> int:
-    """Computes a warm-up and writes a file."""
+    """Computes a warm-up, writes a file and prints its sheet.
+
+    `--limit` first finds the shortest ramp that keeps limits. Returns `NOT_SOLVED` without a file
+    if there is none, and with one if the status of the warm-up is not ok.
+    """
     args.output = output_of(args, "-warmup.nc")
     scene = given_scene(args)
     from bearingwear.scene.warmth import check_heat_capacities
@@ -442,7 +467,10 @@ def plot(args: argparse.Namespace) -> int:
 
 
 def study(args: argparse.Namespace) -> int:
-    """Runs a study of the workflow, or that of one scene."""
+    """Runs a study of the workflow, or that of one scene; returns the status of Snakemake.
+
+    A result that is named as a file is computed anew.
+    """
     from bearingwear.arguments import is_result
     from bearingwear.studies.launch import check_arguments, run_study
     from bearingwear.studies.sampling import usable_cores
@@ -457,7 +485,11 @@ def study(args: argparse.Namespace) -> int:
 
 
 def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
-    """Runs the study of one scene, prints its findings and its page, and returns the status."""
+    """Runs the study of one scene, prints its findings and its page, and returns the status.
+
+    It is `INFEASIBLE` if the study succeeds and no preload satisfies the requirements, otherwise
+    that of the run. A dry run makes no page, and leaves no new folder.
+    """
     from bearingwear.scene.read import load_scene
     from bearingwear.studies.launch import DRY_RUN, own_headlines, run_own_study
     from bearingwear.studies.own_study import write_study
@@ -483,7 +515,10 @@ def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
 
 
 def _is_infeasible(folder: Path, scene_name: str) -> bool:
-    """Whether a study has requirements that no preload satisfies."""
+    """Whether a study has requirements that no preload satisfies; reads its recommendation.
+
+    folder: of the study, which has a folder `results`.
+    """
     from bearingwear.results.netcdf import load
     from bearingwear.studies.design.choice import limits_of
     from bearingwear.studies.design.recommend import best_method
@@ -493,7 +528,10 @@ def _is_infeasible(folder: Path, scene_name: str) -> bool:
 
 
 def step(args: argparse.Namespace) -> int:
-    """Calls a function for a rule of the workflow."""
+    """Calls a function for a rule of the workflow; returns `NOT_SOLVED` if it says so by an error.
+
+    Its arguments are the words NAME=VALUE and the files to write.
+    """
     from bearingwear.studies.run_step import NotSolved, run_step
 
     try:
@@ -548,7 +586,7 @@ def _resting_pair_line(scene: Scene) -> str:
     from bearingwear.solvers.bearing.at_rest import RestingPair
 
     pair = RestingPair.of(scene)
-    axial, radial = (1e-6 * stiffness for stiffness in pair.rigidity)
+    axial, radial = (1e-6 * stiffness for stiffness in pair.rigidity)  # [N/um]
     return (
         f"stiffness of a rigid pair of these bearings at rest: {plain(axial)} N/um axial, "
         f"{plain(radial)} N/um radial; an axial force of {plain(pair.lift_off)} N unloads one "
@@ -571,9 +609,10 @@ def _design_limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
 
 
 def _restart_state(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
-    """Returns the state in the file of `--restart`, as `restart_from` has it.
+    """Returns the state in the file of `--restart`: `state` (m,) in SI units, `time` [s], `scene`.
 
-    Refuses a scene that the dynamic model does not solve.
+    NotAvailable: a scene that the dynamic model does not solve. CaseFileError: a file from which
+    the scene cannot be continued.
     """
     from bearingwear.results.restart import restart_from
     from bearingwear.solvers.effects.choice import choice
@@ -584,7 +623,11 @@ def _restart_state(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _finish(result: Result, args: argparse.Namespace) -> int:
-    """Writes the file, prints the sheet, reports a failure and returns the exit status."""
+    """Writes the file that -o names, prints the sheet, and returns the exit status.
+
+    A failure is reported in a line on standard error. The status is then `NOT_SOLVED`, or `SUCCESS`
+    with `--record-failures`.
+    """
     if args.record_timing:
         result.attrs["wall_time_s"] = float(result.wall_time_s)
     if args.output is not None:

@@ -74,7 +74,11 @@ class ProgressLines:
         self._write("")
 
     def __call__(self, text: str) -> None:
-        """Prints a line of progress, with the time left if that is known."""
+        """Prints a line of progress, with the time left if that is known, and sets what runs.
+
+        text: what runs; an estimate after `, about ` is left out of that. Where nobody reads the
+            line any more, nothing happens.
+        """
         self.running, _, _ = text.partition(", about ")
         # a closed terminal must not end the run
         with contextlib.suppress(OSError, ValueError):
@@ -92,7 +96,10 @@ class ProgressLines:
             self._running, self._since = text, time.monotonic()
 
     def print_line(self, text: str, stream: TextIO | None = None) -> None:
-        """Prints a text that ends with a line break, in place of the line of progress."""
+        """Prints a text that ends with a line break, in place of the line of progress.
+
+        stream: by default standard error.
+        """
         with self._lock:
             self._write("")
             stream = stream or sys.stderr

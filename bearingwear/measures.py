@@ -37,12 +37,15 @@ _UNITS = {
 
 
 _ROUNDING = 1e-9
-"""Negative margin that may come from rounding, and counts as none."""
+"""Largest amount of a negative margin that may come from rounding, and counts as zero."""
 
 
 def plain(value: float, digits: int = 3, sign: str = "") -> str:
-    """Returns a number with so many significant digits, without an exponent up to ten million.
+    """Returns a number as text, rounded to significant digits and without zeros at its end.
 
+    It has an exponent below 0.0001 and from ten million on.
+
+    digits: number of significant digits, at most 7.
     sign: `+` for a sign also on positive numbers.
     """
     return f"{float(f'{value:.{digits}g}'):{sign}.7g}"
@@ -80,6 +83,7 @@ class Measure:
     brief: bool = False  # whether short tables contain it too
     resting: bool = False  # whether it is computed at rest, independent of the speed
     of_life: bool = False  # whether it belongs to a whole life, not to a state
+    of_wear: bool = False  # whether it is a depth of wear, which no phase of a duty has alone
 
     @property
     def of_speed(self) -> bool:
@@ -120,7 +124,11 @@ class Measure:
         return (self.key,) if self.over_preload else self.variables
 
     def extreme(self, values: Any) -> float:
-        """Returns the least of some values if the measure `falls`, else the largest magnitude."""
+        """Returns the least of some values if the measure `falls`, else the largest magnitude.
+
+        values: a number or an array; one NaN among the values of a NumPy array gives NaN, while
+            those of a `DataArray` are skipped.
+        """
         if isinstance(values, float):  # NumPy takes ten times as long
             return float(values) if self.falls else abs(float(values))
         import numpy as np  # here, because the command line needs only the names
@@ -128,14 +136,17 @@ class Measure:
         return float(np.min(values) if self.falls else np.abs(values).max())
 
     def value(self, values: Any, preload_N: Any = 1.0) -> float:
-        """Returns the worst of the values of one variable [SI].
+        """Returns the worst of the values of one variable [SI], as `extreme` takes it.
 
-        preload_N: initial preload, over which the residual preload counts.
+        values: of the variable in files [SI], a number or an array.
+        preload_N: initial preload, by which values are divided if the measure is `over_preload`.
         """
         return self.extreme(values / preload_N if self.over_preload else values)
 
     def critical(self, value_of: Callable[[str], Any], preload_N: Any = 1.0) -> tuple[float, str]:
         """Returns the worst value of all variables [SI], and the name of its variable.
+
+        Variables whose worst value is NaN are left out; the value is NaN if all are.
 
         value_of: returns the values of a variable by its name, in a state or at a step of a life.
         preload_N: initial preload, over which the residual preload counts; one number, or one for
@@ -147,25 +158,35 @@ class Measure:
     def critical_extreme(self, value_of: Callable[[str], Any]) -> tuple[float, str]:
         """Returns the worst of all extremes in a design map [SI], and the name of its variable.
 
+        Extremes whose worst value is NaN are left out; the value is NaN if all are.
+
         value_of: returns the values of an extreme by its name, in the map or at a point of it.
         """
         worst_values = [self.extreme(value_of(name)) for name in self.extremes]
         return self._worst_with_name(worst_values, self.extremes)
 
     def _worst_with_name(self, values: list[float], names: tuple[str, ...]) -> tuple[float, str]:
-        """Returns the worst of some values, and its name; NaN only if all are NaN."""
+        """Returns the worst of some values, and its name; NaN only if all are NaN.
+
+        values: one for each name, with magnitudes where the measure does not fall.
+        """
         pairs = list(zip(values, names, strict=True))
         numbers = [pair for pair in pairs if not math.isnan(pair[0])] or pairs
         return min(numbers) if self.falls else max(numbers)
 
     def ratio(self, value: Any, limit: float) -> Any:
-        """Returns a value [SI] over a limit [as in its key]; `base` is added to both."""
+        """Returns (value + `base`) / (limit + `base`), with the value in the unit of the limit.
+
+        value: worst value [SI], as `critical` returns it; a number or an array.
+        limit: in `key_unit`.
+        """
         return (value / _UNITS[self.unit].size + self.base) / (limit + self.base)
 
     def margin(self, value: Any, limit: float) -> Any:
-        """Returns the distance of a value [SI] from a limit [as in its key], over the limit.
+        """Returns how far a value [SI] is from a limit [`key_unit`], as a share of the limit.
 
-        It is positive within, zero at the limit, and negative beyond.
+        It is `ratio` - 1 if the measure falls, else 1 - `ratio`: positive where the limit is kept,
+        zero at the limit, and negative where it is violated.
         """
         ratio = self.ratio(value, limit)
         return ratio - 1.0 if self.falls else 1.0 - ratio
@@ -173,7 +194,10 @@ class Measure:
     def margins(self, values: Any, limit: float) -> Any:
         """Returns the least `margin` of all extremes: at each point of a map, or at one point.
 
+        An extreme that is NaN is left out; the margin is NaN where all are.
+
         values: the map or point, with a value by the name of each extreme.
+        limit: in `key_unit`.
         """
         import numpy as np
 
@@ -183,6 +207,8 @@ class Measure:
 
     def worst(self, values: Any) -> Any:
         """Returns the worst of all extremes [SI]: at each point of a map, or at one point.
+
+        It is NaN only where all of them are.
 
         values: as for `margins`.
         """
@@ -220,7 +246,8 @@ class Measure:
     def excess(self, value: float, limit: float) -> float:
         """Returns a value [SI] over its limit; if it `falls`, the limit over the value.
 
-        It exceeds 1 beyond the limit, and is infinite for a falling value of 0.
+        `base` is added to both. It exceeds 1 where the limit is violated, and is infinite for a
+        falling value whose `ratio` is 0 or less.
         """
         ratio = self.ratio(value, limit)
         if not self.falls:
@@ -228,16 +255,30 @@ class Measure:
         return 1.0 / ratio if ratio > 0.0 else math.inf
 
     def is_passed(self, value: float, limit: float) -> bool:
-        """Whether a value [SI] is beyond a limit, by more than rounding."""
+        """Whether a value [SI] violates a limit [`key_unit`] by more than rounding.
+
+        A limit is passed as a mark on the way is: the value is beyond it. At the limit, and for a
+        value of NaN, it is not.
+        """
         return bool(self.margin(value, limit) < -_ROUNDING)
 
     def violation_phrase(self, value: float, limit: float, name: str) -> str:
-        """States a value [SI] of one of its variables, at its limit or beyond."""
+        """Returns words for a value [SI] that is at its limit or violates it.
+
+        A value within the limit must not be given: the words would have it beyond.
+
+        limit: in `key_unit`.
+        name: of the variable or extreme that has the value.
+        """
         side = "at" if self.margin(value, limit) == 0.0 else "below" if self.falls else "above"
         return f"{self.words_of(name)} {self.text(value)} {side} {self.limit_text(limit)}"
 
     def criterion_phrase(self, value: float, limit: float, name: str) -> str:
-        """States a value [SI] of one of its variables and the criterion that it reached."""
+        """Returns words for a value [SI] and the criterion of the end of life that it reached.
+
+        limit: value of the criterion in `key_unit`.
+        name: of the variable that has the value.
+        """
         return f"{self.words_of(name)} {self.text(value)}, criterion {self.limit_text(limit)}"
 
     def text(self, value: float) -> str:
@@ -254,7 +295,10 @@ class Measure:
 
 
 def _in_si(values: Any) -> Any:
-    """Returns values of a point or file in SI units; those of lives are in hours there."""
+    """Returns values in SI units: those whose attribute `units` is `h` in seconds, others as given.
+
+    values: a number, or a `DataArray` of a point or file, in which lives alone are in hours.
+    """
     units = getattr(values, "attrs", {}).get("units")
     return values * _UNITS["h"].size if units == "h" else values
 
@@ -286,7 +330,7 @@ MEASURES = (
         variables=("ball_diameter_loss",),
         advice="start with less wear, or raise the criterion value",
         end=("Total wear depth at which the life ends (less than 10 % of the ball diameter)",
-            "(0, 50000]"), mark="o"),
+            "(0, 50000]"), mark="o", of_wear=True),
     Measure(key="pocket_clearance_mm", words="pocket clearance", unit="mm",
         variables=("pocket_clearance",),
         advice="start with less clearance, or raise the criterion value",
@@ -360,7 +404,7 @@ MEASURES = (
         variables=("greatest_depth",),
         advice="reduce the preload or the speed, or raise the criterion value",
         end=("Groove wear depth, at the deepest point, at which the life ends", "(0, 50000]"),
-        mark=">"),
+        mark=">", of_wear=True),
     Measure(key="cage_film_worn_share", words="film worn off the cage",
         variables=("pocket_film_worn_share", "land_film_worn_share"), kinds=("pocket", "land"),
         advice="use a thicker film, or reduce the clearance at the land",

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # fmt: off
 def add_scene(sub: argparse.ArgumentParser) -> None:
-    """Adds the scene file and the changes to it."""
+    """Adds the argument `scene`, a file, and the option `--set`, a list of texts KEY=VALUE."""
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     setting = sub.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
         help="replace a value in the scene, for example operation.preload_N=9; may be repeated")
@@ -32,7 +32,7 @@ def add_case(sub: argparse.ArgumentParser) -> None:
 
 
 def add_jobs(sub: argparse.ArgumentParser) -> None:
-    """Adds the number of processes."""
+    """Adds the option `--jobs`, the number of processes; None if it is omitted."""
     sub.add_argument("-j", "--jobs", type=positive_count, metavar="N",
         help="number of processes (default: one per core)")
 
@@ -51,7 +51,9 @@ def add_formats(sub: argparse.ArgumentParser) -> Any:
 def given_scene(args: argparse.Namespace) -> Scene:
     """Reads the scene file of a command, applies `--set` and `--case`, and returns the scene.
 
-    Refuses an output that would replace the scene or a file that is no result.
+    SceneError: a scene, a change or a case that is not valid.
+    OutputError: `--output` would replace the scene or a file that is no result, or cannot be
+    written.
     """
     from bearingwear.atomic import check_output
     from bearingwear.scene.read import load_scene
@@ -79,7 +81,10 @@ def output_of(args: argparse.Namespace, ending: str) -> Path:
 
 
 def number_in(part: Part, key: str = "") -> Callable[[str], float]:
-    """Returns the `type` of an option for argparse: it reads a number and refuses all others.
+    """Returns the `type` of an option for argparse, which reads a number from a text.
+
+    It raises ArgumentTypeError for a text that is no number, NaN, infinity, a number out of the
+    range, and a speed such as 18.000, which may mean 18 or 18000 r/min.
 
     part: range and unit of the number.
     key: its name in a scene, where it has one.
@@ -94,7 +99,7 @@ def number_in(part: Part, key: str = "") -> Callable[[str], float]:
         try:
             value = float(text)
         except ValueError:
-            value = math.nan
+            value = math.nan  # refused below
         if not (math.isfinite(value) and fits(value, part)):
             raise argparse.ArgumentTypeError(option_misfit(text, part, key))
         return value
@@ -154,7 +159,10 @@ def positive_count(text: str) -> int:
 
 
 def scene_keys(**_: Any) -> list[str]:
-    """Returns the keys of a scene, each with `=`, for the completion of `--set` in a shell."""
+    """Returns the keys of a scene, each with `=`, for the completion of `--set` in a shell.
+
+    **_: what argcomplete passes on the line that is typed, of which nothing is needed.
+    """
     from bearingwear.scene.checking.records import file_part, keys
     from bearingwear.scene.scene import Scene
 

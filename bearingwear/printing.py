@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 
 def print_sheet(sheet: Document, args: argparse.Namespace) -> None:
-    """Prints a sheet as text, or as `--json` or `--csv` ask for."""
+    """Prints a sheet as text, or as JSON or CSV if `args.json` or `args.csv` is set.
+
+    For CSV, standard output is set to UTF-8.
+    """
     from bearingwear.document.data import as_csv, as_json
     from bearingwear.document.text import as_text
 

@@ -9,14 +9,19 @@ import sys
 from pathlib import Path
 
 ONE_THREAD = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
-"""Of libraries: on small matrices more threads take several times the CPU time."""
+"""Variables that set the number of threads of OpenMP, OpenBLAS and MKL. On small matrices, several
+threads take several times the CPU time of one."""
 
 _CACHES = "bearingwear", "snakemake/source-cache/snakemake-runtime-cache"
 """Folders that are made below the user's folder for caches."""
 
 
 def set_environment() -> None:
-    """Sets the environment of this process and its children, before libraries are imported."""
+    """Sets the environment of this process and its children, before libraries are imported.
+
+    It sets the backend of figures, a safe search path of modules and, unless the user sets the
+    number, one thread for each library; where they are missing, folders for caches and a user name.
+    """
     # figures go to files: a user's backend may need a display, or not be installed
     os.environ["MPLBACKEND"] = "agg"
     os.environ["PYTHONSAFEPATH"] = "1"  # a file `signal.py` of the user is not imported
@@ -27,7 +32,11 @@ def set_environment() -> None:
 
 
 def _set_home() -> None:
-    """Sets a folder for the caches of libraries where the user's home cannot hold them."""
+    """Sets a private folder for the caches of libraries if their usual ones cannot be written.
+
+    Then it sets `XDG_CACHE_HOME`, `MPLCONFIGDIR` unless it is set, and `HOME` if that is no folder
+    which can be read. Otherwise it changes nothing.
+    """
     home = os.path.expanduser("~")
     is_home = os.path.isabs(home) and os.path.isdir(home) and os.access(home, os.R_OK | os.X_OK)
     caches = os.environ.get("XDG_CACHE_HOME") or os.path.join(home, ".cache")
@@ -49,9 +58,9 @@ def _can_be_written(folder: str) -> bool:
 
 
 def _private_folder() -> str:
-    """Returns a folder below that for temporary files that only this user can write to.
+    """Makes and returns a folder, below that for temporary files, that only this user can write to.
 
-    It is the same one each time, unless another user has taken its name.
+    It is the same one each time, unless another user has taken its name; then it is a new one.
     """
     import tempfile
 
@@ -64,7 +73,7 @@ def _private_folder() -> str:
 
 
 def _set_user() -> None:
-    """Sets LOGNAME for a user who has only a number, since Snakemake asks for a name."""
+    """Sets LOGNAME to the user's number if the user has no name, since Snakemake asks for one."""
     if not any(map(os.environ.get, ("LOGNAME", "USER", "LNAME", "USERNAME"))):
         try:
             pwd.getpwuid(os.getuid())
@@ -73,6 +82,10 @@ def _set_user() -> None:
 
 
 def python_command(module: str, *arguments: str) -> list[str]:
-    """Returns the command that runs a module of this copy of the package in another process."""
+    """Returns the command that runs a module of this copy of the package in another process.
+
+    module: its dotted name, such as `bearingwear`.
+    *arguments: of the module's command line.
+    """
     script = Path(__file__).with_name("run_module.py")
     return [sys.executable, "-P", str(script), module, *arguments]

@@ -53,7 +53,10 @@ def sources(*modules: str) -> tuple[Path, ...]:
 
 @functools.cache
 def _data_files(path: Path) -> tuple[Path, ...]:
-    """Returns the files beside a module that are not Python and whose names stand in it."""
+    """Returns the files beside a module that are not Python and whose names it has in quotes.
+
+    The quotes are double ones, as the formatter writes them.
+    """
     other_files = _other_files(path.parent)
     text = path.read_text(encoding="utf-8") if other_files else ""
     return tuple(file for file in other_files if f'"{file.name}"' in text)
@@ -130,6 +133,7 @@ def _file_hash(path: str) -> bytes:
 def sources_hash(*modules: str) -> str:
     """Returns the hash of the names and contents of `sources`, 16 hexadecimal digits."""
     paths = sources(*modules)
+    # relative names, so that the hash is the same wherever the package lies
     names = "\n".join(
         str(path).removeprefix(f"{PACKAGE}/").removeprefix(f"{PACKAGE.parent}/") for path in paths
     )
@@ -139,8 +143,9 @@ def sources_hash(*modules: str) -> str:
 def result_hash(module: str) -> str:
     """Returns the hash of the sources that determine the results of a module.
 
-    Where a module solves scenes, all sources of `SOLVER` count, even those that it does not import.
-    Its results contain their hash, which must be the same in all files of a study.
+    A module solves scenes if it imports, directly or in turn, a file in a folder `solvers`. Then
+    all sources of `SOLVER` count, even those that it does not import: its results contain the hash
+    of `SOLVER`, which must be the same in all files of a study.
     """
     solves_scenes = any("solvers" in path.parts for path in sources(module))
     return sources_hash(module, *SOLVER) if solves_scenes else sources_hash(module)

@@ -7,9 +7,8 @@ take any file of a user that is called `signal.py` or `numpy.py` for the library
 import signal
 
 previous_handler = signal.getsignal(signal.SIGINT)
-if (
-    previous_handler is signal.default_int_handler
-):  # an interrupt before the module runs needs no traceback
+if previous_handler is signal.default_int_handler:
+    # an interrupt before the module runs needs no traceback
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 import os  # noqa: E402
@@ -24,7 +23,13 @@ previous_hook = sys.excepthook
 
 
 def print_exception(kind, *details):
-    """Prints an exception that nobody handles, except an interrupt while Snakemake reads rules."""
+    """Prints an exception that nobody handled, as the previous hook does; nothing for Ctrl-C.
+
+    Ctrl-C would otherwise give a traceback while Snakemake reads rules.
+
+    kind: class of the exception.
+    *details: the exception and its traceback.
+    """
     if kind is not KeyboardInterrupt:
         previous_hook(kind, *details)
 

@@ -71,7 +71,7 @@ def test_the_example_is_the_scene_gyro_s1():
 
 
 def test_new_gives_the_scene_that_its_command_writes(tmp_path):
-    """Except that its description also states the assumed values."""
+    """The scenes are equal, except that the function's description states assumed values, too."""
     argv = [str(tmp_path / "mine.yaml"), "--bore", "40", "--outside", "68", "--ball-diameter", "8"]
     assert main(["new", *argv, "--ball-material", "silicon_nitride"]) == 0
     by_function = bearingwear.new(
@@ -114,7 +114,7 @@ def test_new_refuses_an_unknown_argument():
 
 @pytest.mark.parametrize("name", ["gyro_s1", "010"])
 def test_a_saved_scene_is_loaded_without_change(name, tmp_path):
-    """Even if readers of YAML 1.1 or 1.2 would take its name for a number."""
+    """Its name stays a text that readers of YAML 1.1 or 1.2 would take for a number."""
     scene = replace(bearingwear.example(), name=name)
     path = tmp_path / "new" / "mine.yaml"
     bearingwear.save(scene, path)
@@ -186,7 +186,8 @@ def test_plot_draws_a_dataset_and_a_file_alike(scene, tmp_path):
     bearingwear.save(case, tmp_path / "case.nc")
     settings = dict(matplotlib.rcParams)
     of_dataset, of_file = bearingwear.plot(case), bearingwear.plot(tmp_path / "case.nc")
-    assert of_dataset.get_suptitle() == of_file.get_suptitle() != ""
+    assert of_dataset.get_suptitle() == of_file.get_suptitle()
+    assert of_file.get_suptitle()
     for dataset_axes, file_axes in zip(of_dataset.axes, of_file.axes, strict=True):
         for dataset_line, file_line in zip(dataset_axes.lines, file_axes.lines, strict=True):
             np.testing.assert_array_equal(dataset_line.get_xydata(), file_line.get_xydata())

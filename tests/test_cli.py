@@ -123,7 +123,10 @@ __main__.run_program()
     ],
 )
 def test_an_interrupted_import_or_write_leaves_no_trace(arguments, number, problem, tmp_path):
-    """While numba is imported, or a file is half written; there is no traceback and no file."""
+    """A signal comes while numba is imported, or a file is half written.
+
+    There is one line, no traceback and no file, and the exit status is 128 and the signal's number.
+    """
     completed = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, *arguments, str(int(number))],
         cwd=tmp_path,
@@ -151,7 +154,8 @@ sys.exit(__main__.run_program())
 
 
 def test_an_interrupt_while_python_ends_keeps_the_exit_status():
-    """The work is done, and its exit status stands."""
+    """The exit status of the work that is done is 3; an object that Python deletes at last sends
+    the signal."""
     completed = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True)
     assert (completed.returncode, completed.stdout, completed.stderr) == (3, "late\n", "")
 
@@ -160,6 +164,7 @@ def test_an_interrupt_while_python_ends_keeps_the_exit_status():
 
 
 def test_a_quiet_life_prints_its_warnings_alone(tmp_path, capsys):
+    """Standard error has a line for each warning of the file, in the same order."""
     words = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
     assert main([*words, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
@@ -228,7 +233,7 @@ def test_show_refuses_a_file_whose_scene_cannot_be_read(scene, tmp_path, capsys)
 
 
 def test_show_replaces_control_characters_of_a_file(tmp_path, capsys):
-    """Which a terminal would obey."""
+    """A terminal would obey them; they are shown as `?`."""
     rewrite_scene(tmp_path / "a.nc", lambda text: text.replace("gyro_s1", "a\\u001b[2Jb", 1))
     assert main(["show", str(tmp_path / "a.nc")]) == 0
     out = capsys.readouterr().out
@@ -314,7 +319,7 @@ def test_each_is_refused_unless_it_has_a_file_for_each_value(
 
 
 def test_each_writes_the_files_that_single_solves_write(tmp_path):
-    """They can be gathered."""
+    """Byte for byte, and they can be gathered into a study."""
     key, values = "wear.ball_diameter_loss_um", ("0", "0.5")
     case = "constant_force-mu0.050-loss{:.2f}.nc"
     files = [str(tmp_path / case.format(float(value))) for value in values]
@@ -331,7 +336,10 @@ def test_each_writes_the_files_that_single_solves_write(tmp_path):
 
 
 def test_each_reports_every_unsolved_value(tmp_path, capsys):
-    """By exit status 3, unless failures are to be recorded; without friction, none is solved."""
+    """Each has its line; the exit status is 3, or 0 with --record-failures.
+
+    Without friction, no value is solved.
+    """
     words = ["solve", str(SCENE), "--set", "friction.ball_race=0", "--quiet"]
     words += ["--each", "wear.ball_diameter_loss_um=0,0.5"]
     words += ["-o", str(tmp_path / "a.nc"), str(tmp_path / "b.nc")]
@@ -345,6 +353,7 @@ def test_each_reports_every_unsolved_value(tmp_path, capsys):
 
 
 def test_every_command_has_a_handler():
+    """It is the function of its name in `commands`, or belongs to an application."""
     from bearingwear import commands
     from bearingwear.results.kinds import imported_function
 
@@ -363,6 +372,7 @@ def test_every_command_has_a_handler():
     "settings", [{"changes": {"model.strips": 10}}, {"changes": {}, "fidelity": "steady"}]
 )
 def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
+    """It prints nothing and writes the same bytes."""
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
     changes = settings["changes"].items()
     options = [text for key, value in changes for text in ("--set", f"{key}={value}")]
@@ -394,7 +404,7 @@ def test_an_unknown_step_is_refused(run, problem, tmp_path, capsys):
 
 
 def test_an_unsolved_step_reports_its_status_and_ends_with_0(tmp_path, capsys):
-    """So that a study continues without the case; the status in the file tells it."""
+    """A study then continues without the case, whose file has the status."""
     settings = {"changes": {"friction.ball_race": 0}}
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
     assert only_line(capsys).startswith(f"{SCENE}: undetermined: ")
@@ -458,7 +468,7 @@ def test_an_output_that_would_replace_another_file_is_refused(command, tmp_path,
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
 def test_an_output_that_would_replace_a_read_only_file_is_refused(command, tmp_path, capsys):
-    """Before anything is solved, and even for root, who could write to it."""
+    """It is refused before anything is solved, and for root, too, who could write to it."""
     result = tmp_path / "kept.nc"
     assert run_solve(result) == 0
     content = result.read_bytes()
@@ -493,7 +503,7 @@ def test_a_mistyped_command_is_refused_with_the_nearest_one(command, meant, caps
 
 
 def test_a_mistyped_option_is_refused_with_the_nearest_one(capsys):
-    """Unless none is similar."""
+    """None is named if none is similar."""
     assert main(["recommend", "mine.yaml", "--stifness=10"]) == 2
     assert "'--stifness=10', which this command does not accept; did you mean --stiffness" in (
         capsys.readouterr().err
@@ -557,7 +567,7 @@ def test_commands_create_one_folder_and_report_it(tmp_path, capsys):
     ],
 )
 def test_more_than_one_new_folder_is_refused(words, tmp_path, monkeypatch, capsys):
-    """As the path is probably mistyped."""
+    """The path is then probably mistyped; nothing is created."""
     monkeypatch.chdir(tmp_path)
     assert main(words) == 2
     assert "got more than one new folder, expected" in capsys.readouterr().err

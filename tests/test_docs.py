@@ -106,6 +106,7 @@ def test_no_line_is_over_100_columns():
 
 
 def test_links_lead_to_files_and_headings_that_exist():
+    """Links to other sites are not followed."""
     broken_links = []
     for page in READ:
         for target, anchor in LINK.findall(without_code(page.read_text(encoding="utf-8"))):
@@ -119,12 +120,17 @@ def test_links_lead_to_files_and_headings_that_exist():
 
 
 def test_cited_equations_and_sections_exist():
+    """Equations of docs/theory have tags of their own, 1 to 77, and sections numbers.
+
+    The overview lists all sections. Each equation and section of theory.md that a file of the
+    project cites by its number is one of them.
+    """
     tags, numbers = [], []
     for page in (DOCS / "theory").glob("*.md"):
         text = page.read_text(encoding="utf-8")
         tags += re.findall(r"\\tag\{(\d+a?)\}", text)
         numbers += re.findall(r"^# (\d+) ", text, re.M)
-    unused = {"57", "68", "69", "70"}
+    unused = {"57", "68", "69", "70"}  # numbers of equations that are no longer there
     assert len(tags) == len(set(tags)) and {str(k) for k in range(1, 78)} - unused <= set(tags)
     overview = (DOCS / "theory.md").read_text(encoding="utf-8")
     assert sorted(numbers, key=int) == re.findall(r"^\| (\d+) \| \[", overview, re.M)

@@ -270,7 +270,7 @@ def test_the_bearing_of_a_pair_that_is_within_its_limit_is_not_marked(name):
 
 @of_ends
 def test_the_criterion_that_ended_a_life_is_stated(name):
-    """With its value and limit; of several variables, with the kind of the one that met it."""
+    """`ended_by` has words, value and limit, and the kind of variable if there are several."""
     measure = ENDS[name]
     end_value = measure.file_limit(LIMIT, PRELOAD)
     values = {"history_ball_diameter_loss": np.zeros(1), "end_criterion": CRITERIA.index(name)}
@@ -283,11 +283,15 @@ def test_the_criterion_that_ended_a_life_is_stated(name):
 
 @of_ends
 def test_a_case_that_violates_a_criterion_is_marked(name):
+    """A row of its sheet is marked at 1.1 times the limit, not at 0.9.
+
+    At the limit itself the margin is 0.
+    """
     measure = ENDS[name]
     plain = json.dumps(scene_with_criterion(name).to_dict())
     for variable in measure.variables:
         if variable not in CASE:
-            continue
+            continue  # only lives have it
         for ratio, note in ((0.9, ""), (1.1, "violated")):
             file = File({variable: [value_at(measure, ratio)]}, "none", plain)
             row = row_of(variable, [value_at(measure, ratio)], variable_limits(file)[variable])
@@ -322,6 +326,10 @@ def test_every_limit_of_a_design_has_words_and_a_letter_in_figures(name):
 
 @of_limits
 def test_a_limit_of_a_design_applies_to_the_worst_value_along_a_life(name, monkeypatch):
+    """Three states are at 0.9, 1.1 and 0.5 times the limit, of which the second breaks it.
+
+    Frequencies of a rotor, which would need a solve, are unknown.
+    """
     unknown_frequency = "bearingwear.studies.design.condition_extremes.lowest_frequency"
     monkeypatch.setattr(unknown_frequency, lambda *_: np.nan)
     measure, scene = LIMITED[name], scene_with_criterion("skid_ratio")
@@ -340,6 +348,7 @@ def test_a_limit_of_a_design_applies_to_the_worst_value_along_a_life(name, monke
 
 @of_all
 def test_a_measure_of_a_pair_is_that_of_its_worse_bearing(measure, monkeypatch):
+    """One bearing is at 1.2 times the limit and the other at 0.3, in either order."""
     lowest = lambda _, both: min(item["lowest_frequency"] for item in both)  # noqa: E731
     monkeypatch.setattr(many, "lowest_frequency", lowest)
     rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))
@@ -352,6 +361,7 @@ def test_a_measure_of_a_pair_is_that_of_its_worse_bearing(measure, monkeypatch):
 
 
 def test_a_measure_of_several_variables_is_the_worst_of_them_and_names_it():
+    """Two stiffnesses have values [N/m] at two states; margins to 2.5 N/um are shares of it."""
     both = replace(
         LIMITED["axial_stiffness_N_um"],
         variables=("axial_stiffness", "skid_ratio"),

@@ -121,7 +121,7 @@ def test_the_library_leaves_the_backend_alone(case_file, tmp_path):
 
 
 def test_no_file_of_the_user_is_imported(folder_with_names_of_libraries):
-    """Neither by a command nor by a job of a study."""
+    """Neither a command nor a job of a study imports one."""
     scene = scene_file("gyro_s1")
     completed = run_bearingwear(folder_with_names_of_libraries, "solve", scene, "-o", "a.nc")
     assert completed.returncode == 0, completed.stderr
@@ -139,7 +139,7 @@ def test_an_import_of_a_users_file_is_detected(folder_with_names_of_libraries):
 
 
 def test_a_copy_of_a_checkout_runs_its_own_modules(tmp_path):
-    """Not those of another copy that is installed."""
+    """It does not run those of another copy that is installed."""
     without = shutil.ignore_patterns("__pycache__")
     shutil.copytree(ROOT / "bearingwear", tmp_path / "bearingwear", ignore=without)
     (tmp_path / "bearingwear" / "where.py").write_text("print(__file__, __name__)\n")
@@ -191,7 +191,7 @@ def nameless_user(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("home", HOMES.values(), ids=HOMES)
 def test_a_user_without_a_usable_home_gets_a_folder_for_caches(home, nameless_user, monkeypatch):
-    """Of this user alone, and the same one at the next call."""
+    """Only this user can read it, and the next call takes the same one."""
     for name, value in home(nameless_user).items():
         if value is not None:
             monkeypatch.setenv(name, value)

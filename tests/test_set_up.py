@@ -128,7 +128,7 @@ def test_make_replaces_an_installed_copy_by_the_sources_of_the_clone(clone):
 
 
 def test_a_study_refuses_an_installed_copy_that_differs_from_the_sources(clone):
-    """Until make has replaced the copy."""
+    """When make has replaced the copy, it runs."""
     copy, sources = clone.site / "bearingwear", clone.root / "bearingwear"
     clone.install()
     with (sources / "measures.py").open("a") as file:

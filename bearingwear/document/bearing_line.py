@@ -93,9 +93,11 @@ def warning_with_cases(
 
     warning: with its `id` and its `sentence`.
     names: of the cases that have the warning. Without names, they are known only for the warning of
-        missing temperatures.
+        missing temperatures. That of a duty names its case already.
     """
     scenes = scenes_by_case(scene)
+    if warning["sentence"].startswith(tuple(f"{name}: " for name in scenes)):
+        return dict(warning)
     if not names and warning["id"] == _NEGLECTED_TEMPERATURE:
         names = [name for name, case in scenes.items() if not _has_temperatures(case)]
     words = ""

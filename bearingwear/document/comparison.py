@@ -29,9 +29,9 @@ NOT_COMPARED = frozenset({"scene", "warnings", "modelled", "residual"})
 def comparison_sheet(
     first: str, second: str, more: Registry = MappingProxyType({}), every: bool = False
 ) -> Document:
-    """Returns the sheets of two files of one kind side by side, and what differs in other parts.
+    """Returns the sheets of two files of one kind side by side.
 
-    These are keys of the scene and attributes.
+    Keys of the scene and attributes that differ follow; with `every`, provenance shows attributes.
 
     more: for kinds of files that studies define, the dotted name of the function that returns the
         sheet of an open file.
@@ -45,6 +45,7 @@ def comparison_sheet(
         raise CaseFileError(f"{second}: {problem}")
     sheet_a, sheet_b = sheet(first, more, every), sheet(second, more, every)
     blocks = list(_compared_blocks(sheet_a, sheet_b))
+    # a row of equal values has no third one, the difference
     differing_rows = sum(len(row.values) > 2 for block in blocks for row in block.rows)
     blocks += [
         Block("keys of the scene that differ", A_AND_B, _key_rows(attributes_a, attributes_b)),
@@ -115,7 +116,10 @@ def _by_subject(blocks: Sequence[Block]) -> dict[tuple[str, int], Block]:
 
 
 def _compared_rows(a: Block, b: Block) -> Iterator[Row]:
-    """Yields a row for each quantity and column of either block, with the values of both."""
+    """Yields a row for each quantity and column of either block, with the values of both.
+
+    NaN stands for a value that only the other block has.
+    """
     rows_a, rows_b = _rows_by_name(a), _rows_by_name(b)
     for name in dict.fromkeys((*rows_a, *rows_b)):
         values_a = _values_by_column(a, rows_a.get(name))
@@ -147,6 +151,7 @@ def _values_by_column(block: Block, row: Row | None) -> dict[str, Any]:
     heads: Iterable[str] = block.heads
     if not block.heads:
         heads = [""] if len(row.values) == 1 else map(str, count(1))
+    # not strict: a row may have fewer values than columns, and `count` never ends
     return dict(zip(heads, row.values, strict=False))
 
 
@@ -163,7 +168,7 @@ def _compared_row(row: Row, a: Any, b: Any) -> Row:
 
 
 def _is_nan(value: Any) -> bool:
-    """Returns whether a cell is a number that was not computed."""
+    """Returns whether a cell is NaN, which stands for a number that was not computed."""
     return isinstance(value, float) and math.isnan(value)
 
 
@@ -176,7 +181,10 @@ def _compared_lines(a: Sequence[str], b: Sequence[str]) -> tuple[str, ...]:
 
 
 def _differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]]:
-    """Yields the name and both values of each entry that differs; a dash for a missing value."""
+    """Yields the name and both values of each entry that differs.
+
+    A dash stands for an entry that is missing or None, which count as equal.
+    """
     for name in dict.fromkeys((*a, *b)):
         value_a, value_b = a.get(name), b.get(name)
         if value_a != value_b:

@@ -45,16 +45,21 @@ def as_json(document: Document) -> str:
 
 
 def _value_entry(block: Block, row: Row) -> dict[str, Any]:
-    """Returns `value` of a row with one number, otherwise `values` by the heads of columns."""
+    """Returns the values of a row by the key that JSON has for them.
+
+    With heads of columns, it is `values`, a dict by these. Without heads, it is `value` for a
+    single value, and `values` for a list of several.
+    """
     values = [_plain(value) for value in row.values]
     if not block.heads:
         return {"value": values[0]} if len(values) == 1 else {"values": values}
+    # not strict: in a comparison, a row of equal values has none in the column of differences
     return {"values": dict(zip(block.heads, values, strict=False))}
 
 
 def _limit_entry(block: Block, row: Row) -> dict[str, Any]:
     """Returns `limit` of a row, by the heads of columns if they differ; empty without a limit."""
-    if row.limits:
+    if row.limits:  # one for each value, of which a row may have fewer than there are columns
         return {"limit": dict(zip(block.heads, row.limits, strict=False))}
     return {} if row.limit is None else {"limit": row.limit}
 
@@ -75,7 +80,10 @@ def _plain(value: Any) -> Any:
 
 
 def as_csv(document: Document) -> str:
-    """Returns CSV with a line for each number; the facts stand first."""
+    """Returns CSV with heads and a line for each fact, and then for each number of a table.
+
+    Headings and sentences are left out.
+    """
     lines: list[list[Any]] = [["block", "name", "label", "column", "unit", "value"]]
     for name, value in document.facts.items():
         for item in value if isinstance(value, list | tuple) else [value]:
@@ -89,7 +97,10 @@ def as_csv(document: Document) -> str:
 
 
 def _number_lines(block: Block, row: Row) -> Iterator[tuple[Any, ...]]:
-    """Yields name, label, column, unit and value of each number of a row and of its limits."""
+    """Yields name, label, column, unit and value of each number of a row and of its limits.
+
+    An interval has two, whose names end in `_low` and `_high`. Without heads, the column is "".
+    """
     name = row.name or row.label
     for column, value in itertools.zip_longest(block.heads, map(_plain, row.values), fillvalue=""):
         numbers = value if isinstance(value, list) else [value]
@@ -98,5 +109,5 @@ def _number_lines(block: Block, row: Row) -> Iterator[tuple[Any, ...]]:
             yield name + suffix, row.label, column, row.unit, number
     if row.limit is not None:
         yield name, row.label, "limit", row.unit, row.limit
-    for column, limit in zip(block.heads, row.limits, strict=False):
+    for column, limit in zip(block.heads, row.limits, strict=False):  # most rows have none
         yield name, row.label, f"limit, {column}", row.unit, limit

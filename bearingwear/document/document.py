@@ -180,7 +180,8 @@ def quantity_row(
 ) -> Row:
     """Returns a row of numbers that are in no table of variables, converted to one shown unit.
 
-    units: of the numbers, as in files. shown: unit to show them in, by default one that suits them.
+    units: of the numbers, as in files.
+    shown: key of `units.SCALES` for their display; by default that of `units`.
     """
     values = [float(number) for number in numbers]
     unit = display(units, values, shown=shown)

@@ -31,6 +31,7 @@ def check_document(path: str, scene: Scene, chosen: Choice) -> Document:
     """Returns the sheet of a valid scene: its model, the effects on and off, and warnings.
 
     path: of the scene file.
+    chosen: the model that would solve the scene, with the reason.
     """
     scene_data = scene.to_dict()
     warnings = [

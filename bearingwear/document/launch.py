@@ -20,12 +20,15 @@ SOFT_PAIR_GAPS = (
 
 
 def state_suffix(state: str, states: Mapping[str, LaunchResult]) -> str:
-    """Returns the name of a state after a comma; empty if it is the only state."""
+    """Returns the name of a state after a comma; empty if it is the only state.
+
+    states: all results, by the name of their state.
+    """
     return f", {state}" if len(states) > 1 else ""
 
 
 def state_of_largest_gap(states: Mapping[str, LaunchResult]) -> str:
-    """Returns the name of the state in which a bearing gaps most."""
+    """Returns the name of the state in which a bearing gaps most; the first if none gaps."""
     return max(states, key=lambda state: states[state].gap)
 
 
@@ -43,7 +46,10 @@ def launch_verdict(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str
 
 
 def _soft_pair_sentences(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
-    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest."""
+    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest.
+
+    Empty for any other pair, and if no bearing gaps in any state.
+    """
     has_spring = scene.operation.preload_method == "constant_force"
     return [SOFT_PAIR_GAPS] if has_spring and any(state.gap for state in states.values()) else []
 

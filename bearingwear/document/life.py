@@ -13,8 +13,8 @@ from bearingwear.document.pair import bearing_views, blocks_by_bearing
 from bearingwear.document.phases import phase_blocks
 from bearingwear.document.rows import (
     blocks_in_one_unit,
+    caveat_lines,
     counted_words,
-    film_lines,
     flag_name,
     mean,
     mean_rows,
@@ -22,13 +22,14 @@ from bearingwear.document.rows import (
     variable_values,
 )
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.measures import ENDS, Measure
+from bearingwear.measures import ENDS, Measure, plain
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.quantiles import BY_WEAR, band_by_wear
 from bearingwear.results.units import display
 from bearingwear.results.variables import RACES
 
-OF_DUTY = ("life_cycles", "palmgren_miner_life", "palmgren_miner_error")
+LINEAR_LIFE, LINEAR_ERROR = "palmgren_miner_life", "palmgren_miner_error"
+LINEAR_EQUAL = 5e-3  # relative difference of the linear rule that is not stated
 STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
 WORN_OF_EACH = ("history_ball_worn_volume", "history_pocket_worn_volume", "history_worn_diameter")
 WORN_RACES = "history_race_worn_volume"
@@ -71,9 +72,10 @@ def _life_and_phase_blocks(file: Any) -> list[Block]:
         rows.append(Row(BY_WEAR, "h", (band,), "life_by_wear_alone"))
     rows += [
         row_of(name, [variable_values(file, name)])
-        for name in ("normalised_life", *OF_DUTY)
+        for name in ("normalised_life", "life_cycles")
         if name in file.variables
     ]
+    rows += _linear_life_rows(file)
     rows.append(Row("ended by", "", (_criterion_words(file, "end_criterion"),), "end_criterion"))
     loss = row_of("loss_at_end", [variable_values(file, "loss_at_end")])
     rows.append(loss._replace(label=EQUIVALENT) if EQUIVALENT_LOSS in file.variables else loss)
@@ -81,17 +83,30 @@ def _life_and_phase_blocks(file: Any) -> list[Block]:
         _end_phrase(file),
         _calibration_phrase(scene),
         band_sentence,
-        *film_lines(scene),
+        *caveat_lines(scene),
     )
     life_block = Block("life", (), tuple(rows), tuple(line for line in lines if line))
     return [life_block, *phase_blocks(file, scene)]
+
+
+def _linear_life_rows(file: Any) -> list[Row]:
+    """Returns the life that the linear rule promises over a duty, and how far off it is."""
+    linear_life = float(variable_values(file, LINEAR_LIFE))
+    error = float(variable_values(file, LINEAR_ERROR))
+    if not math.isfinite(linear_life):
+        return []
+    note = f"{plain(100.0 * abs(error), 2)} % {'more' if error > 0.0 else 'less'} than the life"
+    if abs(error) < LINEAR_EQUAL:
+        note = "as long as the life"
+    return [row_of(LINEAR_LIFE, [linear_life])._replace(note=note)]
 
 
 def _end_phrase(file: Any) -> str:
     """States what ended a life and in which phase of a duty, or which phase was not solved."""
     end = str(getattr(file, "ended_by", ""))
     if end and (phase := str(getattr(file, "ended_in", ""))):
-        return f"in {phase}: {end}"
+        criterion = ENDS.get(flag_name(file, "end_criterion"))
+        return end if criterion and criterion.of_wear else f"in {phase}: {end}"
     if phase := str(getattr(file, "unsolved_phase", "")):
         return f"not solved in phase {phase}"
     return end

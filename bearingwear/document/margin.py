@@ -14,7 +14,10 @@ from bearingwear.scene.scene import Scene
 
 
 def worst_corner(corners: Sequence[Corner]) -> Corner:
-    """Returns the corner with the least margin among those that were computed, if any were."""
+    """Returns the corner with the least margin among those computed; the first if none was.
+
+    corners: at least one.
+    """
     return min(corners, key=lambda corner: math.inf if is_missing(corner) else corner.margin)
 
 
@@ -30,7 +33,11 @@ def corner_words(corner: Corner) -> str:
 
 
 def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
-    """States the margin, its worst corner and its standard, and what the corners do not cover."""
+    """States the margin, its worst corner and its standard, and what the corners do not cover.
+
+    scene: it has the block `drive`.
+    corners: at least one, computed or not.
+    """
     assert scene.drive is not None
     missing = [corner for corner in corners if is_missing(corner)]
     sentences = [_verdict_sentence(worst_corner(corners), is_complete=not missing)]
@@ -87,7 +94,11 @@ def _corner_note(corner: Corner, worst: Corner) -> str:
 
 
 def margin_block(scene: Scene, corners: Sequence[Corner]) -> Block:
-    """Returns a table of torque, required torque and margin in every corner."""
+    """Returns a table of torque and required torque [one unit] and margin [%] in every corner.
+
+    scene: it has the block `drive`.
+    corners: at least one; one that was not computed has NaN.
+    """
     drive, worst = scene.drive, worst_corner(corners)
     assert drive is not None
     required = [drive.required_torque(corner.torque) for corner in corners]

@@ -80,6 +80,7 @@ def bearing_views(file: Any) -> list[TitledView]:
 
     Two bearings with equal results have one view.
     """
+    # a status along dimensions is that of several cases, whose file is no pair's alone
     if OF_BEARING not in file.dimensions or file["status"].dimensions:
         return [TitledView("", file)]
     views = [BearingView(file, k) for k in range(file.dimensions[OF_BEARING].size)]
@@ -112,7 +113,10 @@ def _is_equal_in_both(file: Any, name: str) -> bool:
 
 
 def system_blocks(file: Any) -> list[Block]:
-    """Returns the block of the arrangement of both bearings."""
+    """Returns the block of the arrangement of both bearings in a list.
+
+    The list is empty for a file without any of its variables, such as that of a single bearing.
+    """
     rows = rows_with_violations(mean_rows(file, SYSTEM_ROWS, variable_limits(file)), file)
     if "natural_frequency" in file.variables:
         row = row_of("natural_frequency", variable_values(file, "natural_frequency"))

@@ -28,7 +28,7 @@ def phase_blocks(file: Any, scene: Mapping[str, Any]) -> list[Block]:
     causes_start_wear = bool(np.any(variable_values(file, "start_wear_share") > 0.0))
     rows = [*_phase_rows(file, "phase_time_share"), *_surface_rows(file, "phase_wear_share")]
     if causes_start_wear:
-        rows += _surface_rows(file, "start_wear_share")
+        rows += _surface_rows(file, "start_wear_share")[:1]  # of all surfaces
         rows += _phase_rows(file, "acceleration_friction_share")
     lines: tuple[str, ...] = ()
     if has_starts and not causes_start_wear:
@@ -64,7 +64,7 @@ def _shorter_life_lines(file: Any) -> tuple[str, ...]:
         return ()
     name = str(file.phases).split()[int(variable_values(file, "ending_phase"))]
     return (
-        "The life over the duty is shorter than the life in any phase alone: all phases wear the "
+        "The life over the duty is shorter than the life in any phase alone. All phases wear the "
         f"bearing, and phase {name} meets its criterion at a wear that the others would survive.",
     )
 

@@ -15,6 +15,7 @@ import numpy as np
 from bearingwear.document.document import Block, Row, row_of
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.units import scale_of
+from bearingwear.scene.coefficients import is_wear_bound
 from bearingwear.scene.scene import COUNTS
 
 COUNTED_WORDS = dict(zip(COUNTS, ("the balls alone", "balls and races"), strict=True))
@@ -48,14 +49,33 @@ TABLE_TESTS = (
 """The sentence in place of `FILM_TESTS` for films whose wear follows a table of lives."""
 
 
+LOWER_BOUND = "K_s/H of starved oil is an upper bound, so lives are lower bounds."
+
+
 def film_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
     """Returns the sentence on tests of film lives, for a scene with a film and no calibration."""
-    friction = scene.get("friction", {})
-    coated = [friction, *scene.get("materials", {}).values()]
-    if scene.get("calibrated") or not any(block.get("film") for block in coated):
+    if scene.get("calibrated") or not _has_film(scene):
         return ()
-    has_table = bool((friction.get("film") or {}).get("wear_table"))
+    has_table = bool((scene["friction"].get("film") or {}).get("wear_table"))
     return (TABLE_TESTS if has_table else FILM_TESTS,)
+
+
+def bound_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """Returns the sentence on lives that are lower bounds; empty unless K_s/H is an upper bound."""
+    if "materials" not in scene or scene.get("calibrated") or _has_film(scene):
+        return ()
+    return (LOWER_BOUND,) if is_wear_bound(scene) else ()
+
+
+def caveat_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """Returns the sentences on what limits the trust in lives."""
+    return (*film_lines(scene), *bound_lines(scene))
+
+
+def _has_film(scene: Mapping[str, Any]) -> bool:
+    """Whether balls, races or their contact have a film."""
+    coated = [scene.get("friction", {}), *scene.get("materials", {}).values()]
+    return any(block.get("film") for block in coated)
 
 
 def variable_values(file: Any, name: str) -> np.ndarray:

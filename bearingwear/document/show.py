@@ -99,7 +99,12 @@ CAGE_MEANS = (
 
 
 def _other_variables(*dims: tuple[str, ...]) -> tuple[str, ...]:
-    """Returns the variables over `dims` that have a label and are in none of the lists above."""
+    """Returns the variables of a case over `dims` that have a label and no place of their own.
+
+    Those of the lists of this file and of `DIAGNOSTICS` have one.
+
+    *dims: dimensions of a variable, such as `("ball", "race")`; each alternative counts.
+    """
     listed = {
         *CONTACT,
         *BEARING,
@@ -122,6 +127,8 @@ def sheet(
     path: str | os.PathLike[str], more: Registry = MappingProxyType({}), every: bool = False
 ) -> Document:
     """Returns the sheet of a result file of any kind. May raise CaseFileError.
+
+    It has the spread of lives, too, if this file or one beside it contains that.
 
     more: for the kinds of files that studies define, a function that takes the open file
         (`netCDF4.Dataset`) and returns a `Document`, by its dotted name, `module:function`.
@@ -187,6 +194,7 @@ def _heading_and_facts(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
     scene = stored_scene(file)
     status = STATUS_NAMES[int(variable_values(file, "status"))]
     fidelity = getattr(file, "fidelity", "?")
+    # the first of the modelled effects is the model and the reason for it: `steady: REASON`
     why = (json.loads(getattr(file, "modelled", "[]")) or [""])[0].partition(": ")[2]
     warnings = warning_lines({"warnings": getattr(file, "warnings", "[]")})
     reason = f" ({why})" if why else ""
@@ -251,7 +259,10 @@ def _bearing_blocks(file: Any) -> list[Block]:
 
 
 def _contact_rows(file: Any) -> list[Row]:
-    """Returns a row for each quantity of the contacts, with a value for each race."""
+    """Returns a row for each quantity of the contacts, with a value for each race.
+
+    Quantities of `CONTACT` that the file lacks have NaN, except the range of the load.
+    """
     limits = variable_limits(file)
     optional = {*LOAD_RANGE, *_other_variables(("ball", "race"))}
     return [
@@ -300,7 +311,10 @@ def _friction_power(file: Any) -> float:
 
 
 def _dynamic_blocks(file: Any) -> list[Block]:
-    """Returns the blocks of the run and of the cage, which only a dynamic case has."""
+    """Returns the blocks of the run and of the cage, which only a dynamic case has.
+
+    Without results of the cage, there is no block of it.
+    """
     settled = (str(file.settled),) if hasattr(file, "settled") else ()
     blocks = [Block("dynamic run", (), mean_rows(file, RUN), settled)]
     cage = mean_rows(file, CAGE_MEANS)
@@ -326,7 +340,8 @@ def _growth_block(
 ) -> Block | None:
     """Returns a block of variables over `parts`, with a column for each part that has values.
 
-    Rows of fits are left out if they are all zero. None if the file contains no other variable.
+    The first variable decides which parts have values. Rows of fits are left out if they are all
+    zero. None if the file contains no other variable.
     """
     by_name = {}
     for name in names:
@@ -345,7 +360,10 @@ def _growth_block(
 
 
 def _diagnostic_blocks(file: Any) -> list[Block]:
-    """Returns blocks of residuals and error estimates, modelled effects, and provenance."""
+    """Returns blocks of residuals and error estimates, modelled effects, and provenance.
+
+    Diagnostics with more values than there are races are left out, and so are NaN and empty blocks.
+    """
     rows = []
     for name in file.variables:
         if name in DIAGNOSTICS:
@@ -397,7 +415,10 @@ def scene_sheet(scene: Scene) -> Document:
 
 
 def _dimension_rows(scene: Scene) -> tuple[Row, ...]:
-    """Returns rows of the dimensions of a bearing, its clearance, ball mass and speed factor."""
+    """Returns rows of the dimensions of a bearing, its clearance, ball mass and speed factor.
+
+    The diametral clearance follows from the free contact angle: 2 (r_i + r_o - D) (1 - cos alpha).
+    """
     bearing = scene.bearing
     diameter = bearing.ball_diameter_mm
     density = scene.materials[bearing.ball_material].density_kg_m3
@@ -418,7 +439,7 @@ def _dimension_rows(scene: Scene) -> tuple[Row, ...]:
 
 
 def _material_rows(scene: Scene) -> tuple[Row, ...]:
-    """Returns Young's modulus, hardness and wear coefficient of balls and races."""
+    """Returns a row for balls and one for races: Young's modulus, hardness [GPa], and K_s [1]."""
     rows = []
     for part, name in (
         ("balls", scene.bearing.ball_material),

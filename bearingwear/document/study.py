@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Document, Row, quantity_row
-from bearingwear.document.rows import counted_words, film_lines, stored_scene, variable_values
+from bearingwear.document.rows import caveat_lines, counted_words, stored_scene, variable_values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.pair_variables import method_words
@@ -117,7 +117,7 @@ def spread_blocks(file: Any, path: Path) -> list[Block]:
         remaining = f" for the other {missing}" if blocks else ""
         lines.append(f"{NO_QUANTILES}{remaining}; {SEE}")
     if kind_of(file) != LIFE_KIND:  # the sheet of a life contains these lines already
-        lines += film_lines(scene)
+        lines += caveat_lines(scene)
     return [*blocks, *([Block(lines=tuple(lines))] if lines else [])]
 
 

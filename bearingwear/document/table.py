@@ -62,7 +62,10 @@ def dataset_table(
 
 
 def _axis_rows(dataset: xr.Dataset, axes: Sequence[str]) -> list[Row]:
-    """Returns a row for each axis, with its coordinate at every point in words."""
+    """Returns a row for each axis, with its coordinate at every point in words.
+
+    The points are all combinations of the coordinates; those of the last axis change fastest.
+    """
     points = itertools.product(*(_axis_texts(dataset[axis]) for axis in axes))
     texts_by_axis = zip(*points, strict=True)
     rows = []
@@ -79,7 +82,7 @@ def points_block(
     points: Sequence[Sequence[Any]],
     axes: int = 1,
 ) -> Block:
-    """Returns a table with a line for each point.
+    """Returns a table with a line for each point; without points, it has no rows.
 
     columns: unit of each column, by its label.
     points: the values of each point, in the order of the columns.
@@ -112,7 +115,8 @@ def _quantity(variable: xr.DataArray) -> _Quantity:
 def dataset_csv(dataset: xr.Dataset, axes: Mapping[str, str]) -> str:
     """Returns CSV with a row for each point of a dataset and a column for each number.
 
-    A variable over further dimensions has a column for each of their flags.
+    A variable over further dimensions has a column for each of their flags, and one that lacks an
+    axis is left out.
 
     axes: the head of the column of each dimension along which the points lie.
     """
@@ -145,6 +149,7 @@ def _variable_columns(
         numbers = values.values[(..., *index)].ravel()
         unit = variable.attrs.get("units", "1")
         if "dof_column" in further_dims:
+            # of a stiffness, by how many of its row and column are a tilt: none, one or both
             unit = STIFFNESS_UNITS[sum(word.startswith("tilt") for word in words)]
         head = ".".join([str(name), *words]) + (f" ({unit})" if unit != "1" else "")
         yield head, [cell_text(number, flags) for number in numbers]
@@ -158,7 +163,10 @@ def _axis_texts(coordinate: xr.DataArray) -> list[str]:
 
 
 def cell_text(number: float, flags: Sequence[str] | None) -> str:
-    """Returns a number with nine digits, a flag by its name, and an empty text for NaN."""
+    """Returns a number with nine digits, a flag by its name, and "" for NaN and infinity.
+
+    flags: names of the flags 0, 1, ...; empty or None for a number.
+    """
     if not np.isfinite(number):
         return ""
     return flags[int(number)] if flags else f"{number:.9g}"

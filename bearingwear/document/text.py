@@ -49,6 +49,7 @@ def _quantity_lines(block: Block) -> list[str]:
 
     def line(label: str, unit: str, texts: Sequence[str], part: slice) -> str:
         """Returns a line of the table with the texts of some columns, each in its width."""
+        # not strict: a row may have fewer texts than there are columns
         aligned = (
             f"{text:>{width}}" for text, width in zip(texts[part], widths[part], strict=False)
         )
@@ -70,7 +71,13 @@ def _quantity_lines(block: Block) -> list[str]:
 
 
 def _column_slices(widths: Sequence[int], total_width: int) -> Iterator[slice]:
-    """Yields slices of the columns, in order, each of columns that fit beside each other."""
+    """Yields slices of the columns, in order, each of columns that fit beside each other.
+
+    Up to `ALWAYS_BESIDE` columns are in one slice, and a column that is too wide is alone in its.
+
+    widths: of the columns, in characters.
+    total_width: of all columns of a slice.
+    """
     start = 0
     for k in range(1, len(widths)):
         if len(widths) > ALWAYS_BESIDE and sum(widths[start : k + 1]) > total_width:

@@ -30,7 +30,9 @@ _MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
 def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> tuple[dict, dict]:
     """Returns values and attributes of a life with a dynamic run at every step.
 
-    They include the life by the steady model, for comparison.
+    Values have the names of result variables; `status` and `end_criterion` are always there. A life
+    whose first run fails has only these and the life by the steady model, which is there for
+    comparison.
 
     progress: receives a line of text at each step.
     """
@@ -52,9 +54,10 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
 
 
 def length_and_errors(life: Life) -> dict:
-    """Returns result variables of the length of a life, its errors and its last loss.
+    """Returns result variables of the length of a life [s], its errors and its last loss [m].
 
-    The length is a lower bound where no criterion was met.
+    The length is a lower bound where no criterion was met. The error bound [s] is NaN then, and the
+    estimate [1] is left out; it is left out also where it is not finite or the cage ends the life.
     """
     wearing, last = life.wearing, life.last
     error = estimate = math.nan
@@ -81,9 +84,10 @@ def length_and_errors(life: Life) -> dict:
 
 
 def _error_bound(life: Life) -> float:
-    """Returns a bound on the error of a life [s]: of the time of its end, and by its steps.
+    """Returns a bound on the error of a life [s]; NaN where a part of it has only two nodes.
 
-    Steps make the end of each film and that of the life uncertain.
+    It is the sum of the error of the root search and, for each film that goes and for the end, of
+    the integration error of its depth over its rate at that time.
     """
     wearing: Motion = life.wearing
     time = np.array([node.x for node in life.nodes])
@@ -101,7 +105,10 @@ def _error_bound(life: Life) -> float:
 
 
 def life_histories(life: Life) -> dict:
-    """Returns the result variables along a life; NaN where a node was not solved."""
+    """Returns the result variables along a life, with one entry for each node that was tried.
+
+    A node that was not solved is the last one. Its rates and the values of its run are NaN.
+    """
     wearing: Motion = life.wearing
     p = wearing.parts.layout
     nodes = life.tried_nodes
@@ -138,9 +145,10 @@ def life_histories(life: Life) -> dict:
 
 
 def steady_life(scene: Scene) -> Life:
-    """Returns the life of a scene by the steady model.
+    """Returns the life by the steady model of a scene reduced to what that model can solve.
 
-    It is that under thrust alone, without cage, with the mean loss on all balls.
+    The reduced scene has thrust alone, no cage, and the mean loss on all balls. Its contacts stay
+    Hertzian.
     """
     mean = float(np.mean(scene.wear.ball_diameter_loss_um))
     reduced = thrust_alone(scene).without_cage
@@ -149,7 +157,11 @@ def steady_life(scene: Scene) -> Life:
 
 
 def steady_life_values(scene: Scene) -> dict:
-    """Returns result variables of the life by the steady model; its status alone if it fails."""
+    """Returns result variables of the life by the steady model.
+
+    They are its status and criterion, and if it ends by that criterion its length [s] and its loss
+    at the end [m].
+    """
     life = steady_life(scene)
     values: dict = {"steady_status": life.status, "steady_end_criterion": life.criterion}
     if life.status == code.OK:
@@ -161,9 +173,12 @@ def steady_life_values(scene: Scene) -> dict:
 
 
 def steady_time_to_loss(scene: Scene, loss: float) -> dict:
-    """Returns the result variable of the time in which the steady model reaches a loss [m].
+    """Returns the result variable of the time in which the steady model reaches a loss [s].
 
-    It is left out where that does not reach it.
+    The dictionary is empty where the model does not reach it, or where it is not above the present
+    mean loss.
+
+    loss: mean loss of ball diameter [m].
     """
     end = EndOfLife(ball_diameter_loss_um=loss / parameters.UM)
     if not loss > float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM:

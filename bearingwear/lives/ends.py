@@ -32,17 +32,19 @@ class Criteria:
         ]
 
     def margins(self, states: Sequence[State]) -> np.ndarray:
-        """Returns the margin of the nearest bearing to each criterion of `CRITERIA`.
+        """Returns the margin of the nearest bearing to each criterion, in the order of `ENDS` (n,).
 
         A margin is positive before the criterion is met, and zero or below from then on. It is
-        infinite where the scene has no such criterion, or a state does not know its measure.
+        infinite where the scene has no such criterion, or no state knows its measure.
+
+        states: one for each bearing that is solved.
         """
         margins = np.full(NO_CRITERION, np.inf)
         for state, preload in zip(states, self.preloads_N, strict=True):
             for k, measure, limit in self._limits:
                 value, _ = measure.critical(state.__getitem__, preload)
                 margin = measure.margin(value, limit)
-                if margin < margins[k]:  # False for NaN, a measure that is not known
+                if margin < margins[k]:  # False for NaN, of a measure that is not known
                     margins[k] = margin
         return margins
 

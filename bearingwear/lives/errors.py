@@ -33,9 +33,11 @@ WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
 
 
 def surface_error(scene: Scene, life: Life) -> dict:
-    """Returns the result variable of the relative error of a steady life with Hertzian contacts.
+    """Returns the estimate of the relative error of a steady life with Hertzian contacts [1].
 
-    The dictionary is empty where the life has no end of its own, or cannot be compared.
+    It is `life_error_estimate`: rounding, the error of the steps, and the weighted changes of the
+    life by each accuracy of `WEIGHTS`. The dictionary is empty where the life met no criterion, has
+    no length, or ends by another criterion with another accuracy.
     """
     length = life.last.time
     if life.status != code.OK or not length > 0.0:
@@ -57,7 +59,8 @@ def surface_error(scene: Scene, life: Life) -> dict:
 def _change_by_solver(life: Life, solver: Remembered, ends: Criteria) -> float | None:
     """Returns the relative change of a life by another solver of its start, middle and end [1].
 
-    None where a state is not solved, or another criterion ends the life.
+    The life is that of one bearing, over its loss. The change is a magnitude. None where a state is
+    not solved, or another criterion ends the life.
     """
     nodes = life.three_nodes()
     solver.bearings.near = nodes[0].states[0].answer  # or the first would be solved from nothing
@@ -77,14 +80,15 @@ def relative_life_change(
     other_end: Sequence[State],
     ends: Criteria,
 ) -> Any:
-    """Returns the relative change of a life by other states; None if another criterion ends it.
+    """Returns the magnitude of the relative change of a life by other states (...) [1].
 
-    The change of the inverse wear rates is integrated over time. The margin of the other state at
-    the end shifts the end, by the last slope of that margin.
+    The change of the inverse wear rates is integrated over time. The margin of the other states at
+    the end shifts the end, by the last slope of that margin. None if the other states at the end
+    meet another criterion than that of the life.
 
     slowing: relative changes (nodes, ...) of the inverse wear rates, of one bearing or more [1].
-    nodes: at which the rates are known.
-    other_end: states at the end.
+    nodes: those of the life at which `slowing` is known.
+    other_end: the other states of the bearings, at the wear of the last node.
     """
     times = np.array([node.time for node in nodes])
     before = life.nodes[-2]
@@ -111,10 +115,10 @@ class _ComparedNode(NamedTuple):
 
 
 class _ComparedGrooves(Grooves):
-    """Grooves of which every few states are solved again, and with other accuracies.
+    """Grooves of which every `EVERY`-th state is solved again, and with other accuracies.
 
-    They are solved again because the cells lie otherwise then: that alone changes a state by up
-    to 2 %.
+    The state with the accuracy of the life is solved again too: the cells lie otherwise then, which
+    alone changes a state by up to 2 %.
     """
 
     def __init__(self, scene: Scene):
@@ -123,7 +127,7 @@ class _ComparedGrooves(Grooves):
         self.compared: list[_ComparedNode] = []
 
     def completed(self, node: Node) -> Node:
-        """Returns the node, and compares every few of them with other accuracies."""
+        """Returns the node as it is; appends every `EVERY`-th one to `compared`."""
         if self._node_count % EVERY == 0:
             self.compared.append(self.compared_node(node))
         self._node_count += 1
@@ -139,7 +143,7 @@ class _ComparedGrooves(Grooves):
         return _ComparedNode(node, solved_again, by_accuracy)
 
     def _states_by(self, problems: Sequence[ThrustProblem], node: Node) -> States:
-        """Returns the states of a node by other problems of the bearings, which they keep."""
+        """Returns the states of a node by other problems; the bearings keep these problems."""
         self._set_problems(problems)
         return self.state(node.worn)
 
@@ -149,13 +153,21 @@ class _ComparedGrooves(Grooves):
             side.problem = problem
 
     def loss_rates(self, states: States) -> np.ndarray:
-        """Returns each bearing's rate of loss [m/s], by mean depths over the width when new."""
+        """Returns the rate of loss of each bearing (n,) [m/s].
+
+        It adds the rate of the ball diameter and the mean depth rates of both grooves, over the
+        width 2 a of a new contact. Arcs are `ARC_STEP` a apart.
+        """
         rates = [side.rate(state.answer) for side, state in zip(self.sides, states, strict=True)]
         return np.array([rate.ball + 0.5 * ARC_STEP * rate.grooves.sum() for rate in rates])
 
 
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
     """Returns result variables of the errors of a groove life: of its steps, and of all settings.
+
+    They are the bound on the error of its steps [s], NaN if the life with longer steps ends
+    otherwise, and the estimate of its relative error [1] if that is finite. The dictionary is empty
+    for a life of no length.
 
     Steps 1.5 times as long show the error of the steps, of which the bound is twice the change.
     A life with fewer cells shows the error of the cells. Along that life, half of v_r and twice
@@ -192,7 +204,7 @@ def _accuracy_error(grooves: _ComparedGrooves, life: Life, ends: Criteria) -> fl
     It is the sum over `WEIGHTS`, for the bearing with the larger change. It is NaN where a state
     is not solved, or where another criterion ends the life with another accuracy.
 
-    grooves: those that the life was computed with.
+    grooves: those that the life was computed with; the last node is compared if it was not yet.
     """
     compared = grooves.compared
     if compared[-1].node is not life.last:

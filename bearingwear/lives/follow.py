@@ -18,6 +18,7 @@ from bearingwear.solvers.state import State
 from kerneljit.interrupt import check_interrupt
 
 _MET = 0.02  # margin left where a criterion counts as met, over that at the last node before
+_ROOT_RTOL = 1e-15  # of a root of Brent's method, as in double precision: `xtol` decides
 
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
 """Statuses without a physical reason for the end of a life."""
@@ -42,23 +43,29 @@ Margins = Callable[[Node], np.ndarray]
 
 
 class Wearing(Protocol):
-    """A way to wear, of one bearing or of two."""
+    """A way to wear, of one bearing or of two.
+
+    Some methods call more than this: `longest_step` in time, `loss_rate` over the loss.
+    """
 
     start: Any  # wear at the start of the life
     origin: float  # of the integration
-    range: float  # of the integration: a life that is as long is not followed further
+    range: float  # of `Node.x` from the origin, at whose end a life is not followed further
 
     def state(self, worn: Any) -> States:
-        """Returns the bearings with some wear, or why they are not solved."""
+        """Returns the states of the bearings with some wear; their status says if they fail."""
 
     def rates(self, node: Node) -> Any:
         """Returns the wear per second, in the form of `worn`."""
 
     def wears(self, node: Node) -> bool:
-        """Returns whether anything wears that counts."""
+        """Returns whether anything wears that can bring a life to its end."""
 
     def events(self, node: Node) -> np.ndarray:
-        """Returns the distance to each change of the way to wear, zero where it is reached."""
+        """Returns the share left to each event, such as a film that is gone (events,) [1].
+
+        It is positive before the event, zero or below from then on, and infinite without one.
+        """
 
     def pass_event(self, event: int, node: Node) -> bool:
         """Changes the way to wear at an event; returns False if the life ends there."""
@@ -66,26 +73,29 @@ class Wearing(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class LifeStep:
-    """Nodes of a step up to its end, or up to the first that was not solved."""
+    """Nodes of a step up to its end, or up to the first that was not solved.
 
-    end: float
+    The node before the step, at which it starts, is not among them.
+    """
+
+    end: float  # as `Node.x`
     nodes: Sequence[Node] = ()
     error: float = 0.0  # of the times [s]
     is_rough: bool = False  # and has to be shorter
 
 
 class Method:
-    """A method that takes the steps of a life."""
+    """A method that takes the steps of a life; lengths are those of `Node.x` [m] or [s]."""
 
-    most_steps = 2000
-    root_tolerance = 1e-9  # of the step in which an end is met
+    most_steps = 2000  # from one event to the next; a life that needs more meets no criterion
+    root_tolerance = 1e-9  # of the place of an end, over the step in which it is met
     shortening = 0.0  # length of a step after one that failed, over that; 0: no such step
-    shortest = 0.0  # step, and what may be left of the way to an end
+    shortest = 0.0  # length of a step, and largest rest of the way that is not followed
     length = tried_length = 0.0  # of the next step, and of the last one
     wearing: Any
 
     def first(self, wearing: Wearing) -> Node:
-        """Returns the node that a life begins with."""
+        """Returns the node that a life begins with; sets `wearing` for all later calls."""
         self.wearing = wearing
         return self.node(wearing.origin, wearing.start, 0.0)
 
@@ -98,11 +108,11 @@ class Method:
         return Node(x, worn, self.wearing.state(worn), time)
 
     def step(self, life: "Life", bound: float) -> LifeStep:
-        """Returns a step from the end of a life that does not pass a bound."""
+        """Returns a step from the last node of a life; it does not pass a bound of `Node.x`."""
         raise NotImplementedError
 
     def at(self, x: float) -> Node:
-        """Returns a node within the last step."""
+        """Returns the node at a place within the last step, its end included."""
         raise NotImplementedError
 
     def solved_at(self, *places: float) -> list[Node]:
@@ -115,39 +125,52 @@ class Method:
         return nodes
 
     def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
-        """Returns the nodes of a finished step that its life keeps."""
+        """Returns the nodes of a step that its life keeps, if all of these are solved."""
         return step.nodes
 
     def shorten(self) -> bool:
-        """Makes the next step shorter; returns False where it would be too short."""
+        """Sets the length of the next step shorter; returns whether it is still long enough."""
         self.length = self.shortening * min(self.length, self.tried_length)
         return self.length > self.shortest
 
     def root(self, margin: Callable[[float], float], a: Node, b: Node) -> float:
-        """Returns where a margin is zero between two nodes."""
+        """Returns the place between two nodes at which a margin is zero, by Brent's method.
+
+        A margin below `root_tolerance` of that at node a counts as zero.
+
+        margin: of a place; positive at node a, zero or negative at node b.
+        """
         negligible = self.root_tolerance * margin(a.x)
 
         def rounded(x: float) -> float:
             value = margin(x)
             return value if abs(value) > negligible else 0.0
 
-        return brent_root(rounded, a.x, b.x, xtol=self.root_tolerance * (b.x - a.x), rtol=1e-15)
+        xtol = self.root_tolerance * (b.x - a.x)
+        return brent_root(rounded, a.x, b.x, xtol=xtol, rtol=_ROOT_RTOL)
 
     def error_of_end(self, life: "Life") -> float:
-        """Returns the error of the time at which a criterion or an event is reached [s]."""
+        """Returns the error of the time at which a criterion or an event is reached [s].
+
+        It is 0 for a method whose roots are as exact as rounding.
+        """
         return 0.0
 
 
 @dataclass
 class Life:
-    """Nodes up to the end of a life, and how it ended."""
+    """Nodes up to the end of a life, and how it ended.
+
+    The status is OK if a criterion was met. Otherwise it says why the life was not followed
+    further, and the last node is only a lower bound.
+    """
 
     nodes: list[Node]
     wearing: Any
-    criterion: int = NO_CRITERION
+    criterion: int = NO_CRITERION  # index in `CRITERIA`
     status: int = code.CRITERION_NOT_REACHED
     error: float = 0.0  # of the last time, by the steps [s]
-    solves: int = 0
+    solves: int = 0  # set by those who count them
     unsolved_node: Node | None = None  # beyond the last one
 
     @property
@@ -167,7 +190,7 @@ class Life:
 
     @property
     def bearings(self) -> list[list[State]]:
-        """Returns the states along the life, of each bearing."""
+        """Returns a list for each bearing, of its states along the life."""
         return [list(states) for states in zip(*(node.states for node in self.nodes), strict=True)]
 
     @property
@@ -184,9 +207,10 @@ class Life:
         return [self.nodes[k] for k in (0, len(self.nodes) // 2, -1)]
 
     def time_to(self, ends: Criteria) -> float:
-        """Returns the time at which the life first meets other criteria [s]; NaN if it does not.
+        """Returns the time at which the life first meets any of other criteria [s].
 
-        Between the nodes, margins are monotone cubics of time.
+        NaN if it meets none, or if its start is not solved. Between the nodes, margins are monotone
+        cubics of time.
         """
         if self.nodes[0].status != code.OK:
             return np.nan
@@ -203,9 +227,9 @@ class Life:
         return earliest if np.isfinite(earliest) else np.nan
 
     def fail(self, unsolved_node: Node) -> None:
-        """Ends the life before a node that is not solved.
+        """Keeps the unsolved node before which the life ends, and takes its status.
 
-        Its status is that of the node, unless the life has one with a physical reason.
+        A status of the life with a physical reason, which is none of `REASONLESS`, stays.
         """
         self.unsolved_node = unsolved_node
         if self.status in REASONLESS:
@@ -213,7 +237,11 @@ class Life:
 
 
 def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
-    """Returns the life from the present wear to a criterion, or to where solver or range ends.
+    """Returns the life from the present wear to a criterion, or to where it cannot be followed.
+
+    Its status is OK if a criterion is met, and that of the node if one is not solved. It is
+    CRITERION_NOT_REACHED if nothing wears, if the way to wear ends at an event or by its range, or
+    after the `most_steps` of the method.
 
     wearing: what wears, and how fast.
     ends: criteria that end the life.
@@ -260,9 +288,13 @@ class _Zero(NamedTuple):
 
 
 def _step_to_zero(life: Life, method: Method, margins: Margins, bound: float) -> int | None:
-    """Takes steps until a margin is zero, and returns its index; None where none is.
+    """Takes steps until a margin is zero, and returns its index.
 
-    bound: end of the integration, see `Node.x`.
+    Appends the nodes of the steps to the life and adds their errors to its own. None if the bound
+    or the `most_steps` come first, or if a node is not solved however short the step; the life then
+    has failed with this node.
+
+    bound: of `Node.x`, beyond which no step leads.
     """
     zero: _Zero | None = None
     before = margins(life.last)
@@ -278,7 +310,7 @@ def _step_to_zero(life: Life, method: Method, margins: Margins, bound: float) ->
             if zero is not None:
                 bound = zero.x  # up to there and no further
                 if bound < step.end:
-                    continue
+                    continue  # with a step that ends at the zero, in place of this one
         kept = [] if failed or step.is_rough else method.kept_nodes(step)
         failed = failed or _first_failed(kept)
         if failed:
@@ -305,7 +337,10 @@ def _first_failed(nodes: Iterable[Node]) -> Node | None:
 
 @dataclass
 class _Margin:
-    """One margin within a step; a solve that fails counts as beyond the criterion."""
+    """One margin as a function of a place within a step, for a root search.
+
+    A solve that fails counts as beyond the criterion.
+    """
 
     index: int
     method: Method
@@ -314,7 +349,7 @@ class _Margin:
     failed: Node | None = None  # the last one that was not
 
     def __call__(self, x: float) -> float:
-        """Returns the margin at a place; -1 where it is not solved."""
+        """Returns the margin at a place; -1 where it is not solved, which sets `failed`."""
         if x not in self.values:
             node = self.method.at(x)
             if node.status != code.OK:
@@ -324,7 +359,11 @@ class _Margin:
         return self.values[x]
 
     def failed_at(self, root: float, start: float) -> Node | None:
-        """Returns the node on which a bracket closed, if the criterion is not met there."""
+        """Returns the unsolved node on which a bracket closed; None if the criterion is met there.
+
+        It counts as met where the margin of the last solved place up to the root is at most `_MET`
+        of that at the start.
+        """
         last = max(x for x in self.values if x <= root)
         return self.failed if self.values[last] > _MET * self.values[start] else None
 
@@ -332,10 +371,10 @@ class _Margin:
 def _first_zero(
     nodes: Iterable[Node], before: np.ndarray, method: Method, margins: Margins
 ) -> tuple[_Zero | None, np.ndarray]:
-    """Returns the first zero of a margin along solved nodes, and the margins of the last node.
+    """Returns the first zero of any margin along solved nodes, and margins after it.
 
-    None in place of a zero if there is none. The bracket of a zero closes on a solve that fails in
-    between.
+    The margins are those of the node after the zero; without a zero, None and those of the last
+    node. The bracket of a zero closes on a solve that fails in between.
 
     before: margins of the first node.
     """

@@ -27,16 +27,17 @@ from bearingwear.solvers.worn.solver import Worn
 
 REQUIRED = FLAT_GROOVE  # above which the grooves have to be followed
 SHOWN = 5  # states whose profiles are kept
-EDGE_DEPTH = 1e-2  # of a groove, over its deepest place, at the edges of its width
+EDGE_DEPTH = 1e-2  # of a groove at the edges of its width, over the depth of its deepest place
 TINY_DEPTH = 1e-300  # [m], so that an unworn groove has no width
 
 
 def wear_over_gap(scene: Scene) -> float:
     """Returns the loss at the end of life over the gap A a^2 at the edge of the contact [1].
 
-    It is estimated without a solve, from a static contact at the free contact angle. The loss is
-    the smaller of two: the limit of the loss, and the loss at which a fixed position has lost the
-    preload of `preload_fraction`. The ratio is infinite where the scene limits neither.
+    The gap is the smaller one of both races. It is estimated without a solve, from a static contact
+    at the free contact angle. The loss is the smaller of two: the limit of the loss, and the loss
+    at which a fixed position has only `preload_fraction` of its preload left. The ratio is infinite
+    where the scene limits neither, and without preload or contact angle.
     """
     g = parameters.geometry(scene)
     end = scene.wear.end_of_life
@@ -49,6 +50,7 @@ def wear_over_gap(scene: Scene) -> float:
     for race in (INNER, OUTER):
         hertz = race_contact(g, race, g.D0, math.cos(g.alpha0), math.nan)
         approaches.append(contact_approach(hertz.K, Q))
+        # the third integral is A a^2 over the approach
         gaps.append(elliptic_integrals(math.exp(-hertz.log_kappa))[2] * approaches[-1])
     losses = [math.inf]
     if end.ball_diameter_loss_um is not None:
@@ -62,8 +64,9 @@ def wear_over_gap(scene: Scene) -> float:
 class GrooveChoice(NamedTuple):
     """Whether a life follows the grooves as they wear, and why."""
 
-    scene: Scene | None  # whose grooves are followed: one of two identical sides; None without
-    sentence: str = ""
+    # whose grooves are followed, with one of two identical sides; None: contacts stay Hertzian
+    scene: Scene | None
+    sentence: str = ""  # for the result; empty where there is no choice
 
     @property
     def follows(self) -> bool:
@@ -74,7 +77,11 @@ class GrooveChoice(NamedTuple):
 def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
     """Returns whether a life of a scene follows the grooves, and why.
 
-    Raises NotAvailable where the scene requests worn grooves that its model cannot follow.
+    The sentence is empty where the scene asks for Hertzian contacts, or where its model cannot
+    follow grooves. Raises NotAvailable where the scene requests worn grooves that its model cannot
+    follow.
+
+    fidelity: model that solves the scene.
     """
     scene = scene.symmetric_half
     obstacle = None
@@ -107,9 +114,9 @@ def groove_choice(scene: Scene, fidelity: str) -> GrooveChoice:
 
 
 def life_if_ended_when_new(scene: Scene) -> Life | None:
-    """Returns the life, of no length, of a scene that meets a criterion before any wear.
+    """Returns the life of zero length of a scene that meets a criterion before any wear.
 
-    None for a scene that does not, or that is not solved.
+    None for a scene that meets no criterion when new, or that is not solved.
     """
     solver = solver_of(scene)
     states = solver(solver.bearings.start)
@@ -120,7 +127,12 @@ def life_if_ended_when_new(scene: Scene) -> Life | None:
 
 
 def groove_life(scene: Scene) -> tuple[dict, dict]:
-    """Returns values and attributes of a life with worn grooves, of one bearing or of two."""
+    """Returns values and attributes of a life with worn grooves, of one bearing or of two.
+
+    Values are result variables [SI]. They are the status and the criterion alone if the start is
+    not solved. Grooves that are not solved when new are not needed if the scene meets a criterion
+    then: it has the life of zero length with Hertzian contacts, and the attribute `contact` hertz.
+    """
     life = follow_grooves(StiffGrooves(scene))
     if life.nodes[0].status != code.OK:
         ended = life_if_ended_when_new(scene)
@@ -136,15 +148,21 @@ def groove_life(scene: Scene) -> tuple[dict, dict]:
 
 
 def life_groove_values(life: Life) -> dict:
-    """Returns the result variables of the grooves along a life, of one bearing or of two."""
+    """Returns the result variables of the grooves along a life, of one bearing or of two.
+
+    Those of two stand along a further first dimension, except shared ones: see `joined`.
+    """
     pairs = zip(life.wearing.sides, life.bearings, strict=True)
     return joined([groove_values(side, states) for side, states in pairs])
 
 
 def groove_values(side: Worn, states: Sequence[State]) -> dict:
-    """Returns result variables of the wear of one bearing along a life.
+    """Returns result variables of the wear of one bearing along a life [SI].
 
-    The profiles of grooves and pressure are those of `SHOWN` states.
+    Histories have the states as their first dimension, then the races (inner, outer) if they are of
+    these. The profiles of grooves and pressure are those of up to `SHOWN` states.
+
+    side: solver of the bearing.
     """
     points = [point_of(state) for state in states]
     bearing = side.bearing
@@ -173,7 +191,10 @@ def groove_values(side: Worn, states: Sequence[State]) -> dict:
 
 
 def half_lengths(point: WornPoint) -> np.ndarray:
-    """Returns half of the length of the loaded cells of both contacts (2,) [m]."""
+    """Returns half of the length of both contacts along the major axis (2,) [m].
+
+    It is that of the cells with a pressure, with the whole first and last of them.
+    """
     lengths = []
     for x, pressure in zip(point.x, point.pressure, strict=True):
         first, last = x[loaded_ends(pressure)]
@@ -182,10 +203,14 @@ def half_lengths(point: WornPoint) -> np.ndarray:
 
 
 def pressures(bearing: WornBearing, point: WornPoint) -> np.ndarray:
-    """Returns the pressure in the middle of both contacts along the arcs (2, arcs) [Pa]."""
+    """Returns the pressure on the major axis of both contacts, along the arcs (2, arcs) [Pa].
+
+    It is 0 on arcs outside the contact.
+    """
     on_arcs = []
     for k, force in enumerate(point.forces):
         places = point.x[k] + bearing.shift(k, force.alpha, point.problem.g)
+        # row 0 of the cells lies on the major axis
         in_middle = point.pressure[k][0] * force.peak / point.pressure[k].max()
         on_arcs.append(np.interp(bearing.arc[k], places, in_middle, left=0.0, right=0.0))
     return np.array(on_arcs)

@@ -23,7 +23,7 @@ from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint
 from bearingwear.solvers.worn.solver import Worn
 
-STEP = 0.24  # deepest wear of an exact step, over the gap A a^2
+STEP = 0.24  # deepest wear of an exact step, over the gap A a^2 at the edge of the contact
 FILM_STEP = 0.12  # likewise, over the thickness of a film that still covers
 LEAST_FILM_STEP = 0.125  # shortest step while a film wears through, over one without a film
 ROUGHLY_BALANCED = 1e-4  # force left on a rotor where states are rough, over the larger one
@@ -36,25 +36,27 @@ Wears = tuple[WornDepths, ...]
 class GrooveMode(NamedTuple):
     """How exactly grooves are followed."""
 
-    cells: tuple[int, int]  # along the major axis, and on each side of it
-    step: float  # deepest wear of a step, over the gap A a^2
-    rough: bool  # whether states are balanced roughly, as in the middle of a step, and unchecked
+    cells: tuple[int, int]  # numbers along the major axis, and on each side of it
+    step: float  # deepest wear of a step, over the gap A a^2 at the edge of the contact
+    # whether all states are balanced roughly and unchecked, as otherwise only amid a step
+    rough: bool
 
 
 EXACT_GROOVES = GrooveMode(cells=(48, 10), step=STEP, rough=False)
 QUICK_GROOVES = GrooveMode(cells=(32, 8), step=1.5 * STEP, rough=True)
-"""The two modes of a life with worn grooves."""
+"""The two modes of a life with worn grooves; `worn_life` states how exact the quick one is."""
 
 
 def point_of(state: State) -> WornPoint:
     """Returns the solved contacts and the wear behind a state of a life with worn grooves."""
-    return state.answer.answer
+    return state.answer.answer  # of the solved bearing of the state
 
 
 class Grooves:
     """A way to wear: the grooves and balls of a bearing, or of two on a rotor.
 
-    States have no stiffness unless the life ends by it.
+    Wear is counted from 0 and followed over the time [s]. States have no stiffness unless the
+    life ends by it. If the new bearings are not solved, `status` says why, and `sides` is empty.
     """
 
     origin = 0.0
@@ -73,7 +75,10 @@ class Grooves:
         self.last: States = ()  # solved at the end of a step, not in its middle
 
     def state(self, worn: Wears) -> States:
-        """Returns the bearings with some wear, or why they are not solved."""
+        """Returns the states of the bearings with some wear; their status says if they fail.
+
+        Keeps solved ones in `last`, for `with_stiffness`.
+        """
         if self.status != code.OK:
             return self.unsolved_states()
         rotor = self._solve(worn, self.mode.rough)
@@ -87,7 +92,7 @@ class Grooves:
         return self.last
 
     def unsolved_states(self) -> States:
-        """Returns states with the status why the new bearings are not solved."""
+        """Returns unsolved states at the present losses, with the status of the new bearings."""
         losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.symmetric_half.sides)
         return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
 
@@ -99,7 +104,9 @@ class Grooves:
         return tuple(State(rotor.status, {}, solved) for solved in rotor.sides)
 
     def _solve(self, worn: Wears, rough: bool) -> RotorState:
-        """Returns the bearings solved with some wear.
+        """Returns the rotor and its bearings with some wear; its status says if they fail.
+
+        The next solve starts from this one if it is solved.
 
         rough: whether they are balanced roughly, as in the middle of a step.
         """
@@ -114,9 +121,11 @@ class Grooves:
         return rotor
 
     def states_elsewhere(self, scene: Scene, worn: Wears) -> States:
-        """Returns the bearings with some wear at another speed or temperature, with stiffnesses.
+        """Returns the states of the bearings with some wear in another scene, with stiffnesses.
 
-        Nothing can be followed further afterwards.
+        The bearings are changed for it, so that no life can be followed further afterwards.
+
+        scene: differs from that of the grooves by speed or temperature.
         """
         elsewhere = copy.copy(self)
         elsewhere.scene = scene
@@ -128,7 +137,7 @@ class Grooves:
         return elsewhere.with_stiffness()
 
     def with_stiffness(self) -> States:
-        """Returns the last states with both stiffnesses."""
+        """Returns the states of `last` with the axial stiffness and the quasi-static one."""
         rotor = self._last_rotor
         pairs = zip(self.sides, rotor.sides, strict=True)
         sides = tuple(side.with_stiffness(solved) for side, solved in pairs)
@@ -139,29 +148,37 @@ class Grooves:
         )
 
     def completed(self, node: Node) -> Node:
-        """Returns a node with all the values that a life keeps."""
+        """Returns the node as it is; a subclass may add values that a life keeps."""
         return node
 
     def rates(self, node: Node) -> Wears:
-        """Returns the wear per second of each bearing."""
+        """Returns the wear per second of each bearing, in the form of its wear [m/s]."""
         pairs = zip(self.sides, node.states, strict=True)
         return tuple(side.rate(state.answer) for side, state in pairs)
 
     def worn_on(self, worn: Wears, spans: Sequence[tuple[float, Wears]]) -> Wears:
-        """Returns the wear after spans of time [s], each with its own rates."""
+        """Returns the wear after spans of time, each with its rates.
+
+        spans: (time [s], wear per second); the time is negative where rates are taken away.
+        """
         for dt, rates in spans:
             worn = tuple(wear.plus(dt, rate) for wear, rate in zip(worn, rates, strict=True))
         return worn
 
     def start_ahead(self, before: Node, now: Node, share: float) -> None:
-        """Starts the next solves ahead of the last node, by a share of the last step."""
+        """Sets where the next solves start: beyond the node `now`, by a share of the last step.
+
+        before, now: the nodes at both ends of that step.
+        """
         for side, earlier, state in zip(self.sides, before.states, now.states, strict=True):
             side.bearing.start_ahead(point_of(earlier), point_of(state), share)
 
     def longest_step(self, now: Node, rates: Wears) -> float:
-        """Returns the time [s] in which the deepest place wears by a part of the gap at the edge.
+        """Returns the time in which the deepest place wears by the step of the mode [s].
 
-        Where a film still covers, it is at most that in which a part of the film wears.
+        The wear is that of groove and ball together, over the gap at the edge of the contact. Where
+        a film still covers, it is at most the time in which a part of the film wears. It is the
+        least of both bearings; infinite where nothing wears.
         """
         lengths = []
         for side, state, rate in zip(self.sides, now.states, rates, strict=True):
@@ -178,9 +195,9 @@ class Grooves:
         return float(min(lengths))
 
     def bares(self, before: Node, now: Node) -> bool:
-        """Returns whether a film begins to leave its deepest place between two nodes, or has left.
+        """Returns whether any contact has lost more of its film at `now` than at `before`.
 
-        Rates have a kink there.
+        A film begins to leave its deepest place there, or has left, and rates have a kink.
         """
         for side, earlier, wear in zip(self.sides, before.worn, now.worn, strict=True):
             films = side.bearing.films
@@ -189,11 +206,11 @@ class Grooves:
         return False
 
     def wears(self, node: Node) -> bool:
-        """Returns whether balls or races of any bearing have a wear coefficient."""
+        """Returns whether balls or races of any bearing have a wear coefficient above 0."""
         return max(max(side.factors) for side in self.sides) > 0.0
 
     def events(self, node: Node) -> np.ndarray:
-        """Returns the share of the largest loss that is left to the nearest bearing (1,)."""
+        """Returns the share of the largest loss that is left to the most worn bearing (1,) [1]."""
         shares_left = [
             1.0 - state.loss / largest_loss(side.scene)
             for side, state in zip(self.sides, node.states, strict=True)
@@ -219,7 +236,9 @@ class StiffGrooves(Grooves):
 
 
 def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
-    """Returns the life with grooves as they wear; its states know how fast the even loss grows.
+    """Returns the life with grooves as they wear.
+
+    Its states have the rate at which their loss grows, unless the start is not solved.
 
     ends: criteria, those of the scene if None.
     """
@@ -241,7 +260,13 @@ def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:
 
 
 def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[float]:
-    """Returns the rate at which the even loss of a bearing grows, at each state [m/s]."""
+    """Returns the rate at which `State.loss` of a bearing grows, at each state [m/s].
+
+    It is the slope of the loss over time, to second order. A last step that is short is left out:
+    its state has the rate of the one before. A single state has the rate of an unworn contact.
+
+    times: of the states (n,) [s].
+    """
     if len(states) < 2:
         first = states[0]
         point = point_of(states[0])
@@ -256,6 +281,6 @@ def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[floa
     loss = np.array([state.loss for state in states])
     steps = np.diff(times)
     is_last_short = len(times) > 2 and steps[-1] < _SHORT * steps[-2]
-    n = len(times) - is_last_short  # a short last step says nothing of a rate
+    n = len(times) - int(is_last_short)  # rounding of the loss would spoil the slope there
     rates = np.gradient(loss[:n], times[:n], edge_order=2 if n > 2 else 1)
     return np.append(rates, rates[-1:])[: len(times)].tolist()

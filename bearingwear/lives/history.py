@@ -15,9 +15,10 @@ from bearingwear.solvers.state import State, history_values
 
 
 def life_values(scene: Scene, life: Life) -> dict:
-    """Returns the result variables of a life; bearings of an unlike pair are along `bearing`.
+    """Returns the result variables of a life [SI]; those of two bearings are as by `joined`.
 
-    They are its status and criterion alone if its start is not solved, or if nothing wears.
+    They are its status and criterion alone if its start is not solved, or if a bearing does not
+    wear and no criterion is met.
     """
     values: dict = {"status": life.status, "end_criterion": life.criterion}
     start = life.nodes[0]
@@ -42,9 +43,12 @@ def life_values(scene: Scene, life: Life) -> dict:
 
 
 def joined(of_bearings: Sequence[dict]) -> dict:
-    """Returns the values of one bearing, or those of two as values of a pair.
+    """Returns the values of one bearing, or those of two stacked along a first dimension.
 
-    Values that the bearings of a pair share are those of the first.
+    Values that the bearings of a pair share, those of `SHARED`, are not stacked: they are taken
+    from the first.
+
+    of_bearings: result variables of one or two bearings, by name.
     """
     if len(of_bearings) == 1:
         return of_bearings[0]
@@ -57,11 +61,12 @@ def joined(of_bearings: Sequence[dict]) -> dict:
 
 
 def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dict:
-    """Returns result variables of films along a life, and times at which they are worn through.
+    """Returns result variables of films along a life [m], and times when they are worn through [s].
+
+    A time is NaN where a film outlasts the life. Without any film the dictionary is empty; with one
+    that never wears through, it has the friction coefficient alone.
 
     times: of the states [s].
-
-    The dictionary is empty without any film.
     """
     films = Films.of(scene)
     values: dict = {}
@@ -83,9 +88,10 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
 
 
 def _time_worn_through(time: np.ndarray, left: np.ndarray) -> float:
-    """Returns the time at which a film is gone, between two steps; NaN if it never is.
+    """Returns the time at which a film is gone [s], linear between two states; NaN if it never is.
 
-    left: thickness at the times [m], below zero by how much more has worn.
+    time, left: of the states (n,) [s], and thickness left [m]. Where the latter is negative, so
+        much has worn beyond the film.
     """
     without = np.flatnonzero(left <= 0.0)
     if not without.size:

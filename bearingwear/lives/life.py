@@ -26,9 +26,10 @@ def life(
     """Returns the wear life of a scene from its present loss on, over its duty if it has one.
 
     Where no criterion was met, `status` says so and the life is a lower bound. Raises SceneError
-    where the scene has no criterion, or a preload fraction without a preload; NotAvailable as
-    `choice_for_life`.
+    where the scene has no criterion, or a preload fraction without a preload. Raises NotAvailable
+    where the model, or that which the scene requires, cannot follow such a life.
 
+    fidelity: model in place of that of the scene: `auto`, `steady`, `dynamic` or `race_control`.
     progress: receives one line of text at each step of a dynamic life.
     """
     if scene_for_life(scene, scene.name).duty is not None:
@@ -59,7 +60,10 @@ def life(
 def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
     """Returns values and attributes of a life whose contacts stay Hertzian.
 
-    They include an estimate of the error by the fidelity `steady`.
+    Values are result variables [SI], as those of `life_values`. By the fidelity `steady` they
+    include an estimate of the relative error of the life, where `surface_error` has one.
+
+    fidelity: `steady` or `race_control`.
     """
     solver = solver_of(scene, fidelity)
     followed = surface_life(scene, solver)

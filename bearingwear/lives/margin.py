@@ -43,25 +43,26 @@ class Corner:
     key: str  # of the friction
     friction: float  # [as in the scene]
     torque: float  # of all bearings together; NaN where it was not computed [N m]
-    margin: float
+    margin: float  # as by `Drive.margin`; NaN without a torque
     stalls: bool
-    why: str = ""  # it was not computed
+    why: str = ""  # reason for which the torque was not computed
 
 
 class WearState(NamedTuple):
     """A state of wear of a case, or why it is not known."""
 
-    words: str
+    words: str  # its name on sheets
     losses: Losses = ()
-    is_bare: bool = False  # without film in any contact
-    why: str = ""  # the losses are not known
+    is_bare: bool = False  # whether no contact has a film
+    why: str = ""  # reason for which the losses are not known
 
 
 def friction_interval(scene: Scene) -> tuple[str, list[float]]:
-    """Returns the key of the friction, and its 5 %, nominal and 95 % values.
+    """Returns the key of the friction, and its 5 %, nominal and 95 % values in rising order.
 
-    The scene's `uncertainty` gives them, else the spread of the table of coefficients. Without a
-    spread there is the nominal value alone.
+    The key is dotted, and its values are in its unit: the shear strength of a film in MPa, else a
+    coefficient. The scene's `uncertainty` gives the distribution, else the spread of the table of
+    coefficients. Without either there is the nominal value alone.
     """
     name = "shear_strength_MPa" if scene.friction.film is not None else "ball_race"
     key = f"{UNCERTAIN[name]}.{name}"
@@ -88,14 +89,17 @@ def sentence_of(status: int) -> str:
 def arrangement_torque(scene: Scene, losses: Losses, is_bare: bool = False) -> tuple[float, str]:
     """Returns the torque of all bearings of a scene on the shaft [N m]; or NaN, and why.
 
-    It is the power of friction and drag over the speed.
+    It is the power of friction and drag of all bearings, over the relative speed of the races. The
+    speeds must differ. The text is the sentence of the status where a bearing is not solved, else
+    empty.
 
-    losses: of each bearing; one loss stands for both of a pair.
+    losses: of each bearing [m]; one loss stands for both of a pair.
     is_bare: whether no contact has a film.
     """
     solver = solver_of(scene)
-    side_losses = (losses * 2)[:2]
+    side_losses = (losses * 2)[:2]  # twice the same one for a pair that is worn alike
     bare = (True, True) if is_bare else COVERED
+    # one condition stands for a single bearing, and for both of a symmetric pair
     pairs = zip(solver.bearings.start, side_losses, strict=False)
     states = solver(tuple(condition._replace(loss=loss, bare=bare) for condition, loss in pairs))
     failed = next((state.status for state in states if state.status != code.OK), None)
@@ -110,7 +114,10 @@ def arrangement_torque(scene: Scene, losses: Losses, is_bare: bool = False) -> t
 
 
 def life_of(scene: Scene) -> Life | None:
-    """Returns the quick life of a scene by nominal friction; None without a criterion."""
+    """Returns the life of a scene without its duty, by nominal friction; None without a criterion.
+
+    A life with worn grooves is quick: see `worn_life`.
+    """
     end = scene.wear.end_of_life
     if end is None or not end.criteria:
         return None
@@ -118,7 +125,12 @@ def life_of(scene: Scene) -> Life | None:
 
 
 def life_in_case(scene: Scene, name: str) -> Life | None:
-    """Returns the life as bearings are in a case: over the duty if any, else in the case alone."""
+    """Returns the life with the states of a case: over the duty if any, else in the case alone.
+
+    None without a criterion.
+
+    name: of the case.
+    """
     if scene.duty is None or scene.wear.end_of_life is None:
         return life_of(scene.in_cases[name])
     return _duty_lives(scene)[name]
@@ -126,7 +138,10 @@ def life_in_case(scene: Scene, name: str) -> Life | None:
 
 @cached_in_scene
 def _duty_lives(scene: Scene) -> dict[str, Life]:
-    """Returns the lives along which the requirements of a scene hold, by case, computed once."""
+    """Returns the lives over the duty of a scene by the names of its cases, computed once.
+
+    They are those of `lives_by_case`, kept with the scene.
+    """
     return lives_by_case(scene)
 
 
@@ -136,28 +151,33 @@ def losses_of(states: Sequence[State]) -> Losses:
 
 
 def least_film(scene: Scene, states: Sequence[State]) -> float:
-    """Returns the least film left in any contact of some bearings [m].
+    """Returns the least thickness of film that is left in any contact of some bearings [m].
 
-    A contact is covered as long as the deepest place of its race, or the ball, has film. The film
-    is infinite where none can wear through.
+    A contact has the thicker film of its race, at the deepest place, and of the ball. So it is bare
+    only where both are gone: the value is zero then, or negative by what has worn beyond the film
+    of worn grooves. It is infinite where no film can wear through.
+
+    states: of the bearings; fewer than the sides where one stands for both, of a symmetric pair or
+        as the worse one.
     """
     least = math.inf
     for side, state in zip(scene.sides, states, strict=False):
         films = Films.of(side)
         if films.wear_through:
             film = np.where(films.thickness > 0.0, state["film_left"], -math.inf)
-            races, ball = film[:2], film[2]
+            races, ball = film[:2], film[2]  # its order: inner race, outer race, balls
             least = min(least, float(np.maximum(races, ball).min()))
     return least
 
 
 def losses_without_film(losses: Sequence[Losses], films: Sequence[float]) -> Losses | None:
-    """Returns the losses at which the first contact loses its film along a life.
+    """Returns the losses of the bearings at which a contact first has no film along a life [m].
 
-    They lie between two states, by the film that is left in these. None if no contact loses it.
+    They are linear between the last state with a film in every contact and the next one, and lie
+    where the least film is zero. None if it stays above zero in all states.
 
     losses: of the bearings in each state [m].
-    films: least film left in each state [m].
+    films: least film left in each state, from `least_film` [m].
     """
     bare = next((k for k, left in enumerate(films) if left <= 0.0), None)
     if bare is None:
@@ -174,8 +194,11 @@ def losses_without_film(losses: Sequence[Losses], films: Sequence[float]) -> Los
 def wear_states(scene: Scene, life: Life | None) -> list[WearState]:
     """Returns the wear of a case when new, at the end of its life, and when its film is gone.
 
-    A film that outlasts the life is taken away at its end, and at the start of a scene without a
-    criterion.
+    A film that outlasts the life is taken away at the end of the life. Without a criterion there is
+    no end, and the film is taken away when new. Without a film there is no such state.
+
+    life: of the case; None without a criterion. One without an end has states that say why their
+        losses are not known.
     """
     start = tuple(condition.loss for condition in solver_of(scene).bearings.start)
     has_film = any(Films.of(side).wear_through for side in scene.sides)
@@ -198,10 +221,11 @@ def wear_states(scene: Scene, life: Life | None) -> list[WearState]:
 
 
 def corners_of_case(scene: Scene, case: str, wear: Sequence[WearState]) -> list[Corner]:
-    """Returns the corners of one case of a scene with a drive, in some states of wear.
+    """Returns the corners of one case: each friction of the interval in each state of wear.
 
-    Raises NotAvailable if its races turn at one speed.
+    Raises NotAvailable if both races turn at the same speed.
 
+    scene: of the case, with a drive.
     case: name of the case.
     """
     drive = scene.drive
@@ -238,7 +262,8 @@ def corners_of_case(scene: Scene, case: str, wear: Sequence[WearState]) -> list[
 def torque_corners(scene: Scene) -> list[Corner]:
     """Returns the corners of all cases of a scene: new, at the end of a case's life, without film.
 
-    Worn bearings have the contacts of the groove as new, at their loss.
+    Torques of worn bearings are those of unworn grooves at the loss of the worn ones. Raises
+    NotAvailable as `corners_of_case`.
     """
     corners = []
     for name, case in cases_of_use(scene).items():
@@ -250,9 +275,10 @@ def torque_corners(scene: Scene) -> list[Corner]:
 def least_margin(scene: Scene, states: Sequence[State]) -> float:
     """Returns the least torque margin along a life: new, at the end, and when the film is gone.
 
-    It is NaN without a drive, and where a corner is not solved.
+    It is NaN without a drive, and where a corner is not solved. A film that outlasts the life is
+    taken away at its end.
 
-    states: those of the worse bearing, which know the losses of both.
+    states: of a life, from `worse_states`; those of a pair have the `losses` of both bearings.
     """
     if scene.drive is None:
         return math.nan
@@ -266,10 +292,11 @@ def least_margin(scene: Scene, states: Sequence[State]) -> float:
 
 
 def launched_by_wear(scene: Scene) -> dict[str, LaunchResult]:
-    """Returns the results of a launch by the state of wear, and the case if there are several.
+    """Returns the results of a launch by a name that states the wear, and the case if several.
 
-    They are those of new bearings alone where their wear is not known: without an end of life, or
-    where the life was not computed.
+    A case has the result of new bearings, at their present loss, and that of worn ones. Worn ones
+    have the loss at the end of life, or less if `launch.after_wear_um` limits it. They are left out
+    where neither is known: without an end of life, or where the life was not computed.
     """
     by_wear = {}
     cases = cases_of_use(scene)

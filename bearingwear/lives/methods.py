@@ -10,18 +10,21 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life, LifeStep, Method, Node, Wearing
 
-SHORTEST_STEP = 1e-6  # of the first step
+SHORTEST_STEP = 1e-6  # over the first step
 WELL_WITHIN = 0.02  # share of the allowed error below which the next step is twice as long
-ENOUGH = 1e3  # shortest steps; a step as short as this is taken whatever its error
-TINY_TIME = 1e-300  # [s], so that nothing is no scale
-QUARTERS = (0.25, 0.5, 0.75)
+ENOUGH = 1e3  # times the shortest step; a step as short as this is taken whatever its error
+TINY_TIME = 1e-300  # [s], so that an allowed error is above 0 at the start
+QUARTERS = (0.25, 0.5, 0.75)  # places in a step, over its length
 SIMPSON = (5, 8, -1, 0, 0), (4, 16, 4, 0, 0), (4, 16, 9, 8, -1), (4, 16, 8, 16, 4), (8, 0, 32, 0, 8)
-"""Integrals [1/48 of a step] by its five nodes: up to each, and to the end by every other one."""
-_AT_NODES = np.vander((0.0, *QUARTERS, 1.0), increasing=True)
+"""Weights of the five nodes of a step, over 48, in integrals of it.
+
+The first four go up to each node after the start; the last goes to the end by every other node.
+"""
+_AT_NODES = np.vander((0.0, *QUARTERS, 1.0), increasing=True)  # powers 0 to 4 of their places
 MOST_STRETCHED = 2.0  # of a step by Adams, over the one before; a longer one is by Heun
 _SHORTENINGS = 6  # of a step that fails, each by half
 _MOST_TRIALS = 8  # runs to find an end
-_END_OF_RUNS = 1e-3  # of a step
+_END_OF_RUNS = 1e-3  # error of the end of a life by runs, over the step in which it is met
 
 
 class Unsolved(ArithmeticError):
@@ -35,8 +38,13 @@ class Unsolved(ArithmeticError):
 class Simpson(Method):
     """Adaptive Simpson integration of the time over the loss, t = integral of d(loss)/rate(loss).
 
-    A life ends at a loss, `farthest`, or before: no step leads beyond it. The time to an end within
-    a step of a quick life is that of the quartic through its nodes.
+    The time to an end within a step of a quick life is the integral of the quartic through the
+    inverse rates at its nodes.
+
+    tolerance: largest relative error of the time up to the end of a step.
+    first: length of the first step [m].
+    farthest: loss beyond which no step leads, as the life ends there at the latest [m].
+    quick: whether an end is found to the tolerance alone, and without a second solve of its step.
     """
 
     shortening = 0.5
@@ -55,7 +63,11 @@ class Simpson(Method):
         return self.node(x, np.array([x]), math.nan)
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        """Returns a step of four nodes; it is rough where two rules disagree on its time.
+        """Returns a step of four nodes, up to the first quarter that is not solved.
+
+        The step is rough where two rules disagree on its time by more than the tolerance, unless it
+        is short enough. Where they agree well, the next step is twice as long. Sets `tried_length`
+        and the step that a quick life may divide.
 
         bound: loss that the step does not pass [m].
         """
@@ -71,6 +83,7 @@ class Simpson(Method):
         nodes = [self.at(x) for x in (*places, end)]
         failed = [node for node in nodes if node.status != code.OK]
         if failed:
+            # the farthest failed node stands for all that follow the solved ones
             solved = takewhile(lambda node: node.status == code.OK, nodes)
             return LifeStep(end=end, nodes=[*solved, failed[-1]])
         slowness = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *nodes)])
@@ -91,7 +104,13 @@ class Simpson(Method):
         return step
 
     def _part_of_step(self, start: Node, step: LifeStep, end: float) -> LifeStep:
-        """Returns a solved step up to an end within it [m], by the quartic through its nodes."""
+        """Returns the part of a solved step up to an end within it, which is solved as well.
+
+        The inverse rate is the quartic through the nodes of the step.
+
+        start: node at which the step starts.
+        end: loss [m].
+        """
         h = step.end - start.x
         powers = np.arange(1, 6)
         slowness = np.array([1.0 / self.wearing.loss_rate(node) for node in (start, *step.nodes)])
@@ -101,18 +120,22 @@ class Simpson(Method):
         return LifeStep(end=end, nodes=[*nodes, last], error=step.error)
 
     def error_of_end(self, life: Life) -> float:
-        """Returns the error of the time at which the end is met [s], by its tolerance."""
+        """Returns the error of the time at which the end is met [s].
+
+        It is the tolerance of the end times the whole loss of the life, over the rate at its end.
+        """
         way = life.last.x - life.nodes[0].x
         return self.root_tolerance * way / self.wearing.loss_rate(life.last)
 
 
 class RungeKutta(Method):
-    """SciPy's explicit Runge-Kutta method over the sum of the losses s of the bearings,
+    """SciPy's explicit Runge-Kutta method over s, the sum of the losses of the bearings [m]:
 
-        d(what is worn, t)/ds = their rates over the sum of the loss rates.
+        d(worn)/ds = d(worn)/dt / (ds/dt),    dt/ds = 1 / (ds/dt)
 
-    The tolerance of a step is relative, the first step in m. A life also keeps the nodes after
-    the shares `between` of each step.
+    tolerance: relative error of a step.
+    first: length of the first step [m].
+    between: places within each step, over its length, whose nodes the life keeps besides its end.
     """
 
     shortening = 0.25
@@ -125,18 +148,23 @@ class RungeKutta(Method):
         self.length, self.between = first, between
 
     def node_after_event(self, node: Node) -> Node:
-        """Returns the last node solved again; the solver starts anew from it."""
+        """Returns the last node solved again. Resets the solver, and its step to the first one."""
         self.solver = None
         self.length = self.initial
         return super().node_after_event(node)
 
     def at(self, x: float) -> Node:
-        """Returns a node of the polynomial through the last step of the solver."""
+        """Returns the node at a sum of losses within the last step of the solver [m].
+
+        Wear and time are those of the solver's interpolation; the bearings are solved with them.
+        """
         y = self.solver.y.copy() if x == self.solver.t else self.solver.dense_output()(x)
         return self.node(x, y[:-1], float(y[-1]))
 
     def _derivative(self, s: float, y: np.ndarray) -> np.ndarray:
-        """Returns the derivative of wear and time by the sum of the losses; raises Unsolved.
+        """Returns the derivative of wear and time by the sum of the losses.
+
+        Raises Unsolved where the bearings are not solved.
 
         s: sum of the losses [m].
         y: wear of all bearings [m], then the time [s].
@@ -149,6 +177,9 @@ class RungeKutta(Method):
     def step(self, life: Life, bound: float) -> LifeStep:
         """Returns a step of the solver, with a node in its middle and one at its end.
 
+        A stage that is not solved ends the step: it has this node alone. A new bound needs a new
+        solver, which starts from the last node.
+
         bound: sum of the losses that the step does not pass [m].
         """
         from scipy.integrate import RK45  # loads slowly; most lives take other steps
@@ -158,7 +189,7 @@ class RungeKutta(Method):
             if self.solver is None or self.solver.t_bound != bound:
                 y = np.append(start.worn, start.time)
                 atol = np.full(y.size, self.tolerance * self.initial)
-                atol[-1] /= self.wearing.loss_rate(start)
+                atol[-1] /= self.wearing.loss_rate(start)  # the last is the time, in s
                 self.solver = RK45(
                     self._derivative,
                     start.x,
@@ -175,7 +206,10 @@ class RungeKutta(Method):
         return LifeStep(end=end, nodes=self.solved_at(start.x + 0.5 * (end - start.x), end))
 
     def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
-        """Returns the nodes after the shares `between` of a step, and its end."""
+        """Returns the nodes at the places `between` in a step, then that at its end.
+
+        Sets `length`, the first step of the next solver, to that of this one if all are solved.
+        """
         start = self.solver.t_old
         nodes = [self.at(start + share * (step.end - start)) for share in self.between]
         if all(node.status == code.OK for node in nodes):
@@ -183,7 +217,10 @@ class RungeKutta(Method):
         return [*nodes, step.nodes[-1]]
 
     def shorten(self) -> bool:
-        """Makes the next step, by a new solver, shorter; returns False where it is too short."""
+        """Drops the solver and makes the first step of the next one shorter.
+
+        Returns whether it is still long enough.
+        """
         if self.solver is not None:
             self.tried_length = self.solver.h_abs
             self.solver = None
@@ -191,21 +228,24 @@ class RungeKutta(Method):
 
 
 class InTime(Method):
-    """Steps in time from the last node and the one before; a node within one is solved once."""
+    """Steps in time from the last node and the one before; a node within a step is solved once."""
 
     now: Any = None  # the last node
-    previous: Any  # the one before, if rates are smooth from there to the last
+    previous: Any  # the one before, if rates are smooth from there to the last; else None
     rates: Any = None  # at the last node
-    rates_before: Any
-    nodes_by_time: dict[float, Node]  # after the last node
-    nearest = 0.0  # what may be left of the way to an end, over the longest step
+    rates_before: Any  # at the one before
+    nodes_by_time: dict[float, Node]  # solved ones after the last node, by their time [s]
+    nearest = 0.0  # `shortest`, over the longest step
 
     def is_smooth_between(self, before: Node, now: Node) -> bool:
-        """Returns whether rates are smooth between two nodes: they are not where a film is gone."""
+        """Returns whether rates are smooth between two nodes.
+
+        They have a jump between two nodes of the same time, where a film is gone.
+        """
         return before.x < now.x
 
     def node_after(self, x: float) -> Node:
-        """Returns a node at a time after the last one."""
+        """Returns the node at a time after the last one [s], solved anew."""
         raise NotImplementedError
 
     def at(self, x: float) -> Node:
@@ -215,7 +255,10 @@ class InTime(Method):
         return self.nodes_by_time[x]
 
     def step(self, life: Life, bound: float) -> LifeStep:
-        """Returns a step as long as the way to wear allows; endless where nothing ends the life.
+        """Returns a step as long as the way to wear allows.
+
+        It is endless, with no nodes, where no wear leads to an end. At a new node this sets
+        `now`, `previous`, the rates and `longest`, and drops the `nodes_by_time`.
 
         bound: time that the step does not pass [s].
         """
@@ -235,14 +278,15 @@ class InTime(Method):
         return self.step_to(min(now.x + self.longest, bound))
 
     def step_to(self, end: float) -> LifeStep:
-        """Returns a step from the last node to an end [s]."""
+        """Returns a step of one node, from the last node to a time [s]."""
         return LifeStep(end=end, nodes=self.solved_at(end))
 
 
 class Adams(InTime):
     """Adams-Bashforth-Moulton steps of third order, the first by Heun's method.
 
-    A step is as long as the deepest place may wear in one.
+    A step is as long as the deepest place may wear in one. An end is found to a thousandth of its
+    step; a rest of the way below 1e-4 of the longest step is not followed.
     """
 
     most_steps, root_tolerance, nearest = 1000, 1e-3, 1e-4
@@ -253,7 +297,7 @@ class Adams(InTime):
         return self.wearing.completed(node)
 
     def is_smooth_between(self, before: Node, now: Node) -> bool:
-        """Returns whether rates are smooth between two nodes: no film begins to go there."""
+        """Returns whether rates are smooth between two nodes: no film goes or begins to go."""
         return super().is_smooth_between(before, now) and not self.wearing.bares(before, now)
 
     def kept_nodes(self, step: LifeStep) -> Sequence[Node]:
@@ -261,7 +305,7 @@ class Adams(InTime):
         return [self.wearing.completed(node) for node in step.nodes]
 
     def step_to(self, end: float) -> LifeStep:
-        """Returns a step to an end, halved until it is solved."""
+        """Returns a step to a time [s], halved up to `_SHORTENINGS` times until it is solved."""
         now = self.now
         for k in range(_SHORTENINGS + 1):
             step = super().step_to(now.x + 0.5**k * (end - now.x) if k else end)
@@ -270,7 +314,11 @@ class Adams(InTime):
         return step
 
     def node_after(self, x: float) -> Node:
-        """Returns a node by a predictor and a corrector, which share the rates of the last node."""
+        """Returns the node at a time [s], by a predictor and a corrector.
+
+        Both use the rates of the last node. If the state after the predictor is not solved, its
+        node is returned, which says so by its status.
+        """
         wearing, now, rates = self.wearing, self.now, self.rates
         h = x - now.x
         # length of the step over that before; 0 is Heun's method, without rates before
@@ -299,19 +347,23 @@ class Adams(InTime):
 class Trapezoid(InTime):
     """A predictor and the trapezoidal rule, for rates that scatter (theory.md section 13).
 
-    most_steps: number after which a life is not followed further.
+    most_steps: number from one event to the next after which a life is not followed further.
     """
 
     def __init__(self, most_steps: int):
         self.most_steps = most_steps
-        self._errors: dict[float, float] = {}  # of ends [s]
+        self._errors: dict[float, float] = {}  # of an end, by its time [s]
 
     def node_after_event(self, node: Node) -> Node:
-        """Returns the last node solved again, from the end of its run."""
+        """Returns the last node solved again, by a run from the end of that of the node."""
         return node._replace(states=self.wearing.state(node.worn, node.states))
 
     def node_after(self, x: float) -> Node:
-        """Returns a node by the rates of a run at the wear that a predictor expects."""
+        """Returns the node at a time [s] by the trapezoidal rule, from a run at a predicted wear.
+
+        The states are those of that run, with the values that the corrected wear changes. A node
+        whose run fails is returned with the predicted wear.
+        """
         wearing, now, rates = self.wearing, self.now, self.rates
         h = x - now.x
         mean_rates = rates
@@ -330,6 +382,9 @@ class Trapezoid(InTime):
 
         margin: of a time, negative at that of node b and not at that of a; it scatters from run to
             run, so that more accuracy than `_END_OF_RUNS` would have no meaning.
+
+        Ends also after `_MOST_TRIALS`, or at a run that fails, with the last place that was solved;
+        node b is the first one. Keeps the error of the place for `error_of_end`.
         """
         low, high, best = a.x, b.x, b.x
         low_margin, high_margin = margin(low), margin(high)
@@ -351,5 +406,5 @@ class Trapezoid(InTime):
         return best
 
     def error_of_end(self, life: Life) -> float:
-        """Returns the error of the time at which the end is met [s]."""
+        """Returns the error of the time at which the end is met [s]: its margin over its slope."""
         return self._errors[life.last.x]

@@ -34,11 +34,12 @@ class Run:
     """A dynamic run at some wear."""
 
     status: int
-    carried_on: bool = False  # from the end of the run before
-    values: dict[str, Any] = field(default_factory=dict)
-    warmth: dict[str, Any] = field(default_factory=dict)  # where a network finds temperatures
-    residual: str = "not solved"
-    rates: np.ndarray = field(default_factory=lambda: np.empty(0))  # wear per second
+    carried_on: bool = False  # whether it starts from the end of the run before
+    values: dict[str, Any] = field(default_factory=dict)  # result variables; empty without a run
+    warmth: dict[str, Any] = field(default_factory=dict)  # those of a thermal network, if any
+    residual: str = "not solved"  # text on how well the run is balanced
+    # wear per second as in `WornLayout`; empty until `Motion.with_worn` sets it
+    rates: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 def run_at(node: Node) -> Run:
@@ -47,9 +48,10 @@ def run_at(node: Node) -> Run:
 
 
 class Motion:
-    """A way to wear: a scene that moves, without its cage where that is not solved.
+    """A way to wear: dynamic runs of a scene, without its cage where that is not solved.
 
-    steady: life by the steady model, for which the first steps are made; NaN if not known [s].
+    steady: life by the steady model [s], which estimates the end of the first steps with the
+        present rates; NaN if not known.
     progress: receives a line of text at each step.
     """
 
@@ -69,7 +71,7 @@ class Motion:
         self.start = np.zeros(self.parts.layout.size)
         self.surfaces = FilmWear(scene)
         self._mounted = parameters.static_place(scene)
-        self.films_gone: list[int] = []  # in the order in which they wore through
+        self.films_gone: list[int] = []  # indices of `events`, as films wore through
         self._event_time = 0.0  # when a film was last gone [s]
         self._event_worn = self.start  # wear at that time
 
@@ -85,11 +87,14 @@ class Motion:
     def _run(self, worn: np.ndarray, before: Run | None) -> Run:
         """Returns a run at some wear, from the end of another if there is one.
 
-        If that fails, it is a first run, which continues no other.
+        If that fails, it is a first run, which continues no other. There is no run, but the status
+        alone, where more has worn than a scene may have, or where no temperatures are found.
+
+        before: a run that was solved.
         """
         try:
             scene = self.parts.worn_scene(worn)
-        except SceneError:
+        except SceneError:  # the end of what can be followed
             return Run(code.CRITERION_NOT_REACHED)
         warm = warmed_for_motion(scene, self.surfaces.bare)
         if warm.status != code.OK:
@@ -120,10 +125,10 @@ class Motion:
         return np.array([worn[self.parts.layout.diameter].mean(), *worn[self.parts.layout.groove]])
 
     def _quasistatic_stiffness(self, scene: Scene) -> float:
-        """Returns the axial stiffness of a worn scene, which no run has [N/m].
+        """Returns the quasi-static axial stiffness of a worn scene, which no run has [N/m].
 
-        It is the steady one where the scene has a steady state but for how the balls have worn,
-        otherwise that by race control.
+        It is that of the steady state at the mean loss. A scene without a steady state, whatever
+        its balls have lost, has that by race control. NaN where the steady state is not solved.
         """
         if asymmetries(self.scene):
             solver: Solver = RaceControl(scene)
@@ -135,8 +140,9 @@ class Motion:
     def first_run(self, scene: Scene) -> tuple[dict, dict]:
         """Returns values and attributes of a run that continues no other.
 
-        With a cage, `life_run_in_turns` come before it. A cage takes hundreds of turns to forget
-        how it started, and seems settled long before.
+        With a cage, a run of `life_run_in_turns` comes before it; if that fails, its values and
+        attributes are returned. A cage takes hundreds of turns to forget how it started, and seems
+        settled long before.
         """
         restart = None
         if scene.cage is not None and self.parts.model.life_run_in_turns > 0.0:
@@ -151,7 +157,14 @@ class Motion:
         return solve_dynamic(scene, restart, bare=self.surfaces.bare)
 
     def with_worn(self, states: States, worn: np.ndarray) -> States:
-        """Returns the state (1,) of a run at a wear close by, with the values that wear changes."""
+        """Returns the state (1,) of a run, with the values that it has at a wear close by.
+
+        Its answer is the run with the wear rates there. A run that failed keeps its status and has
+        only the values of the cage.
+
+        states: (1,), whose answer is the run.
+        worn: of all parts, as in `WornLayout`.
+        """
         run: Run = states[0].answer
         loss = float(self.parts.loss(worn).mean())
         state = case_state(loss, {**run.values, "status": run.status})
@@ -177,7 +190,10 @@ class Motion:
         return (replace(state.with_values(values), answer=run),)
 
     def _wear_values(self, run: Run, worn: np.ndarray) -> dict[str, Any]:
-        """Returns the greatest depth, and films and wear rates where they depend on the depth."""
+        """Returns the greatest groove depth [m], and films and wear rates if the depth counts.
+
+        The latter are those where surfaces have films or run in.
+        """
         p, rates = self.parts.layout, run.rates
         values = {"greatest_depth": worn[p.deepest].max()}
         if not self.surfaces.changes:
@@ -195,24 +211,35 @@ class Motion:
         return run_at(node).rates
 
     def wears(self, node: Node) -> bool:
-        """Returns whether any part wears."""
+        """Returns whether any part wears, even one that no criterion limits."""
         return bool(run_at(node).rates.any())
 
     def films_at(self, worn: np.ndarray) -> list[tuple[Coating, np.ndarray]]:
-        """Returns the films of races and balls, and those of the cage, with their depths [m]."""
+        """Returns the films of races and balls, then those of the cage, with worn depths [m].
+
+        The depths are those of inner race, outer race and balls (3,), and of pockets and land (2,).
+        """
         return [
             (self.surfaces.coating, self.surfaces.depths(self.surface_wear(worn))),
             (self.parts.coating, self.parts.cage_depths(worn)),
         ]
 
     def events(self, node: Node) -> np.ndarray:
-        """Returns the share that is left of each film; infinite without a film."""
+        """Returns the share that is left of each film (5,) [1]; infinite without a film.
+
+        The order is that of `films_at`.
+        """
         return np.concatenate(
             [coating.share_left(depths) for coating, depths in self.films_at(node.worn)]
         )
 
     def pass_event(self, event: int, node: Node) -> bool:
-        """Removes a film that is gone, and returns True: the life goes on."""
+        """Removes a film that is gone, and returns True: the life goes on.
+
+        Appends it to `films_gone`; estimates of the end start anew from this node.
+
+        event: index of the film among the `events`.
+        """
         remove_film(self.films_at(node.worn), event)
         self.films_gone.append(event)
         self._event_time, self._event_worn = node.x, node.worn
@@ -224,12 +251,14 @@ class Motion:
         return CRITERIA[criterion] in OF_CAGE
 
     def end_rate(self, node: Node, criterion: int, film: int | None = None) -> float:
-        """Returns the rate at which a film wears, or the measure that a criterion limits [m/s].
+        """Returns the rate at which a film wears, or a limited measure grows [m/s].
 
-        A criterion limits a measure of the cage, the depth of a groove, or the mean loss.
+        A criterion limits a measure of the cage or the depth of a groove. For any other one, such
+        as a preload, it is the rate of the mean loss. That of the worn share of a film of the cage
+        is in 1/s.
 
-        criterion: index in `CRITERIA`.
-        film: its number among the `events`; None for the criterion.
+        criterion: index in `CRITERIA`, not used for a film.
+        film: its index among the `events`; None for the criterion.
         """
         name = CRITERIA[criterion]
         rates = run_at(node).rates
@@ -242,14 +271,16 @@ class Motion:
         return self.parts.cage_rate(name, rates)
 
     def horizon(self, node: Node) -> float:
-        """Returns the estimated end of life or of a film [s]; infinite where no wear leads to one.
+        """Returns the time of the first estimated end, of life or of a film [s].
 
-        The mean wear rates since the last film was gone estimate it, and the steady life.
+        Estimates are the steady life, and the limits of loss, clearances and films at the mean wear
+        rates since the last film was gone; at its time, at the present rates. Infinite where no
+        wear leads to an end.
         """
         elapsed = node.x - self._event_time
         wear = node.worn - self._event_worn
         if elapsed == 0.0:
-            elapsed = 1.0  # [s]
+            elapsed = 1.0  # [s], in which the wear is that of a second
             wear = self.rates(node)
         before = self._limited_values(self._event_worn)
         after = self._limited_values(self._event_worn + wear)
@@ -259,7 +290,7 @@ class Motion:
         return float(min(ahead, default=math.inf))
 
     def _limits(self) -> np.ndarray:
-        """Returns the limits of the `_limited_values` [m]; NaN without one."""
+        """Returns the limits of the `_limited_values` (8,) [m]; NaN without one."""
         um = self.end.ball_diameter_loss_um
         loss = largest_loss(self.scene) if um is None else um * parameters.UM
         clearances = [
@@ -273,18 +304,24 @@ class Motion:
         return np.array([loss, *clearances, *film_depths, *cage_depths])
 
     def _limited_values(self, worn: np.ndarray) -> np.ndarray:
-        """Returns mean loss, both clearances of the cage, and depths of films (8,) [m]."""
+        """Returns mean loss, clearances of pocket and land, and `_film_depths` (8,) [m]."""
         loss = self.parts.loss(worn).mean()
         return np.array([loss, *self.parts.clearances(worn), *self._film_depths(worn)])
 
     def _film_depths(self, worn: np.ndarray) -> np.ndarray:
-        """Returns the depths of races, balls, pockets and land, which may have films (5,) [m]."""
+        """Returns the depths of both races, balls, pockets and land, in this order (5,) [m].
+
+        worn: of all parts, or their rates; the depths are rates then [m/s].
+        """
         return np.concatenate([depths for _, depths in self.films_at(worn)])
 
     def longest_step(self, node: Node, rates: np.ndarray) -> float:
-        """Returns the longest step, and reports progress [s].
+        """Returns the longest step [s], and reports progress.
 
-        It is a part of the way to the end, or a running-in time if shorter; infinite as `horizon`.
+        It is a part of the way from the last film that was gone to the estimated end, or a
+        running-in time if shorter. It is infinite, with no report, where no wear leads to an end.
+
+        rates: wear per second at the node.
         """
         horizon = self.horizon(node)
         if math.isinf(horizon):
@@ -295,7 +332,10 @@ class Motion:
         return min(part, self.surfaces.running_in_time(worn, worn_rates))
 
     def report_progress(self, node: Node, horizon: float) -> None:
-        """Reports the time of a node and the estimated end [s], if anybody listens."""
+        """Passes a line with time, estimated end and mean loss to `progress`, if there is one.
+
+        horizon: the estimated end [s].
+        """
         if self.progress is not None:
             loss = self.parts.loss(node.worn).mean() / parameters.UM
             hours, end = node.x / 3600.0, horizon / 3600.0

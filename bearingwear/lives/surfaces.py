@@ -30,7 +30,7 @@ from bearingwear.solvers.compose import Remembered
 from bearingwear.solvers.condition import Condition
 from bearingwear.solvers.state import State
 
-FIRST_STEP = 2.5e-5  # of the ball diameter: 0.05 um on 2 mm
+FIRST_STEP = 2.5e-5  # loss over the ball diameter: 0.05 um on 2 mm
 ABOVE_ROUNDING = 1.0 + 1e-15  # factor on the limit of a loss that is met despite rounding
 _QUICK = 1e-4  # tolerance of quick lives
 _LONGER_FIRST = 4.0  # their first step, over that of others
@@ -42,7 +42,10 @@ _LOOSER_FIRST = 3.7  # first step, over that of the life: like steps would hide 
 
 
 class Coating:
-    """Films of some parts of a bearing, of a thickness each (n,), 0 without one [m]."""
+    """Films of some parts of a bearing, and whether each is left.
+
+    thickness: of the new film of each part (n,) [m]; 0 without one, infinite if it never wears.
+    """
 
     def __init__(self, thickness: np.ndarray):
         self.new_thickness = thickness
@@ -54,7 +57,12 @@ class Coating:
         return np.where(self.is_left, self.new_thickness, 0.0)
 
     def share_left(self, depths: np.ndarray) -> np.ndarray:
-        """Returns the share of each film left at some depths [m]; infinite without a film."""
+        """Returns the share of each film that is left (n,) [1]; infinite without a film.
+
+        It is negative where more has worn than the film.
+
+        depths: worn off each part (n,) [m].
+        """
         thickness = np.where(self.is_left, self.new_thickness, 1.0)
         return np.where(self.is_left, 1.0 - depths / thickness, np.inf)
 
@@ -67,10 +75,11 @@ class Coating:
 
 
 def remove_film(films: Iterable[tuple[Coating, np.ndarray]], film: int) -> None:
-    """Removes a film by its number along several coatings.
+    """Removes a film by its index along all coatings, and any film that is worn through.
 
     films: coatings, and the depths of their parts [m].
     """
+    # an index before the parts of a coating or beyond them matches none of these
     for coating, depths in films:
         coating.remove(film, depths)
         film -= coating.is_left.size
@@ -79,7 +88,7 @@ def remove_film(films: Iterable[tuple[Coating, np.ndarray]], film: int) -> None:
 class EvenWear:
     """A bearing whose wear rate depends on its loss alone.
 
-    `worn` is its loss of ball diameter (1,) [m].
+    `worn` is its loss of ball diameter (1,) [m], which includes what it has lost before.
     """
 
     coating = Coating(np.empty(0))
@@ -95,28 +104,28 @@ class EvenWear:
         return self.largest_loss - self.present_loss
 
     def condition(self, worn: np.ndarray) -> Condition:
-        """Returns the condition of the bearing with some wear."""
+        """Returns the condition to solve the bearing in, with the loss `worn`."""
         return Condition(float(worn[0]))
 
     def state(self, state: State, worn: np.ndarray) -> State:
-        """Returns the state of a condition, with what depends on how deep surfaces are worn."""
+        """Returns the state as it is: no value depends on how deep surfaces are worn."""
         return state
 
     def rates(self, state: State) -> np.ndarray:
-        """Returns the wear rates of a state [m/s]."""
+        """Returns the rate of `worn` (1,) [m/s]."""
         return np.array([state.rate])
 
     def depths(self, worn: np.ndarray) -> np.ndarray:
-        """Returns the depths of the surfaces that may have a film [m]."""
+        """Returns the depths of the surfaces that may have a film: none here (0,) [m]."""
         return np.empty(0)
 
 
 class FilmWear(EvenWear):
-    """A bearing whose depths are followed.
+    """A bearing whose depths are followed, counted from the start of the life.
 
     `worn` is (loss of ball diameter, depth of the inner, of the outer groove) [m]. Depths of
-    grooves are means over the width of the track; the greatest ones follow where these may end the
-    life. Surfaces may have films or run in.
+    grooves are means over the width of the track. Where greatest depths may end the life, those of
+    the inner and of the outer groove come after these. Surfaces may have films or run in.
     """
 
     def __init__(self, scene: Scene):
@@ -129,7 +138,7 @@ class FilmWear(EvenWear):
 
     @property
     def bare(self) -> Bare:
-        """Returns which contacts have no film left."""
+        """Returns whether the inner and the outer contact have no film left, on race and ball."""
         return self.films.bare(self.coating.is_left)
 
     def condition(self, worn: np.ndarray) -> Condition:
@@ -148,7 +157,10 @@ class FilmWear(EvenWear):
         return np.array([worn[1], worn[2], 0.5 * worn[0]])
 
     def running_in_time(self, worn: np.ndarray, rates: np.ndarray) -> float:
-        """Returns the time in which coefficients of surfaces that run in change by a part [s].
+        """Returns the time in which surfaces that run in wear by `RUNNING_IN_STEP` [s].
+
+        That is a share of their running-in depth and of what has worn below their film. Infinite
+        where no surface without film runs in.
 
         worn, rates: loss of ball diameter and depths of both grooves [m], and their rates [m/s].
         """
@@ -169,6 +181,7 @@ class FilmWear(EvenWear):
         """Returns K_s/H of balls and races at the pressures and temperatures of a state [1/Pa].
 
         values: result variables of the state.
+        worn: in the form of this class.
         """
         table_factor: Any = 1.0
         if self.films.table is not None:
@@ -180,14 +193,21 @@ class FilmWear(EvenWear):
         )
 
     def film_values(self, worn: np.ndarray) -> dict[str, Any]:
-        """Returns the thickness left of each film, and the share of each contact without film."""
+        """Returns result variables of the films.
+
+        They are the thickness left on inner race, outer race and balls (3,) [m], and whether each
+        contact is without film, as a share of 0 or 1 (2,).
+        """
         return {
             "film_left": np.maximum(self.coating.thickness - self.depths(worn), 0.0),
             "film_worn_share": np.array(self.bare, dtype=float),
         }
 
     def state(self, state: State, worn: np.ndarray) -> State:
-        """Returns the state of a condition, with wear rates and films at some depths."""
+        """Returns the state of a condition, with wear rates and films at some depths.
+
+        state: with `loss_per_wear`, the rates of depths over K_s/H.
+        """
         factors = self.wear_factors(state.values, worn)
         ball_factor, race_factor = (np.broadcast_to(factor, 2) for factor in factors)
         ball_loss_per_factor, race_depth_per_factor = state["loss_per_wear"]
@@ -206,7 +226,9 @@ class FilmWear(EvenWear):
         return state.with_values(values)
 
     def loss_rate(self, ball_rate: float, race_rates: np.ndarray) -> float:
-        """Returns the rate of the loss that counts: of the balls, and of races if they do [m/s].
+        """Returns the rate of the loss that counts [m/s].
+
+        It is that of the ball diameter, and of both grooves if the scene counts them.
 
         ball_rate, race_rates: of the ball diameter, and of the depths of both grooves [m/s].
         """
@@ -220,7 +242,13 @@ class FilmWear(EvenWear):
 
 
 class Surfaces:
-    """A way to wear: the surfaces of one bearing, or of two on a rotor, with Hertzian contacts."""
+    """A way to wear: the surfaces of one bearing, or of two on a rotor, with Hertzian contacts.
+
+    `worn` is that of the bearings, one after the other. `Node.x` is the sum of their losses: from
+    the start of the life on, or with the present loss where the life is one integral.
+
+    scene: with one bearing, or two that differ: see `Scene.symmetric_half`.
+    """
 
     def __init__(self, scene: Scene, solver: Remembered):
         self.solver = solver
@@ -241,7 +269,7 @@ class Surfaces:
         return [(bearing, worn[part]) for bearing, part in self._parts]
 
     def state(self, worn: np.ndarray) -> States:
-        """Returns the bearings with some wear, or why they are not solved."""
+        """Returns the states of the bearings with some wear; their status says if they fail."""
         with_wear = self.with_wear(worn)
         states = self.solver(tuple(bearing.condition(part) for bearing, part in with_wear))
         if any(state.status != code.OK for state in states):
@@ -259,7 +287,7 @@ class Surfaces:
         return sum(state.rate for state in node.states)
 
     def wears(self, node: Node) -> bool:
-        """Returns whether every bearing loses diameter."""
+        """Returns whether every bearing has a loss that grows."""
         return min(state.rate for state in node.states) > 0.0
 
     def films_at(self, worn: np.ndarray) -> list[tuple[Coating, np.ndarray]]:
@@ -267,7 +295,11 @@ class Surfaces:
         return [(bearing.coating, bearing.depths(part)) for bearing, part in self.with_wear(worn)]
 
     def events(self, node: Node) -> np.ndarray:
-        """Returns the share of the largest loss that is left, then that of each film."""
+        """Returns the share of the largest loss that is left, then that of each film [1].
+
+        The former is that of the most worn bearing. Films follow by bearing: inner race, outer race
+        and balls, infinite without a film.
+        """
         with_wear = self.with_wear(node.worn)
         losses_left = [
             1.0 - bearing.condition(part).loss / bearing.largest_loss for bearing, part in with_wear
@@ -280,15 +312,18 @@ class Surfaces:
         return np.concatenate([[min(losses_left)], *films_left])
 
     def pass_event(self, event: int, node: Node) -> bool:
-        """Removes a film that is gone; returns False where the largest loss is reached."""
-        if event < 1:
+        """Removes a film that is gone; returns False where the largest loss is reached.
+
+        event: index among the `events`.
+        """
+        if event < 1:  # the largest loss, before all films
             return False
         remove_film(self.films_at(node.worn), event - 1)
         return True
 
 
 def _loss_limit(scene: Scene) -> float:
-    """Returns the loss at which the life ends at the latest [m]; infinite without a limit."""
+    """Returns the limit of the loss, beyond which no life goes on [m]; infinite without one."""
     end = scene.wear.end_of_life
     if end is None or end.ball_diameter_loss_um is None:
         return np.inf
@@ -296,7 +331,10 @@ def _loss_limit(scene: Scene) -> float:
 
 
 def is_one_integral(scene: Scene) -> bool:
-    """Returns whether a life whose contacts stay Hertzian is an integral over the loss alone."""
+    """Returns whether a life whose contacts stay Hertzian is an integral over one loss.
+
+    It is that of one bearing, or of two alike, without films, running in or limits of depth.
+    """
     sides = scene.symmetric_half.sides
     return len(sides) == 1 and not follows_depths(sides[0])
 
@@ -317,7 +355,9 @@ def surface_life(scene: Scene, solver: Remembered, quick: bool = False) -> Life:
 def follow_surfaces(wearing: Any, ends: Criteria, scene: Scene, quick: bool = False) -> Life:
     """Returns the life by a way to wear whose contacts stay Hertzian, of one bearing or of two.
 
-    wearing: `Surfaces`, or those over a duty.
+    wearing: `Surfaces`, or those over a duty; its `origin` is set to the present loss where the
+        life is one integral.
+    scene: with the tolerance and the balls of the life.
     quick: as in `surface_life`.
     """
     tolerance, first = _tolerance_and_first_step(scene)
@@ -333,16 +373,20 @@ def follow_surfaces(wearing: Any, ends: Criteria, scene: Scene, quick: bool = Fa
 
 
 def surface_steps_error(scene: Scene, solver: Remembered, life: Life) -> float:
-    """Returns the error by its steps of a life whose contacts stay Hertzian [s]."""
+    """Returns the error by its steps of a life whose contacts stay Hertzian [s]; see `steps_error`.
+
+    scene, solver: those of the life, which the solver follows once more if need be.
+    """
     return steps_error(Surfaces(scene, solver), Criteria(scene), scene, life)
 
 
 def steps_error(wearing: Any, ends: Criteria, scene: Scene, life: Life) -> float:
-    """Returns the error of a life by its steps [s]: its own if it is one integral.
+    """Returns the error of the length of a life by its steps [s].
 
-    Otherwise a life in looser steps shows it.
+    It is its own if the life is one integral. Otherwise it is the difference from a life in looser
+    steps, which follows `wearing` to its end.
 
-    wearing: way to wear of the life, at its start.
+    wearing: a new way to wear, at the start of the life.
     """
     if is_one_integral(scene):
         return life.error
@@ -353,6 +397,9 @@ def steps_error(wearing: Any, ends: Criteria, scene: Scene, life: Life) -> float
 
 
 def _tolerance_and_first_step(scene: Scene) -> tuple[float, float]:
-    """Returns the tolerance of a life, and its first step [m]."""
+    """Returns the relative tolerance of a life, and the loss of its first step [m].
+
+    Two bearings have twice the step of one, as their losses are added.
+    """
     smallest = min(side.bearing.ball_diameter_mm for side in scene.sides) * MM
     return scene.model.tolerance, len(scene.sides) * FIRST_STEP * smallest

@@ -16,21 +16,24 @@ from bearingwear.solvers.bearing.outputs import depth_peak, groove_depth_rates, 
 
 
 class WornLayout:
-    """Positions of the parts in a vector of wear or wear rates; n balls."""
+    """Positions of the parts in a vector of wear or wear rates, for n balls."""
 
     def __init__(self, n: int):
         self.diameter = slice(0, n)  # worn off each ball's diameter [m]
         self.ball = slice(n, 2 * n)  # volume worn off each ball [m3]
-        self.pocket = slice(2 * n, 3 * n)  # and off the cage in its pocket
-        self.race = slice(3 * n, 3 * n + 2)
-        self.land = 3 * n + 2  # off the cage at its guiding land
+        self.pocket = slice(2 * n, 3 * n)  # volume worn off the cage in each pocket [m3]
+        self.race = slice(3 * n, 3 * n + 2)  # volume worn off the inner and the outer race [m3]
+        self.land = 3 * n + 2  # volume worn off the cage at its guiding land [m3]
         self.groove = slice(3 * n + 3, 3 * n + 5)  # mean depth over the width of both tracks [m]
         self.deepest = slice(3 * n + 5, 3 * n + 7)  # depth in their deepest places [m]
         self.size = 3 * n + 7
 
 
 def cage_surfaces(scene: Scene) -> tuple[float, float]:
-    """Returns the area of the wall of one pocket, and of the guiding surface of a cage [m2]."""
+    """Returns the area of the wall of one pocket, and of the guiding surface of a cage [m2].
+
+    Both are cylinders. The latter is the outer surface of a cage that the balls guide.
+    """
     cage, MM = scene.cage, parameters.MM
     assert cage is not None
     r_i, r_o = 0.5 * cage.inner_diameter_mm * MM, 0.5 * cage.outer_diameter_mm * MM
@@ -40,7 +43,10 @@ def cage_surfaces(scene: Scene) -> tuple[float, float]:
 
 
 def film_wear_ratio(scene: Scene) -> float:
-    """Returns K_s/H of a cage's film over that of the cage [1]; 1 without a film."""
+    """Returns K_s/H of a cage's film over that of the cage [1]; 1 without a film.
+
+    A film that names no wear coefficient or hardness has that of the cage.
+    """
     if scene.cage is None or scene.cage.film is None:
         return 1.0
     film, cage = scene.cage.film, scene.materials[scene.cage.material]
@@ -55,8 +61,8 @@ CAGE_PARTS = ("pocket", "land")
 class WornParts:
     """Wear of the balls, grooves and cage of a scene: without its cage where it is not solved.
 
-    Wear is a vector `worn` or one of `rates`, as in `WornLayout`. `coating` is the film of the
-    `CAGE_PARTS`.
+    Wear since the start of the life is a vector `worn`, or one of `rates` per second, as in
+    `WornLayout`. `coating` is the film of the `CAGE_PARTS`.
     """
 
     def __init__(self, scene: Scene):
@@ -112,7 +118,11 @@ class WornParts:
         return (self.start_loss + worn[self.layout.diameter]).max()
 
     def cage_values(self, worn: np.ndarray) -> dict[str, float]:
-        """Returns the result variables of the cage at some wear."""
+        """Returns the result variables of the cage at some wear.
+
+        They are both clearances [m], NaN without a cage, and with a film the wear depths of pockets
+        and land over its thickness [1].
+        """
         pocket, guide = self.clearances(worn)
         values = {"pocket_clearance": pocket, "guide_clearance": guide}
         if self.coating.new_thickness.all():
@@ -121,21 +131,26 @@ class WornParts:
         return values
 
     def cage_rate(self, criterion: str, rates: np.ndarray) -> float:
-        """Returns the rate of the measure that a criterion of the cage limits [SI/s].
+        """Returns the rate of the measure that a criterion of the cage limits.
 
+        It is in m/s for a clearance, and in 1/s for the worn share of a film.
+        Of the variables of the measure, it is the faster one: the change in a second from new on.
+
+        criterion: one of `OF_CAGE`.
         rates: wear per second of all parts.
         """
-        # linear in the wear, but for the choice of the most worn ball
+        # the measure is linear in the wear, but for the choice of the most worn ball
         unworn = self.cage_values(np.zeros_like(rates))
         after_second = self.cage_values(rates)
         return max(after_second[name] - unworn[name] for name in ENDS[criterion].variables)
 
     def cage_rates(self, values: Mapping[str, Any]) -> np.ndarray:
-        """Returns the wear of the cage per second; that of other parts is 0 in the vector.
+        """Returns the rates of all parts [m3/s], of which only pockets and land are not 0.
 
-        While its film is left, that wears in place of the material of the cage.
+        Where the film of a part is left, its K_s/H replaces that of the material of the cage.
 
-        values: result variables of a run or an ensemble, for the material of the cage.
+        values: result variables with wear rates of the material of the cage. A rate that is not
+            there is 0.
         """
         p = self.layout
         rates = np.zeros(p.size)
@@ -145,14 +160,17 @@ class WornParts:
         return rates
 
     def worn_scene(self, worn: np.ndarray) -> Scene:
-        """Returns the scene at some wear; raises SceneError where too much has worn for one."""
+        """Returns the scene at some wear, for runs without histories.
+
+        Raises SceneError where more has worn than a scene may have.
+        """
         wear = replace(
             self.scene.wear, ball_diameter_loss_um=tuple((self.loss(worn) / parameters.UM).tolist())
         )
         cage = self.scene.cage
         if cage is not None:
             pocket, guide = self.clearances(worn)
-            # The motion adds each ball's loss to its pocket, the depth of the grooves with it.
+            # the motion itself adds the loss of each ball, with counted grooves, to its pocket
             pocket -= self._largest_ball_loss(worn)
             pocket -= self._counted_depth(worn)
             cage = replace(
@@ -165,7 +183,7 @@ class WornParts:
     def rates(self, values: dict[str, Any], factors: Factors | None = None) -> np.ndarray:
         """Returns the wear per second of a run.
 
-        values: result variables of the run.
+        values: result variables of the run, by ball and contact (n, 2).
         factors: K_s/H of balls and races [1/Pa], if not those of new surfaces.
         """
         p = self.layout
@@ -187,7 +205,9 @@ class WornParts:
         return rates
 
     def mean_loss_rate(self, rates: np.ndarray) -> float:
-        """Returns the mean rate of the loss that counts: of balls, and of races if they do [m/s].
+        """Returns the mean rate of the loss that counts [m/s].
+
+        It is that of the ball diameters, and of both grooves if the scene counts them.
 
         rates: of all wearing parts.
         """

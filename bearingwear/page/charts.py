@@ -15,10 +15,10 @@ from typing import NamedTuple
 from markupsafe import Markup
 
 from bearingwear.document.chart import Chart, ChartLine
-from bearingwear.results.units import Rough, digits
+from bearingwear.results.units import digits
 
 LARGE_CHART, SMALL_CHART = (660.0, 350.0), (400.0, 230.0)
-MARGINS = (56.0, 14.0, 10.0, 40.0)
+MARGINS = (56.0, 14.0, 24.0, 40.0)
 """Left, right, top, bottom of the field of lines [px]."""
 _LEFT, _RIGHT, _TOP, _BOTTOM = MARGINS
 _LOG_MARGIN, _MARGIN_SHARE = 1.15, 0.06
@@ -159,7 +159,6 @@ def _script_data(chart: Chart, places: bool) -> str:
                     "notes": line.notes,
                     "star": line.star,
                     "ends": line.ends,
-                    "digits": 2 if line.band else 3,  # a life with a band is rough
                 }
                 for line in chart.lines
             ],
@@ -171,8 +170,7 @@ def _value_text(chart: Chart, line: ChartLine) -> str:
     """Returns the value of a line at the recommended preload, with its unit; a dash without it."""
     if not line.star:
         return "–"
-    value = line.star[1]
-    return f"{Rough(value).text if line.band else digits(value)}{_unit(chart.y_label)}"
+    return f"{digits(line.star[1])}{_unit(chart.y_label)}"
 
 
 def _value_and_preload_text(chart: Chart, line: ChartLine) -> str:
@@ -233,8 +231,8 @@ def _svg_content(chart: Chart, size: tuple[float, float]) -> str:
         f'<g class="grid">{_grid(x_axis, y_axis, place, width, height)}</g>'
         f'<text x="{_LEFT + width / 2:g}" y="{size[1] - 6:g}" class="x" text-anchor="middle">'
         f"{escape(chart.x_label)}</text>"
-        f'<text transform="translate(13 {_TOP + height / 2:g}) rotate(-90)" class="y" '
-        f'text-anchor="middle">{escape(_ordinate_label(chart))}</text>'
+        # above the axis: beside it, five digits in large type would lie under it
+        f'<text x="2" y="14" class="y">{escape(_ordinate_label(chart))}</text>'
         f'<svg class="field" x="{_LEFT:g}" y="{_TOP:g}" width="{width:g}" height="{height:g}">'
         f'{"".join(marks)}<path class="cursor" d=""/></svg>'
     )

@@ -194,12 +194,16 @@ def _dark_styles(classes: Mapping[str, str]) -> str:
 
 
 def _dark_page_colour(colour: str) -> str:
-    """Returns the colour on a dark page for a colour of a figure, both as `#rrggbb`."""
+    """Returns the colour on a dark page for a colour of a figure, both as `#rrggbb`.
+
+    Greys are inverted between `PAPER` and `INK`. Other colours keep their hue and saturation, and
+    are at least so light that they can be seen on `PAPER`.
+    """
     red, green, blue = (int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5))
     hue, lightness, saturation = colorsys.rgb_to_hls(red, green, blue)
     if max(red, green, blue) - min(red, green, blue) < 0.05:  # grey
         darkness = 1.0 - lightness
-        ends = zip(PAPER, (228, 231, 235), strict=True)
+        ends = zip(PAPER, (228, 231, 235), strict=True)  # the latter are the parts of `INK`
         return "#" + "".join(
             f"{round(dark + (light - dark) * darkness):02x}" for dark, light in ends
         )
@@ -227,5 +231,8 @@ def _unwrap_groups(node: ET.Element) -> None:
 
 
 def _rounded(number: re.Match[str]) -> str:
-    """Returns the text of a number with `DECIMALS` decimals."""
+    """Returns a number as text with at most `DECIMALS` decimals.
+
+    number: match of its text in a coordinate.
+    """
     return f"{round(float(number[0]), DECIMALS):g}"

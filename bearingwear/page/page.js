@@ -33,8 +33,8 @@ for (const table of document.querySelectorAll("table.sortable")) {
 }
 
 // As page/charts.py draws them: margins, axes, ticks.
-const LEFT = 56, RIGHT = 14, TOP = 10, BOTTOM = 40, LANE = 9;
-const digits = (value, count = 3) => String(+value.toPrecision(count));
+const LEFT = 56, RIGHT = 14, TOP = 24, BOTTOM = 40, LANE = 9;
+const digits = (value) => String(+value.toPrecision(3));
 
 function ticksOf(low, high, log) {
   const ticks = [];
@@ -132,8 +132,6 @@ class Chart {
     this.drawGrid();
     this.svg.querySelector("text.x").setAttribute("x", LEFT + this.width / 2);
     this.svg.querySelector("text.x").setAttribute("y", tall - 6);
-    const middle = `translate(13 ${TOP + this.height / 2}) rotate(-90)`;
-    this.svg.querySelector("text.y").setAttribute("transform", middle);
     this.show(this.x);
   }
 
@@ -180,7 +178,7 @@ class Chart {
         [point, note] = [line.points[nearest], line.notes[nearest]];
       }
       const units = this.data.units;
-      const value = point && point[1] !== null ? digits(point[1], line.digits) + units[1] : "–";
+      const value = point && point[1] !== null ? digits(point[1]) + units[1] : "–";
       const place = point && (x === null ? this.data.places : Math.abs(point[0] / x - 1) > 1e-6);
       label.textContent = value + (place ? ` at ${+point[0].toPrecision(4)}${units[0]}` : "");
       const end = point && line.ends[line.points.findIndex(([at]) => at === point[0])];
@@ -247,7 +245,7 @@ const sliders = [...document.querySelectorAll(".slider")].map((box) => {
   function stand(x) {
     const recommended = stars.some((star) => star[0] === x) ? " (recommended)" : "";
     const at = x === null ? "the recommended preloads; move the slider for other preloads" : `${+x.toPrecision(4)}${first.data.units[0]}${recommended}`;
-    output.textContent = `Values at ${at}`;
+    output.textContent = x === null && !stars.length ? "Move the slider for values" : `Values at ${at}`;
     input.setAttribute("aria-valuetext", output.textContent);
     if (x !== null) input.value = stops.indexOf(x);
   }
@@ -256,6 +254,7 @@ const sliders = [...document.querySelectorAll(".slider")].map((box) => {
   input.value = Math.max(0, stops.indexOf(stars.length ? stars[0][0] : stops[0]));
   input.addEventListener("input", () => pick(group, stops[input.value]));
   back.addEventListener("click", () => pick(group, null));
+  back.hidden = !stars.length;
   box.hidden = false;
   stand(null);
   return { group, stand };

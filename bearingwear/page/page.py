@@ -47,6 +47,16 @@ GLOSSARY = {
     "whose force remains constant as parts wear, or by a spacer, with which the preload decreases "
     "as parts wear. With a spring, only one bearing of the arrangement supports the rotor axially.",
     "residual preload": "The axial force that remains at speed and after wear.",
+    "spacer offset": "How much closer the rings of the two bearings come when the preload is "
+    "applied, unworn and at rest: the sum over both bearings. The spacers are ground to differ in "
+    "length by this amount.",
+    "dynamic, quasi-static stiffness": "Force per unit displacement. In the dynamic case, as in "
+    "vibration, spin axes and friction do not change; in the quasi-static case, as under a slowly "
+    "varying force, they adapt. A required stiffness applies to both.",
+    "K_s/H": "Wear coefficient over hardness (m²/N). All lives are inversely proportional to it.",
+    "batch": "Bearings of a batch share one wear coefficient and lubrication. Scatter within a "
+    "batch is what differs from bearing to bearing; the uncertainty of the batch is what is common "
+    "to all and not known in advance.",
     "gyroscopic slip share": "The share of a ball's sliding that is perpendicular to its "
     "rolling direction and driven by the gyroscopic moment.",
     "requirement": "A condition that the bearing or machine must meet from new to the end of life, "
@@ -161,7 +171,7 @@ def page(
     section_of = _sections(section_datasets)
     inputs = [section.scene for section in section_of.values()]
     inputs = inputs or [plain_scene(dataset) for dataset in datasets]
-    assumed = _assumed_keys_with_descriptions(inputs, scenes)
+    assumed = _assumed_keys_with_file_contents(inputs, scenes)
     figures = list(drawings([*section_files, *answer_files]))
     page_answers = _page_answers(answer_files, figures)
     shown_in_answers = {figure.path for answer in page_answers for figure in answer.figures}
@@ -205,10 +215,12 @@ def page(
     )
 
 
-def _assumed_keys_with_descriptions(
+def _assumed_keys_with_file_contents(
     scenes: Sequence[dict[str, Any]], files: Iterable[Path]
 ) -> set[str]:
-    """Copies the descriptions of scene files into scenes; returns the keys assumed in all files.
+    """Copies what studies do not store from scene files; returns the keys assumed in all files.
+
+    That is the description, which may have changed, and the friction, which a study varies.
 
     scenes: changed in place; the file of each is found by its name.
     """
@@ -222,6 +234,8 @@ def _assumed_keys_with_descriptions(
             file, content = files_and_contents[scene["name"]]
             if description := " ".join(content.get("description", "").split()):
                 scene["description"] = description
+            if (mu := content.get("friction", {}).get("ball_race")) is not None:
+                scene["friction"].setdefault("ball_race", mu)
             assumed.append(assumed_keys(file))
     return set.intersection(*assumed) if len(assumed) == len(scenes) > 0 else set()
 

@@ -119,6 +119,7 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
         second = (arrangement.get("second") or {}).get("bearing") or {}
         sections.append(section_of(scene["bearing"] | second))
     layout = _layout(sections, is_back_to_back)
+    # the second bearing of a pair is the mirror image of the first; a single one has no second
     parts = [
         f'<g transform="translate({x:.1f} {layout.y(0.0):.1f}) '
         f'scale({direction * layout.scale:.4g} {-layout.scale:.4g})">{_rings(section)}</g>'
@@ -147,7 +148,7 @@ def _layout(sections: Sequence[BearingSection], is_back_to_back: bool) -> _Layou
     The ball of the first bearing determines the scale.
     """
     is_pair = len(sections) > 1
-    scale = _BALL[is_pair] / sections[0].ball
+    scale = _BALL[is_pair] / sections[0].ball  # the first for a bearing, the second for a pair
     ring_width = _RING * max(section.ball for section in sections) * scale
     distance = (1.0 + _GAP) * ring_width if is_pair else 0.0
     centres = [_MARGIN + 0.5 * ring_width + k * distance for k in range(len(sections))]
@@ -159,12 +160,12 @@ def _layout(sections: Sequence[BearingSection], is_back_to_back: bool) -> _Layou
         outer_radius=outer_radius,
         centres=centres if is_back_to_back else centres[::-1],
         width=2.0 * _MARGIN + ring_width + distance,
-        height=_TOP + (outer_radius - inner_radius) * scale + 96.0,
+        height=_TOP + (outer_radius - inner_radius) * scale + 96.0,  # of the texts below [px]
     )
 
 
 def _rings(section: BearingSection) -> str:
-    """Returns paths of both rings, the ball and its line of contact [mm]."""
+    """Returns SVG paths of both rings, the ball and its line of contact [mm], as in the section."""
     x, z = section.normal
     middle = 0.5 * section.pitch
     reach = 0.95 * section.ball
@@ -178,7 +179,7 @@ def _rings(section: BearingSection) -> str:
 
 
 def _ring(section: BearingSection, ring: RingSection) -> str:
-    """Returns the path of a ring with its groove [mm].
+    """Returns the SVG path of a ring with its groove [mm].
 
     The inner ring is loaded at -x, the outer one at +x.
     """
@@ -204,7 +205,9 @@ def _ring(section: BearingSection, ring: RingSection) -> str:
 def _preload(
     section: BearingSection, layout: _Layout, has_spring: bool, is_back_to_back: bool
 ) -> str:
-    """Returns the spring or spacer that maintains the preload, and arrows where this acts.
+    """Returns SVG of the spring or spacer that maintains the preload, and of arrows where it acts.
+
+    Beside a single bearing stands a wall as well. Distances from the rings are in pixels.
 
     section: of the first bearing.
     """
@@ -239,7 +242,7 @@ def _ring_y(section: BearingSection, layout: _Layout, ring: RingSection) -> floa
 
 
 def _spacer(left: float, right: float, y: float) -> str:
-    """Returns a spacer between two abscissae [px]."""
+    """Returns SVG of a spacer between two abscissae, with its axis at the ordinate y [px]."""
     return (
         f'<rect class="spacer" x="{left:.1f}" y="{y - 9:.1f}" width="{right - left:.1f}" '
         f'height="18"/>'
@@ -247,7 +250,7 @@ def _spacer(left: float, right: float, y: float) -> str:
 
 
 def _spring(left: float, right: float, y: float) -> str:
-    """Returns a spring between two abscissae [px]."""
+    """Returns SVG of a spring between two abscissae, with its axis at the ordinate y [px]."""
     turns = 6
     step = (right - left) / (2 * turns)
     zigzag = "".join(f"l{step:.2f} {-18 if k % 2 else 18}" for k in range(2 * turns - 1))
@@ -256,7 +259,7 @@ def _spring(left: float, right: float, y: float) -> str:
 
 
 def _arrow(start: float, end: float, y: float) -> str:
-    """Returns an arrow along the axis, between two abscissae [px]."""
+    """Returns SVG of an arrow from `start` to `end`, two abscissae, at the ordinate y [px]."""
     head = math.copysign(7.0, end - start)
     return (
         f'<path class="load" d="M{start:.1f} {y:.1f}H{end:.1f}'
@@ -265,7 +268,10 @@ def _arrow(start: float, end: float, y: float) -> str:
 
 
 def _dimensions(section: BearingSection, layout: _Layout) -> str:
-    """Returns the dimensions of the first bearing as text, and a bar of a round length [mm]."""
+    """Returns SVG of the dimensions of the first bearing as text, and of a bar as a scale.
+
+    The bar is the longest of 1, 2 or 5 times a power of ten [mm] that fits into the margin.
+    """
     ball = section.ball
     inner_factor, outer_factor = section.inner.groove / ball, section.outer.groove / ball
     lines = [

@@ -79,9 +79,12 @@ class HouseFigure(Figure):
 def new_figure(
     rows: int, columns: int, width: float, height: float, **kwargs: Any
 ) -> tuple[Figure, np.ndarray]:
-    """Returns a figure and its panels (rows, columns) in the style of the package.
+    """Returns a figure and its panels, an array (rows, columns), in the style of the package.
+
+    It sets the `rcParams` of Matplotlib to its defaults and this style, and leaves them so.
 
     width, height: of the figure [in].
+    **kwargs: of `Figure.subplots`.
     """
     matplotlib.rcdefaults()
     matplotlib.style.use(STYLE)
@@ -102,8 +105,10 @@ DATA_SEPARATOR = "; "
 def save(figure: Figure, paths: Iterable[str | Path]) -> None:
     """Writes a figure in the format of each suffix, without a time stamp.
 
-    An SVG contains the message of the figure as `title`, and its labels as `description`.
-    OutputError: also for a suffix without a format, before anything is written.
+    An SVG contains the message of the figure as `title`, and its labels as `description`. The
+    figure itself changes: logarithmic axes get plain labels, and its layout is fixed.
+
+    OutputError: a file cannot be written, or a suffix has no format; then nothing is written.
     """
     suffixes = {path: path.suffix.lower() for path in map(Path, paths)}
     for path, suffix in suffixes.items():
@@ -122,7 +127,7 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
 
 
 def _set_plain_log_labels(figure: Figure) -> None:
-    """Labels logarithmic axes with plain numbers.
+    """Labels the major ticks of logarithmic axes with plain numbers, and minor ticks with none.
 
     Matplotlib's own labels require mathtext, which the style switches off, since figures contain
     names from scenes.
@@ -168,8 +173,8 @@ def mark_failed(
 
     where: abscissa of each case.
     status: of each case; all but `OK` are unsolved.
-    slot: row of the crosses from the foot, one for each line of the panel, so that they do not
-        hide each other.
+    slot: row of the crosses, 0 at the foot; each line of the panel has its own, so that crosses do
+        not hide each other.
     """
     failed = where.values[status.values != OK]
     if failed.size:
@@ -180,7 +185,10 @@ def mark_failed(
 
 
 def list_failed(axes: Any, names: list[str]) -> None:
-    """Writes into a corner of a panel the names of the lines that were not solved."""
+    """Writes the names of the lines that were not solved into the upper left corner of a panel.
+
+    Without names, it writes nothing.
+    """
     if names:
         text = "\n".join(["not solved:", *names])
         axes.text(0.02, 0.98, text, transform=axes.transAxes, color="crimson", va="top")
@@ -208,12 +216,15 @@ def race_keys() -> list[Line2D]:
 
 
 def dashes(frictions: Iterable[float]) -> dict[float, str]:
-    """Returns a line style for each friction coefficient; they repeat after four."""
+    """Returns a line style of Matplotlib by friction coefficient; styles repeat after four."""
     return {mu: DASHES[k % len(DASHES)] for k, mu in enumerate(frictions)}
 
 
 def dash_keys(styles: dict[float, str]) -> list[Line2D]:
-    """Returns a legend entry for each friction coefficient, whose line styles are given."""
+    """Returns a legend entry for each friction coefficient.
+
+    styles: line style by friction coefficient, as from `dashes`.
+    """
     return [key(friction_text(mu), color="0.3", linestyle=dash) for mu, dash in styles.items()]
 
 
@@ -227,6 +238,8 @@ def draw_lines(
     **look: Any,
 ) -> bool:
     """Draws a quantity over an axis: a colour for each preload method, a line style for each race.
+
+    It also sets the labels of the axes.
 
     values: over `axis` and, optionally, `preload_method` and `race`.
     axis: dimension along the abscissa, a key of `ABSCISSAE`.
@@ -272,14 +285,15 @@ def series_look(k: int) -> dict[str, Any]:
 
 
 def failed_keys(any_failed: bool) -> list[Line2D]:
-    """Returns the legend entry of the crosses of unsolved cases; none if no case failed."""
+    """Returns the legend entry of the crosses of unsolved cases in a list; empty if none failed."""
     return [key("not solved", color="0.3", **FAILED)] if any_failed else []
 
 
 def frame(figure: Figure, title: str, handles: Sequence[Artist], columns: int) -> None:
     """Sets the title above and the legend below the panels.
 
-    columns: of the legend.
+    handles: entries of the legend; without any, there is none.
+    columns: number of columns of the legend.
     """
     width = int(CHARACTERS_PER_INCH * figure.get_figwidth())
     figure.suptitle("\n".join(lines_of_a_title(title, width)), gid=MESSAGE)
@@ -307,14 +321,18 @@ def lines_of_a_title(title: str, width: int) -> list[str]:
 
 
 def start_at_zero(axes: Any) -> None:
-    """Sets the lower end of the ordinate to zero, and leaves space above the marks."""
+    """Sets the lower end of the ordinate to zero, and leaves space above the marks.
+
+    Without positive values, the upper end is 1.
+    """
     top = axes.get_ylim()[1]
     axes.set_ylim(0.0, HEADROOM * top if top > 0.0 else 1.0)
 
 
 def power_of_ten(values: Sequence[xr.DataArray]) -> int:
-    """Returns a power of ten, a multiple of three, over which the largest magnitude is 1 to 1000.
+    """Returns the exponent of a power of ten, over which the largest magnitude is 1 to below 1000.
 
+    The exponent is a multiple of three.
     It is 0 if all values are 0 or NaN.
     """
     largest = max((float(abs(v).max()) for v in values if v.notnull().any()), default=0.0)

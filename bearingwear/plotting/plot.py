@@ -40,6 +40,9 @@ def plot(
 ) -> None:
     """Draws a result file into files whose suffixes determine their formats.
 
+    CaseFileError: as of `figure_of`, or the file cannot be read. OutputError: an output cannot be
+    written, or its suffix has no format.
+
     figures, bearing: as for `figure_of`.
     """
     save(figure_of(load(path), path, figures, bearing), outputs)

@@ -95,7 +95,12 @@ def common_attributes() -> dict[str, Any]:
 
 
 def contents_of(result: Result) -> Contents:
-    """Returns the contents of the file of a result, variables in the order of the table."""
+    """Returns the contents of the file of a result, variables in the order of the table.
+
+    Variables that every file contains and the result lacks have missing values.
+
+    KeyError: a value that is in no table of variables. ValueError: one of another shape.
+    """
     values, scene = result.values, result.scene
     is_life = "end_criterion" in values
     table = _variable_table(is_life, is_pair(scene))
@@ -137,7 +142,10 @@ def _with_phase_names(layout: Layout, names: str) -> Layout:
 def stacked_contents(results: Sequence[Result], dim: str) -> Contents:
     """Returns the contents of results of the same shapes, stacked along a new first dimension.
 
-    dim: name of that dimension. Attributes and missing variables are those of the first result.
+    Attributes and missing variables are those of the first result.
+
+    results: at least one, all with values of the same names, shapes and model.
+    dim: name of that dimension.
     """
     layout, data, attrs = contents_of(results[0])
     values = results[0].values
@@ -227,6 +235,8 @@ def _coordinates(
 ) -> dict[str, Entry]:
     """Returns the coordinates of the dimensions that are used; these never have missing values.
 
+    ValueError: a coordinate that is no index, such as a time, and has no value in the result.
+
     shape_of: shapes of the values of a result, by name.
     sizes: of all dimensions.
     """
@@ -236,7 +246,7 @@ def _coordinates(
         if dim not in used_dims:
             continue
         data = None
-        if variable is STRIP_POSITION:
+        if variable is STRIP_POSITION:  # centres of equal strips, from -1 to 1
             data = (2.0 * np.arange(sizes[dim]) + 1.0) / sizes[dim] - 1.0
         elif variable.dtype[0] == "i":
             data = np.arange(sizes[dim], dtype=variable.dtype)

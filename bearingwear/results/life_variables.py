@@ -67,9 +67,9 @@ DUTY = table(
     Variable("palmgren_miner_life", (), "h", "life that the linear rule of Palmgren and Miner "
         "gives from the lives of the phases, 1/L = sum of share of time over phase_life",
         scale=HOURS_PER_SECOND, comment="without starts and stops",
-        label="Palmgren and Miner"),
+        label="Palmgren and Miner would promise"),
     Variable("palmgren_miner_error", (), "1", "palmgren_miner_life over life, minus 1",
-        label="Palmgren and Miner, relative to the life", shown="%"),
+        shown="%"),
     Variable("ramp_error_estimate", (), "1", "estimated relative error of the mean wear rate from "
         "the few speeds at which starts and stops are solved",
         label="error of the starts and stops",

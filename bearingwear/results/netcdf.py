@@ -62,7 +62,7 @@ class CaseFileError(ValueError):
 def write_result(result: Result, path: str | os.PathLike[str]) -> None:
     """Writes a case or life file; the same result gives the same bytes.
 
-    The file appears under its name only when it is complete.
+    The file appears under its name only when it is complete. OutputError: it cannot be written.
     """
     import netCDF4
 
@@ -194,7 +194,7 @@ def _template(contents: Contents, by_name: bool) -> xr.Dataset:
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Reads a result file into memory and closes it.
+    """Reads a result file into memory and closes it; flags are codes, and missing values NaN.
 
     CaseFileError: missing, empty, truncated, or not one of this package's files.
     """
@@ -233,7 +233,11 @@ def header(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def open_result(path: str | os.PathLike[str]) -> Iterator[Any]:
-    """Opens a result file for reading; any fault in it becomes a CaseFileError of one line."""
+    """Yields a result file that is open for reading (`netCDF4.Dataset`); the file is then closed.
+
+    Any fault in the file, and in what the `with` block reads from it, becomes a CaseFileError of
+    one line. Until the block ends, `NETCDF_LOCK` is held.
+    """
     import netCDF4
 
     check_readable(path)
@@ -249,7 +253,10 @@ def open_result(path: str | os.PathLike[str]) -> Iterator[Any]:
 
 
 def check_readable(path: str | os.PathLike[str]) -> None:
-    """Refuses a file that is not netCDF, with a better reason than the libraries give."""
+    """Raises CaseFileError, with a likely reason, for a file that cannot be read or is not netCDF.
+
+    Its contents are not read: a file that only begins like netCDF passes.
+    """
     name = os.fspath(path)
     try:
         with open(path, "rb") as file:
@@ -271,8 +278,9 @@ def check_readable(path: str | os.PathLike[str]) -> None:
 
 @contextlib.contextmanager
 def json_faults(path: str | os.PathLike[str], expected: str) -> Iterator[None]:
-    """Is a context that turns any fault in reading a JSON file into a CaseFileError of one line.
+    """Turns any fault of reading a JSON file in a `with` block into a CaseFileError of one line.
 
+    path: of the file, for the message; the block opens it.
     expected: words for the content that the file should have.
     """
     try:

@@ -14,7 +14,7 @@ import numpy as np
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import plain
 from bearingwear.results.netcdf import CaseFileError, header, load_kind
-from bearingwear.results.units import Interval, Rough, key_in_words
+from bearingwear.results.units import Interval, Rough, digits, key_in_words
 from bearingwear.results.words import methods, plain_scene
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.coefficients import NINETY, usual_spread
@@ -111,7 +111,10 @@ class Spread(NamedTuple):
 
     @property
     def rows(self) -> dict[str, Interval | float | str]:
-        """Returns the intervals and quantiles by the labels of their rows in a sheet or table."""
+        """Returns the intervals and quantiles [h] by the labels of their rows in a sheet or table.
+
+        `none` stands for the interval of a cause that the scene does not have.
+        """
         return {
             BEARINGS_BETWEEN: self.bearings,
             WITHIN_BATCH: self.scatter or "none",
@@ -123,9 +126,9 @@ class Spread(NamedTuple):
 def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None, str]:
     """Returns the interval with the lives of 90 % of bearings if only wear is uncertain.
 
-    The life is proportional to 1/K_s. The interval is None unless all distributions of wear are
-    lognormal about the value of the scene. The text states which distributions were assumed; it is
-    empty if the scene has some.
+    The life is proportional to 1/K_s. The interval is None unless the life is above 0 and all
+    distributions of wear are lognormal about the value of the scene. The text states which
+    distributions were assumed; it is empty if the scene has some, or without an interval.
 
     scene: plain data. Without distributions, those of the table of coefficients apply.
     life: in any unit, which is that of the interval.
@@ -144,10 +147,16 @@ def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None
 
 
 def hours_in_words(scene: Mapping[str, Any], life_h: float) -> str:
-    """Returns a life with its interval: `0.66 h (0.11 to 4 h if only wear is uncertain)`."""
+    """Returns a life with its interval: `0.658 h (0.11 to 4 h if only wear is uncertain)`.
+
+    The interval, of `band_by_wear`, is left out where there is none.
+
+    scene: plain data.
+    life_h: [h].
+    """
     band, _ = band_by_wear(scene, life_h)
     interval = f" ({band.text} h if only wear is uncertain)" if band else ""
-    return f"{Rough(life_h).text} h{interval}"
+    return f"{digits(life_h)} h{interval}"
 
 
 def spread_text(spread: Spread | None) -> str:
@@ -156,7 +165,10 @@ def spread_text(spread: Spread | None) -> str:
 
 
 def load_quantiles(path: str | Path) -> list[xr.Dataset]:
-    """Reads a file of the study of uncertainty; returns a dataset for each friction coefficient."""
+    """Reads a file of the study of uncertainty; returns a dataset for each friction coefficient.
+
+    CaseFileError: the file cannot be read, or is of another kind or of an earlier version.
+    """
     dataset = load_kind(path, KIND)
     has_inputs = dataset.sizes.get(UNCERTAIN_INPUTS) == len(SAMPLED_INPUTS)
     if not has_inputs or PRELOAD_CHOICE not in dataset.dims:
@@ -229,7 +241,8 @@ def spread_of(
 def causes_sentence(scene: Mapping[str, Any]) -> str:
     """Returns sentences that name the uncertain values of a scene by the spread that they cause.
 
-    They are the scatter of the bearings of a batch, and the uncertainty of the batch.
+    They are the scatter of the bearings of a batch, and the uncertainty of the batch. The text is
+    empty if no value is uncertain.
 
     scene: plain data.
     """
@@ -274,6 +287,7 @@ def _decisive_scene(
     blocks = {
         key: block for key, block in decisive_data(scene).items() if key not in ("name", "model")
     }
+    # the scene in a file of a study lacks the loss, which the study varies
     blocks["wear"] = {"ball_diameter_loss_um": 0.0} | scene["wear"]
     return with_changes(blocks, changes)
 
@@ -309,7 +323,8 @@ def spread_at(uncertainty: xr.Dataset) -> Spread | None:
 def _error_texts(uncertainty: xr.Dataset, probabilities: Mapping[str, float]) -> dict[str, str]:
     """Returns the confidence intervals of the ends of the intervals, and of some quantiles.
 
-    The keys are the labels of `Spread.rows`.
+    The keys are the labels of `Spread.rows`. The text of an interval has a confidence interval for
+    each of its ends.
 
     probabilities: of the quantiles that scatter alone makes, by their labels.
     """
@@ -333,7 +348,10 @@ def interval_of(uncertainty: xr.Dataset, inputs: int) -> Interval:
 
 
 def _failure_counts(uncertainty: xr.Dataset) -> dict[str, int]:
-    """Returns the number of sampled lives that could not be computed, by status in words."""
+    """Returns the number of sampled lives that could not be computed, by status in words.
+
+    Statuses without a life are left out, so the dict is empty if all could be computed.
+    """
     names = uncertainty["life_status"].attrs["flag_meanings"].split()
     counts = dict(zip(names, uncertainty["status_count"].values.tolist(), strict=True))
     return {
@@ -376,7 +394,10 @@ def quantities_of(uncertainty: xr.Dataset) -> list[str]:
 
 
 def available_preload_choice(uncertainty: xr.Dataset) -> int:
-    """Returns `RECOMMENDED` if a file has a recommended preload, else `GIVEN`."""
+    """Returns `RECOMMENDED` if there is a recommended preload, else `GIVEN`.
+
+    uncertainty: contents of a file at one preload method.
+    """
     if RECOMMENDED not in uncertainty["preload_choice"]:
         return GIVEN
     recommended = uncertainty["preload"].sel(preload_choice=RECOMMENDED)

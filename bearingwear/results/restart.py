@@ -46,7 +46,9 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
 
 
 def _check_can_continue(name: str, file: Any) -> None:
-    """Refuses an open file that is no dynamic case, or not solved, or by another version.
+    """Raises CaseFileError for an open file that is no dynamic case, or one without a solution.
+
+    Also for one that another version of the solver has solved.
 
     name: of the file.
     """

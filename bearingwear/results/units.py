@@ -119,9 +119,9 @@ def digits(value: float, unit: str = "") -> str:
 
 
 def scale_of(unit: str) -> tuple[str, float]:
-    """Returns the unit of files for a unit of the display, and the factor from the former.
+    """Returns the unit of files for a unit of the display, and the factor from the former to it.
 
-    A unit that is not in `SCALES` is that of files, too.
+    A unit that is not in `SCALES` is that of files, too, with the factor 1.
     """
     for file_unit, scales in SCALES.items():
         for scale in scales:
@@ -148,7 +148,7 @@ class Percent(float):
 
     @property
     def text(self) -> str:
-        """Returns the number with three digits and its sign."""
+        """Returns the number with three digits and its sign; tiny ones, as `< 0.001`, have none."""
         text = digits(self, "%")
         return text if self < 0.0 or text.startswith("<") else f"+{text}"
 
@@ -182,8 +182,8 @@ class Estimated(float):
     def of(cls, value: float, error: float) -> Estimated:
         """Returns a number with its error.
 
-        The error is at least the share `RESOLVED` of the number. One that is 0 or NaN is not known,
-        and is stored as NaN.
+        The stored error is at least the share `RESOLVED` of the number. An error of 0 or NaN means
+        that it is not known, and is stored as NaN.
         """
         number = cls(value)
         number.error = max(error, RESOLVED * abs(value)) if error > 0.0 else math.nan
@@ -251,6 +251,7 @@ KEY_UNITS = {
     "_W": "W",
     "_C": "°C",
     "_g": "g",
+    "_s": "s",
 }
 """Units at the ends of the keys of scenes and limits."""
 

@@ -111,7 +111,9 @@ case, or all balls. Other variables are represented by their mean."""
 
 
 def of_all_balls(name: str, values: Any, balls: int | str) -> Any:
-    """Returns the values of a variable with one for all balls: the mean or, in `EXTREMES`, that.
+    """Returns the values of a variable reduced over the balls, whose dimension they lose.
+
+    They are the mean of the balls or, for a variable in `EXTREMES`, their minimum or maximum.
 
     name: of the variable.
     values: NumPy array or `xarray.DataArray`.

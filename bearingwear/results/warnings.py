@@ -24,7 +24,8 @@ def warnings_in(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
 def merged_warnings(attributes: Iterable[Mapping[str, Any]]) -> str:
     """Returns the attribute `warnings` of a file of many results, as JSON.
 
-    It has the worst warning of each id, with the number of results that have one.
+    It has the warning of the largest excess of each id, with the number of cases that have one. An
+    excess of None counts as 0, and among equal ones the first warning is kept.
 
     attributes: of each result.
     """

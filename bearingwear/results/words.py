@@ -30,7 +30,8 @@ def methods(dataset: _Data) -> list[tuple[str, _Data]]:
 def datasets_by_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
     """Returns the datasets of the bearings of a pair, by `first` and `second`.
 
-    There is one dataset, with the key None, for a single bearing and for two with equal values.
+    There is one dataset, with the key None, for a single bearing and for two with equal values. Two
+    that differ have the bearing in the name of their scene: `NAME, first bearing`.
     """
     if OF_BEARING not in dataset.dims:
         return {None: dataset}

@@ -148,6 +148,8 @@ def accuracy_preset(accuracy: str | float) -> AccuracyPreset:
     """Returns the preset of a name, or the cheapest one that is meant for a target error.
 
     For an error below that of all presets, it is the most accurate one.
+
+    accuracy: a key of `NAMED_PRESETS`, or the relative error of total QV.
     """
     if isinstance(accuracy, str):
         return NAMED_PRESETS[accuracy]
@@ -265,7 +267,7 @@ MOST_HISTORY_POINTS = 1_000_000
 
 
 def check_model(scene: Scene) -> None:
-    """Refuses settings of the block `model` that contradict each other or the scene."""
+    """Refuses settings of `model` that contradict each other or the scene, and long histories."""
     if scene.model.cage_results and scene.cage is None:
         raise SceneError("model.cage_results", "got true; only allowed with a cage", ("cage",))
     turns, averaged = scene.model.simulated_turns, scene.model.evaluated_turns

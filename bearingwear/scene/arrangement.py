@@ -94,7 +94,11 @@ class Arrangement:
     # fmt: on
 
     def __post_init__(self) -> None:
-        """Refuses keys of `second` that both bearings share, and those of another kind."""
+        """Makes `second` a read-only mapping by whole keys, and refuses keys that it may not have.
+
+        These are keys that both bearings share; and, in all of the block, those that only another
+        kind of arrangement has.
+        """
         values_by_key = flat_keys(self.second)
         for key, value in values_by_key.items():
             if not _may_differ(key):
@@ -123,7 +127,10 @@ class Arrangement:
 
     @property
     def is_symmetric(self) -> bool:
-        """Whether two equal bearings carry nothing but the preload, so that one stands for both."""
+        """Whether two equal bearings carry nothing but the preload, so that one stands for both.
+
+        It says so of a pair; the value for a single bearing has no meaning.
+        """
         has_constant_force = self.kind == "rigid_pair" or self.spring_stiffness_N_um == 0.0
         has_tandem = max(self.tandem) > 1
         has_external_force = self.external_axial_N != 0.0
@@ -143,6 +150,7 @@ def _may_differ(key: str) -> bool:
 def set_preload_ratio(tandem: Sequence[int]) -> float:
     """Returns the preload of a side of a rigid set over that of a rigid pair of its bearings [1].
 
+    It is (2 / (n^(-2/3) + m^(-2/3)))^(3/2) for n and m bearings on the sides.
     Makers grind a bearing for the preload of a pair, so the two sides of a set share the offset of
     a pair's faces. At rest and at a constant contact angle, Hertz' law gives the ratio; for 2 and 1
     bearings it is 1.36, and makers print 1.35 or 1.36.
@@ -154,7 +162,7 @@ def set_preload_ratio(tandem: Sequence[int]) -> float:
 
 
 def flat_keys(block: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the values of nested blocks by keys such as `wear.counts`, with lists as tuples."""
+    """Returns the values of nested blocks by dotted keys such as `wear.counts`; lists as tuples."""
     return {
         key: tuple(value) if isinstance(value, list) else value
         for key, value in leaves(block).items()
@@ -200,7 +208,10 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
 
 
 def _single_bearings(scene: Scene, arrangement: Arrangement) -> list[Scene]:
-    """Returns a scene of a single bearing for each side, without the differences of the second."""
+    """Returns a scene of a single bearing for each side, without the differences of the second.
+
+    The list has two scenes, which are one object if both sides have as many bearings.
+    """
     single = replace(
         arrangement,
         kind="single",
@@ -247,6 +258,8 @@ def with_method(
     scene: Scene, method: str, preload_N: float | None = None, **operation: float
 ) -> Scene:
     """Returns the scene with another preload method; a pair gets the kind of that method.
+
+    A rigid pair has no stiffness of a spring.
 
     preload_N: by default that of the scene.
     **operation: further keys of the block `operation` and their new values.

@@ -166,7 +166,7 @@ class Operation:
 
     @property
     def fastest_rpm(self) -> float:
-        """Returns the speed of the faster race [r/min]."""
+        """Returns the speed of the faster race [r/min], without its sign."""
         return max(abs(self.shaft_speed_rpm), abs(self.outer_speed_rpm))
 
     @property
@@ -204,7 +204,7 @@ class EndOfLife(_CRITERIA):
 
     @functools.cached_property
     def criteria(self) -> dict[str, float]:
-        """Returns the given criteria and their values."""
+        """Returns the values of the criteria that are given, by their keys and in their units."""
         values = {name: getattr(self, name) for name in ENDS}
         return {name: value for name, value in values.items() if value is not None}
 

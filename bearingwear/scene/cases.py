@@ -31,7 +31,12 @@ SHARED_BY_CASES = (
 
 
 def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[str, Any]]:
-    """Checks cases and returns them by name, each with whole keys, `temperature.inner_ring_C`."""
+    """Returns cases by name, each with its values by whole keys such as `temperature.balls_C`.
+
+    SceneError: a name that is not allowed, or a key that all cases share.
+
+    cases: changes of the scene by the name of the case, with nested blocks or whole keys.
+    """
     checked = {}
     for name, changes in cases.items():
         if name == NOMINAL or not re.fullmatch(NAME, name):
@@ -65,9 +70,10 @@ def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
 
 
 def cases_that_wear(scene: Scene) -> dict[str, Scene]:
-    """Returns by name the cases in which a race turns, so that it wears; all cases if none turns.
+    """Returns by name the cases in which one race turns against the other; all if none does.
 
-    A duty has a single life over all its phases: that of the scene itself.
+    Only these wear. With a duty, the scene itself is the only one, because a duty has a single life
+    over all its phases.
     """
     if scene.duty is not None:
         return {NOMINAL: scene}

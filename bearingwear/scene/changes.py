@@ -91,7 +91,10 @@ def joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str
 def error_of_change(
     error: SceneError, data: Mapping[str, Any], changes: Sequence[str]
 ) -> SceneError:
-    """Returns the error with the key of the change that caused it as its source, if one did.
+    """Returns the error with the change that caused it, such as `--set KEY`, as its source.
+
+    It returns the error unchanged if no change caused it. A change is the cause if it, or a block
+    that it creates, holds the key at fault or one that contradicts it.
 
     data: of the scene without the changes.
     changes: their keys.

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def reads_cage(data: Mapping[str, Any]) -> bool:
-    """Whether a scene, as plain data, asks for the motion or the wear of its cage."""
+    """Whether a scene, as plain data, asks for results of its cage, or for the dynamic model."""
     model = data.get("model") or {}
     return bool(model.get("cage_results")) or model.get("fidelity") == "dynamic"
 

@@ -15,7 +15,8 @@ from bearingwear.scene.uncertain import friction_correlation, uncertain_key
 def possible_range(key: str) -> tuple[float, float]:
     """Returns the least and largest value that a key of a scene takes.
 
-    (0, inf) for `wear_scatter`, which is no key of a scene.
+    An end without a bound is infinite. The range of `wear_scatter`, which is no key of a scene, is
+    (0, inf).
     """
     key_field = key_of_scene(key)
     return (0.0, np.inf) if key_field is None else key_field.key.ends
@@ -26,8 +27,10 @@ def quantile(
 ) -> np.ndarray:
     """Returns the quantiles of a truncated distribution, one for each probability.
 
-    nominal: mean or median where the distribution does not state it.
-    ends: least and largest value, at which the distribution is truncated.
+    nominal: mean or median where the distribution does not state it, in its unit.
+    ends: least and largest value, at which the distribution is truncated; infinite without one,
+        but for a lognormal distribution the least is at least 0.
+    probability: from 0 to 1, of any shape.
     """
     if distribution.distribution == "uniform":
         assert distribution.low is not None and distribution.high is not None
@@ -70,5 +73,6 @@ def sampled_values(scene: Scene, names: Sequence[str], probability: np.ndarray) 
         wear_deviate = deviates @ (correlation, math.sqrt(1.0 - correlation * correlation))
         probability = probability.copy()
         probability[:, wear_column] = ndtr(wear_deviate)
+    # without names, `probability` already has the shape (samples, 0) of the sample
     columns = [value_quantiles(scene, name, probability[:, k]) for k, name in enumerate(names)]
     return np.stack(columns, axis=-1) if columns else probability

@@ -49,7 +49,7 @@ class Duty:
     # fmt: on
 
     def __post_init__(self) -> None:
-        """Refuses a phase without hours and starts, and a cycle that takes no time."""
+        """Makes `phases` read-only; refuses one without hours and starts, or a cycle of no time."""
         object.__setattr__(self, "phases", MappingProxyType(dict(self.phases)))
         for name, phase in self.phases.items():
             if not phase.hours > 0.0 and not phase.starts > 0.0:
@@ -107,7 +107,7 @@ class Duty:
 
 
 def check_duty(scene: Scene) -> None:
-    """Refuses a duty whose phases name no case."""
+    """Refuses a duty with a phase whose case the scene lacks."""
     duty, cases = scene.duty, scene.cases or {}
     if duty is None:
         return

@@ -133,7 +133,7 @@ def check_films(scene: Scene) -> None:
 
 
 def _check_one_friction(friction: Friction) -> None:
-    """Refuses a coefficient beside a film, and neither of them."""
+    """Refuses friction by both a coefficient and a film, or by neither of them."""
     if friction.film is None and friction.ball_race is None:
         raise SceneError(
             "friction.ball_race",
@@ -149,7 +149,7 @@ def _check_one_friction(friction: Friction) -> None:
 
 
 def _check_coated_parts(scene: Scene) -> None:
-    """Refuses films of materials that no part has, and a second film on the races."""
+    """Refuses films and running-in of materials that no part has, and two films on the races."""
     bearing, film = scene.bearing, scene.friction.film
     parts = (bearing.ball_material, bearing.race_material)
     for name, material in scene.materials.items():
@@ -173,7 +173,10 @@ def _check_coated_parts(scene: Scene) -> None:
 
 
 def _check_wear_table(scene: Scene, rows: Sequence[FilmLife]) -> None:
-    """Refuses a table that is no grid of pressures and temperatures, or that no film uses."""
+    """Refuses a table that is no grid of pressures and temperatures, or that no film uses.
+
+    Also one in which not exactly one row has a relative life of 1.
+    """
     key = "friction.film.wear_table"
     assert scene.friction.film is not None
     if scene.friction.film.wear_coefficient is None and not _coated_materials(scene):
@@ -239,7 +242,7 @@ def has_thickness(scene: Scene) -> bool:
     """Whether any film on balls or races has a thickness, so that it can wear through."""
     race_film = scene.friction.film
     has_race_thickness = race_film is not None and race_film.thickness_um is not None
-    return has_race_thickness or bool(_coated_materials(scene))
+    return has_race_thickness or bool(_coated_materials(scene))  # whose films always have one
 
 
 def friction_changes_with_wear(scene: Scene) -> bool:

@@ -43,7 +43,10 @@ def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> S
 
 
 def as_scene(scene: Source) -> Scene:
-    """Returns a checked scene from a path, a dict of a scene file's shape, or a `Scene`."""
+    """Returns a checked scene from a path, a dict of a scene file's shape, or a `Scene`.
+
+    A `Scene` that is already checked is returned itself. SceneError: it is not valid.
+    """
     if isinstance(scene, Scene) and _is_checked(scene):
         return scene
     return scene_from_dict(*as_data(scene))
@@ -83,6 +86,8 @@ def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: s
 def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
     """Checks plain nested data and builds the scene from it.
 
+    SceneError: it begins with the source, and names the gravest fault.
+
     source: name of the scene in error messages.
     """
     try:
@@ -115,6 +120,8 @@ def _is_checked(scene: Scene) -> bool:
 
 def scene_for_life(scene: Scene, source: str = "scene") -> Scene:
     """Returns the scene unchanged; refuses one without a criterion for the end of life.
+
+    It also refuses a criterion of the share of a preload that is 0.
 
     source: name of the scene in the SceneError.
     """
@@ -168,7 +175,10 @@ class _SceneFile(NamedTuple):
 
 
 def scene_files(path: str | os.PathLike[str]) -> list[str]:
-    """Returns the file of a scene, and those it is based on."""
+    """Returns the files of a scene: its own, the one that it is based on, the base of that, ...
+
+    SceneError: a file that cannot be read, or a scene that is based on itself.
+    """
     return _read(path).files
 
 
@@ -236,7 +246,7 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> _SceneFile:
         default_name = {"name": stem} if re.search(NAME, stem) else {}
         return _SceneFile(default_name | data, [source])
     derived = record(BasedOn, data, source)
-    if depth > DEEPEST:
+    if depth > DEEPEST:  # no chain is so long but a circle
         problem = f"got {derived.based_on}, based on itself, expected another scene"
         raise SceneError("based_on", problem, source=source)
     base = _read(Path(path).with_name(f"{derived.based_on}.yaml"), depth + 1)

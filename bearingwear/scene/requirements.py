@@ -104,7 +104,10 @@ class Drive:
     # fmt: on
 
     def __post_init__(self) -> None:
-        """Refuses factors beside a standard, and names that the rule does not have."""
+        """Makes mappings read-only; refuses factors beside a standard, and names it lacks.
+
+        It also refuses a standard of one's own without factors, and a kind of data without a rule.
+        """
         for name in ("resistances_Nm", "factors"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if (self.standard == "own") != bool(self.factors):
@@ -138,7 +141,10 @@ class Drive:
 
     @property
     def bearings(self) -> str:
-        """Returns the class of resistance of the bearing torque; "" if the scene defines none."""
+        """Returns the class of resistance of the bearing torque: that of the scene or its standard.
+
+        It is "" if the scene states none and has a standard of its own.
+        """
         return self.bearings_as or _BEARINGS.get(self.standard, "")
 
     def required_torque(self, bearing_torque: float) -> float:
@@ -152,7 +158,9 @@ class Drive:
     def margin(self, bearing_torque: float) -> float:
         """Returns the torque margin: drive torque over required torque, minus 1.
 
-        It is infinite if nothing resists. bearing_torque: as in `required_torque`.
+        It is infinite if nothing resists.
+
+        bearing_torque: friction torque of all bearings [N m].
         """
         required = self.required_torque(bearing_torque)
         return self.torque_Nm / required - 1.0 if required > 0.0 else math.inf

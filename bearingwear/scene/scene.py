@@ -155,7 +155,10 @@ class Scene:
     # fmt: on
 
     def __post_init__(self) -> None:
-        """Makes mappings read-only, and refuses values that contradict each other."""
+        """Makes mappings read-only, and raises SceneError for values that contradict each other.
+
+        Diameter losses of the balls become one number if they are equal.
+        """
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
         for name in ("uncertainty", "cage_uncertainty"):
             if (distributions := getattr(self, name)) is not None:
@@ -238,7 +241,10 @@ class Scene:
 
     @functools.cached_property
     def in_cases(self) -> dict[str, Scene]:
-        """Returns the scene in each of its cases by name; `nominal` is the scene itself."""
+        """Returns the scene in each of its cases by name, all without cases and duty.
+
+        `nominal` is the scene with its own values.
+        """
         return scenes_of_cases(self)
 
     @functools.cached_property
@@ -276,6 +282,8 @@ class Scene:
         ------
         SceneError
             A ValueError with a one-line message that names the key.
+        TypeError
+            No changes, or changes by keyword: whole keys are no names in Python.
         """
         from bearingwear.scene.read import variant
 
@@ -291,7 +299,9 @@ class Scene:
             raise error.in_source(error.source.removeprefix("--set ")) from None
 
     def case(self, name: str) -> Scene:
-        """Returns the scene in one of its cases, like `--case`; `nominal` is the scene itself.
+        """Returns the scene in one of its cases, like `--case`, without its other cases and duty.
+
+        `nominal` is the scene with its own values.
 
         Raises
         ------
@@ -538,7 +548,7 @@ def _check_loss_count(scene: Scene) -> None:
 
 def _check_largest_loss(scene: Scene) -> None:
     """Refuses diameter losses, now or at the end of life, that are too large for the ball."""
-    largest = LARGEST_LOSS * 1e3 * scene.bearing.ball_diameter_mm
+    largest = LARGEST_LOSS * 1e3 * scene.bearing.ball_diameter_mm  # [um], of a diameter in mm
     losses = {"wear.ball_diameter_loss_um": max(scene.wear.ball_diameter_loss_um)}
     if scene.wear.end_of_life is not None:
         loss_at_end = scene.wear.end_of_life.ball_diameter_loss_um
@@ -570,7 +580,7 @@ def _check_cage_limits(scene: Scene) -> None:
 
 
 def _check_cage_ring(scene: Scene, cage: Cage) -> None:
-    """Refuses a cage whose ring does not reach the balls, or that has no clearance."""
+    """Refuses a cage ring of no thickness or away from the balls, and a cage without clearance."""
     bearing, ring_keys = scene.bearing, ("cage.inner_diameter_mm", "cage.outer_diameter_mm")
     if cage.inner_diameter_mm >= cage.outer_diameter_mm:
         raise SceneError(

@@ -47,7 +47,8 @@ def default_regularisation(scene: Scene) -> float:
 def with_regularisation(scene: Scene, is_given: bool) -> Scene:
     """Returns the scene with the default regularisation for its slip, unless it has its own.
 
-    is_given: whether the scene states a regularisation, which is then marked as given.
+    is_given: whether the scene states a regularisation. Then the scene itself is returned, and its
+        friction is marked, so that the value stays when the slip changes.
     """
     if is_given:
         scene.friction.__dict__[_GIVEN] = True
@@ -99,13 +100,14 @@ def mean_slip(scene: Scene) -> float:
 def _semi_axis(scene: Scene) -> float:
     """Returns the semi-major axis [m] of the inner contact, by Brewe and Hamrock's fit (1977).
 
-    It is that of the most loaded ball, and at least `LEAST_SEMI_AXIS` ball diameters.
+    It is that of the most loaded ball at the free contact angle, without centrifugal force, and at
+    least `LEAST_SEMI_AXIS` ball diameters. At an angle of 0, the preload is left out.
     """
     bearing, operation = scene.bearing, scene.operation
     D, dm = _MM * bearing.ball_diameter_mm, _MM * bearing.pitch_diameter_mm
     alpha = math.radians(bearing.contact_angle_deg)
     radial_load = math.hypot(*operation.radial_load_N) + operation.rotating_load_N
-    # Stribeck: the most loaded ball has 5/Z of a radial load
+    # Z times the load of the most loaded ball, which by Stribeck has 5/Z of a radial load
     load = 5.0 * radial_load / math.cos(alpha)
     if alpha > 0.0:
         load += operation.preload_N / math.sin(alpha)

@@ -106,7 +106,12 @@ class Distribution:
 
 
 def is_same_for_batch(name: str, spread: Distribution) -> bool:
-    """Whether an uncertain value is a single unknown number for all bearings of a batch."""
+    """Whether an uncertain value is a single unknown number for all bearings of a batch.
+
+    If its distribution does not say so, the values of `SAME_FOR_BATCH` are.
+
+    name: key of the value in the block `uncertainty`.
+    """
     return name in SAME_FOR_BATCH if spread.same_for_batch is None else spread.same_for_batch
 
 
@@ -123,7 +128,10 @@ def friction_correlation(distributions: Mapping[str, Distribution]) -> tuple[str
 
 
 def nominal_value(scene: Scene, name: str) -> float:
-    """Returns the scene's value of a key of `UNCERTAIN`; for materials, that of the races."""
+    """Returns the scene's value of a key of `UNCERTAIN`, in the unit of the key.
+
+    For the block `materials`, it is that of the races; for `wear_scatter`, 1.
+    """
     if name == "wear_scatter":
         return 1.0
     block: Any = operator.attrgetter(UNCERTAIN[name])(scene)
@@ -175,7 +183,10 @@ def _check_applies(friction: Friction, name: str) -> None:
 
 
 def _check_parameters(key: str, spread: Distribution) -> None:
-    """Refuses a distribution that lacks a parameter, or has one too many."""
+    """Refuses a distribution that lacks a parameter, has one too many, or has no low < high.
+
+    key: of the distribution, such as `uncertainty.ball_race`, for the SceneError.
+    """
     required, optional = PARAMETERS[spread.distribution]
     for parameter in _PARAMETER_NAMES:
         value = getattr(spread, parameter)

@@ -186,7 +186,8 @@ def _check_interferences(fits: Fits, bearing: Bearing) -> None:
     ):
         if diameter is None:
             continue
-        value, limit = getattr(fits, name), 1e3 * LARGEST_STRAIN * diameter
+        value = getattr(fits, name)
+        limit = 1e3 * LARGEST_STRAIN * diameter  # [um], of a diameter in mm
         if abs(value) > limit:
             raise SceneError(
                 f"fits.{name}",
@@ -282,7 +283,9 @@ def _heated_parts(scene: Scene) -> Iterator[_HeatedPart]:
 
 
 def check_heat_capacities(sides: Sequence[Scene], name: str) -> None:
-    """Refuses bearings without heat capacities or at rest, which have no warm-up.
+    """Raises SceneError for bearings without heat capacities, or whose shaft does not turn.
+
+    They have no warm-up.
 
     sides: a scene of a single bearing for each side of a pair.
     name: of the scene's file, for the SceneError.

@@ -29,6 +29,9 @@ from bearingwear.solvers.warm import Warm
 def states_of(bearings: Alone | OnRotor, conditions: Conditions, rotor: RotorState) -> States:
     """Returns the state of each bearing on a rotor, with the values of the arrangement.
 
+    They include the thermal margin if it may end the life. If the rotor was not solved, the states
+    have its status and their loss alone.
+
     conditions: that the bearings were solved in.
     rotor: their solution.
     """

@@ -123,9 +123,10 @@ def _with_wrappers(solver: Solver) -> Solver:
 
 
 def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | OnRotor]:
-    """Returns the status of unworn bearings, and the bearings with grooves that can wear.
+    """Returns a status, and the bearings of a scene with grooves that can wear.
 
-    They are `Worn` where the unworn state was found.
+    Where the unworn state is not found, or its contacts do not fit into cells, the status is that
+    of the failure, and the bearings are the unworn ones.
 
     cells: along and across a contact.
     """
@@ -145,7 +146,10 @@ def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | On
 def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
     """Returns bearings of `worn_bearings` with their grooves at another speed or temperature.
 
-    Their rotor starts where it stood last: even wear says little of where it is.
+    The grooves of the bearings that are passed wear no further, either. The rotor starts where it
+    stood last: even wear says little of where it is.
+
+    scene: with that speed or temperature.
     """
     sides = [
         _with_wrappers(innermost(side).elsewhere(side_scene))

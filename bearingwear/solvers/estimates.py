@@ -56,12 +56,12 @@ def relative_change(reference: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def regularisation_error(reference: np.ndarray, with_half: np.ndarray) -> np.ndarray:
-    """Returns the error by the regularisation, from the answer (5,) with half of it.
+    """Returns the relative error (5,) by the regularisation, from an answer with half of it.
+
+    That of torque and power is infinite where slip is far below the regularisation: they are then
+    in proportion to its inverse, and half of it does not show the limit.
 
     reference, with_half: `estimated_quantities` with the whole and with half of it.
-
-    The error is infinite where slip is far below the regularisation: the torque is then in
-    proportion to its inverse, and half of it does not show the limit.
     """
     change = relative_change(reference, with_half)
     friction = change[3:]  # of torque and power; a view
@@ -70,11 +70,11 @@ def regularisation_error(reference: np.ndarray, with_half: np.ndarray) -> np.nda
 
 
 def error_values(parts: Iterable[np.ndarray]) -> dict[str, Any]:
-    """Returns result variables of the sum of errors; none where an error is not known.
+    """Returns result variables of the sum of errors; empty if one of the first three is not finite.
+
+    These are of QV, preload and loss rate. Torque and power are left out alone if theirs is not.
 
     parts: relative errors (5,) of the quantities in the order of `QUANTITY_COUNT`, of each setting.
-
-    Torque and power may be unknown where the others are not, and are then left out alone.
     """
     total = sum(parts, start=np.full(QUANTITY_COUNT, ROUNDING))
     qv, preload, wear_rate, torque, power = total.tolist()

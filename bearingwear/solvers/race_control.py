@@ -81,7 +81,10 @@ class RaceControl:
         return Mechanics(g, float(self.problem.D.mean()) - (loss - self.start.loss), Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Returns the bearing solved; its answer are values and attributes. `near` is not used."""
+        """Returns the bearing solved; its answer are values and attributes. `near` is not used.
+
+        Without a solution it has a status and this answer, and NaN for all numbers.
+        """
         problem = self.problem_in(condition)
         values, attrs = solve_race_control(self.scene, problem)
         solution = SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
@@ -112,7 +115,10 @@ class RaceControl:
         return heat_of_values(self.scene, values)
 
     def state(self, solution: SolvedBearing) -> State:
-        """Returns the state of a life, without the measures that need a balance of slip."""
+        """Returns the state of a life, without the measures that need a balance of slip.
+
+        They are `NEEDS_SLIP`. Of a failure it is the status and the loss alone.
+        """
         values, _ = solution.answer
         loss = solution.condition.loss
         without_slip = {name: value for name, value in values.items() if name not in NEEDS_SLIP}
@@ -171,7 +177,7 @@ def contact_solution(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Returns motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`.
 
-    models: controlling race of each ball (n,).
+    models: controlling race of each ball (n,), OUTER_CONTROL or INNER_CONTROL.
     """
     g, op, D = problem.g, problem.op, problem.D
     u, rows = np.empty((len(D), 4)), np.empty((len(D), 2, COLUMNS))
@@ -191,7 +197,11 @@ def contact_solution(
 
 
 def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float:
-    """Returns the unbalanced force on balls and race, over the largest contact load [1]."""
+    """Returns the largest unbalanced force on a ball or the race, over the largest load [1].
+
+    The load is that of a contact. The force on the race is taken per ball, see
+    `RaceControlProblem.unbalanced_force`.
+    """
     g = problem.g
     residual = 0.0
     largest = max(max(state.Q_i, state.Q_o) for state in balance.states)
@@ -277,7 +287,9 @@ def controlled_torque_loss(
 def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     """Returns values and attributes of the solution of a problem.
 
-    The problem may be held otherwise than the scene says.
+    The problem may be held otherwise than the scene says. With the statuses PRELOAD_GONE,
+    NOT_CONVERGED, BEYOND_GROOVE and OUTSIDE_HERTZ_RANGE, the values are that, loss of diameter and
+    initial displacement alone. Other failures keep all values.
     """
     g, D = problem.g, problem.D
     values: dict = {
@@ -339,7 +351,7 @@ def _solution_values(
         "shaft_torque": torque_of_heat(problem, rows),
         "drag_power": 0.0,
         "centrifugal_force": ball_mass(g.rho, D) * 0.5 * g.dm * u[:, 3] ** 2,
-        "race_control": models - OUTER_CONTROL,
+        "race_control": models - OUTER_CONTROL,  # 0 for the outer race, 1 for the inner one
     }
 
 

@@ -96,7 +96,10 @@ def _all_finite(values: Mapping[str, Any]) -> bool:
 
 
 def _values_to_check(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
-    """Yields names and values that must be finite; numbers that may be infinite are 0 in them."""
+    """Yields names and values that must be finite; numbers that may be infinite are 0 in them.
+
+    Of a life they are those in `_OF_A_LIFE`, of stiffnesses the first and last alone.
+    """
     is_life = "end_criterion" in values
     for name, any_value in values.items():
         if name in UNKNOWN_PARTS or (is_life and name not in _OF_A_LIFE):

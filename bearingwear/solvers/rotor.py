@@ -93,7 +93,7 @@ def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> Rotor
     mounted: axial displacement at mounting [m].
     """
     method = scene.operation.preload_method
-    holding = bearings_holding(method)
+    holding = bearings_holding(method)  # how many: two at a fixed position, one on a spring
     shift = 0.0 if method == "fixed_position" else solution.place - mounted
     return RotorState(
         status=solution.status,
@@ -132,6 +132,8 @@ class Alone:
     ) -> RotorState:
         """Returns the bearing in a condition, solved from a solution nearby.
 
+        That is `near`, or else `self.near`, which becomes the new solution if that is usable.
+
         tolerance: unused, as no rotor is balanced; `OnRotor` has it.
         """
         (side,), (condition,) = self.sides, conditions
@@ -145,7 +147,11 @@ class Alone:
         return half_of_pair(self.scene, self.sides[0].mounted, sides[0])
 
     def case(self) -> CaseValues:
-        """Returns values and attributes of the scene as it is."""
+        """Returns values and attributes of the scene as it is.
+
+        Of a symmetric pair they are those of both bearings, see `pair_case`, or the status alone
+        without a solution.
+        """
         (side,) = self.sides
         (solution,) = self.solve(self.start).sides
         values, attrs = bearing_case(side, solution)
@@ -197,6 +203,10 @@ class OnRotor:
         tolerance: float | None = None,
     ) -> RotorState:
         """Returns both bearings in their conditions, solved from their last state.
+
+        `self.near` and `self.nearby` become those of this one. With thermal networks the rotor is
+        balanced roughly first, then at the temperatures of that; where that fails because a bearing
+        has no temperatures by itself, those of both are sought together.
 
         near: unused; `Alone` has it.
         tolerance: unbalanced force on the rotor, over the larger one, if not that of `self`.
@@ -289,6 +299,7 @@ class OnRotor:
         F_ext, tandem = self.arrangement.external_axial_N, self.arrangement.tandem
 
         def trial_at(x: float) -> RotorTrial:
+            """Returns both bearings with the rotor displaced by x towards +X [m]."""
             states = (
                 solve_side(0, Place(first.mounted + x)),
                 solve_side(1, Place(second.mounted - x)),
@@ -328,6 +339,10 @@ class OnRotor:
         k_s = a.spring_stiffness_N_um * N_UM
 
         def trial_at(e: float) -> RotorTrial | int:
+            """Returns both bearings with the spring extended by e [m], or LIFTED_OFF without force.
+
+            Its unbalanced force is k_s times the extension that the bearings do not allow.
+            """
             F_2 = F_s - k_s * e
             F_1 = F_2 + a.external_axial_N
             if not (F_1 > 0.0 and F_2 > 0.0):
@@ -362,9 +377,9 @@ class OnRotor:
 
         trial_at: returns the bearings at a place of the rotor [m], or the status of a failure.
         losses: of ball diameter [m].
+        start: returns the place to begin with if there is no earlier one [m].
         rounded: step of the rotor that changes nothing [m].
         tolerance: unbalanced force over the larger one.
-        start: returns the place to begin with if there is no earlier one.
         """
         nearby = self.nearby
         _, last = nearby.last
@@ -383,6 +398,9 @@ class OnRotor:
         self, losses: tuple[float, float], place: float, trial: RotorTrial | int, exact: bool
     ) -> RotorState:
         """Returns the state of the rotor in a trial at a place [m], and remembers that place.
+
+        Its status is that of the first bearing that is not OK. Without a balance no place is
+        remembered, and slopes are dropped.
 
         trial: a status if there is no balance.
         exact: whether the place is balanced to the tolerance of the rotor.
@@ -424,6 +442,8 @@ class OnRotor:
     def _first_place(self, losses: tuple[float, float], F_ext: float) -> float:
         """Returns the place of the rotor [m] by the mechanics of rolling balls, without friction.
 
+        It is rough (`NEAR_START`), and 0 where none is found.
+
         losses: of ball diameter [m].
         F_ext: external axial force on the rotor [N].
         """
@@ -444,6 +464,7 @@ class OnRotor:
                 return x
 
         def unbalanced(x: float) -> float:
+            """Returns the axial force on the rotor that pushes it back towards -X [N]."""
             return first.force(mounted[0] + x) - second.force(mounted[1] - x) - F_ext
 
         reach = max(abs(mounted[0]), abs(mounted[1]), _LEAST_REACH * first.g.BD)
@@ -457,7 +478,8 @@ class OnRotor:
         """Returns values and attributes of the scene as it is.
 
         The case of a bearing may have a stable steady state in place of the balanced one. The rotor
-        is then balanced again from that motion.
+        is then balanced again from that motion, up to `_MOST_BALANCES` times. Without a balance
+        the values are the status alone.
         """
         for _ in range(_MOST_BALANCES):
             state = self.solve(self.start)
@@ -524,6 +546,8 @@ def _pair_status(
     state: RotorState, side_values: Sequence[Mapping[str, Any]], residual: float
 ) -> int:
     """Returns the status of a pair: that of the first failure, else OK or UNVERIFIED.
+
+    UNVERIFIED where the residual is above `LARGEST_RESIDUAL` and the rounding of the loads.
 
     side_values: result variables of each bearing.
     residual: of the rotor's balance, see `rotor_balance`.

@@ -27,9 +27,10 @@ def solve(
     restart: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> Result:
-    """Solves a scene with the model it needs, or with that of `fidelity`.
+    """Solves a scene with the model it needs, or with that of `fidelity`; returns the result.
 
-    Raises NotAvailable as `choice`, or if the model cannot continue from a state.
+    A solve that fails has a result too: its status says why. Raises NotAvailable as `choice`, or if
+    the model cannot continue from a state, and KeyboardInterrupt after Ctrl-C.
 
     restart: `state` and `time` [s] at the end of another run, from which a dynamic solve continues.
     progress: receives a line of text every few seconds of a dynamic solve.

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL
 from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
@@ -36,6 +37,9 @@ def thrust_alone(scene: Scene) -> Scene:
 def start_of(scene: Scene, bare: Bare = COVERED) -> Start:
     """Returns the motion of the steady state under the thrust alone, or else of race control.
 
+    Where that has no solution either, it is that of inner race control at the free contact
+    angle. Only the first has time scales and a `case`.
+
     bare: which contacts have no film left.
     """
     problem = parameters.where_bare(ThrustProblem.of(thrust_alone(scene)), scene, bare)
@@ -54,5 +58,5 @@ def start_of(scene: Scene, bare: Bare = COVERED) -> Start:
     u = race_control_motion(scene, bare)
     if u is not None:
         return Start(u, "race control", {}, bare=bare)
-    u = problem.kinematic_start(0)
+    u = problem.kinematic_start(INNER_CONTROL)
     return Start(u, "race control at the free contact angle", {}, bare=bare)

@@ -85,13 +85,14 @@ class State:
 def case_state(loss: float, values: Mapping[str, Any]) -> State:
     """Returns the state of a solved case at a loss of ball diameter, as in `State.loss` [m].
 
-    Its values are means over the balls, and the worst of those that may end a life.
+    Its values are means over the balls, and the largest of some that may end a life. It is
+    `unsolved` if the case is. Without friction, `friction_used_by_gyroscopic_moment` is infinite.
     """
     status = int(values["status"])
     if status != code.OK:
         return State.unsolved(status, loss)
     state_values = {name: _over_balls(name, values[name]) for name in _OF_A_CASE if name in values}
-    # without any friction, nothing carries the moment
+    # a case has it only with friction; else nothing carries the moment
     state_values.setdefault("friction_used_by_gyroscopic_moment", math.inf)
     return State(status, state_values | {"ball_diameter_loss": loss})
 

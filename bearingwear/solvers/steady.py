@@ -89,7 +89,10 @@ class Steady:
         return Mechanics(self.problem.g, self.problem.g.D0 - loss, Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Returns the bearing solved, from the motion of a solution nearby if there is one."""
+        """Returns the bearing solved, from the motion of a solution nearby if there is one.
+
+        Without friction or force there is nothing to solve: a status, and NaN for all numbers.
+        """
         problem = self.problem_in(condition)
         status = problem.undetermined()
         if status != code.OK:
@@ -129,7 +132,10 @@ class Steady:
         return HeatFlow(n * inner, n * outer, drag=drag)
 
     def state(self, solution: SolvedBearing) -> State:
-        """Returns the state of a life, with the wear rates of new surfaces."""
+        """Returns the state of a life, with the wear rates of new surfaces.
+
+        Of a failure, also of an unverified solution, it is the status and the loss alone.
+        """
         loss, problem, case = solution.condition.loss, solution.problem, solution.answer
         if solution.status != code.OK:
             return State.unsolved(solution.status, loss)
@@ -183,7 +189,12 @@ class Steady:
         return State(solution.status, values, solution)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
-        """Returns values and attributes of a solution, or of a stable state near it."""
+        """Returns values and attributes of a solution, or of a stable state beside it.
+
+        Other states are searched for by `ThrustProblem.other_states`. If none is stable, the status
+        is NO_STEADY_STATE, and the values are those of the solution. One that is not usable has its
+        status, loss and initial displacement alone.
+        """
         scene, problem, case = self.scene, solution.problem, solution.answer
         D = problem.g.D0 - solution.condition.loss
         values: dict = {
@@ -244,6 +255,8 @@ def _stable_first(
 ) -> list[_SteadyState]:
     """Returns a steady state and the others beside it, stable ones first.
 
+    Among those that are equally stable, `case` is the first.
+
     D: ball diameter [m].
     decay_rates: of `case`, see `ThrustProblem.decay_rates`.
     """
@@ -268,7 +281,9 @@ def _state_values(problem: ThrustProblem, states: Sequence[_SteadyState]) -> dic
 
 
 def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Returns result variables of the numerical errors of a state; empty if none can be found.
+    """Returns result variables of the numerical errors of a state, by two more solves.
+
+    Empty if one of these fails; see also `error_values`.
 
     D: ball diameter [m].
     """
@@ -287,7 +302,7 @@ def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: Thrust
 def steady_torque_loss(problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
     """Returns the result variable of the torque that the regularisation takes, by a second solve.
 
-    It is empty where this torque is small.
+    It is empty where this torque is small, or if the second solve fails.
 
     D: ball diameter [m].
     """
@@ -351,7 +366,10 @@ def rates_when_new(scene: Scene, films: Films, D: float, c: np.ndarray) -> Unwor
 
 
 def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:
-    """Returns the power of the drag on all balls [W]."""
+    """Returns the power that the drag of the lubricant takes from all balls [W]; 0 without drag.
+
+    D: ball diameter [m].
+    """
     if not problem.op.drag:
         return 0.0  # a call of the kernel takes longer
     F_v, _ = drag_force(problem.g, D, problem.op.drag, case.u[3])
@@ -359,7 +377,7 @@ def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:
 
 
 def axial_force(case: ThrustCase, n: int = 1) -> float:
-    """Returns the axial force of the inner race on n balls [N]."""
+    """Returns the axial force of the inner race on n balls [N], by load and traction."""
     Q, alpha = case.contacts[0, summary.LOAD], case.contacts[0, summary.ANGLE]
     return float(n * Q * math.sin(alpha) + n * case.T_i * math.cos(alpha))
 
@@ -376,7 +394,10 @@ def residual_sentence(case: ThrustCase) -> str:
 
 
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Returns the result variables of a steady state with balls of diameter D [m]."""
+    """Returns the result variables of a steady state with balls of diameter D [m].
+
+    `quasistatic_stiffness_matrix` is missing where the balls do not orbit.
+    """
     g, op, n = problem.g, problem.op, problem.g.n_balls
     matrix = quasistatic_matrix(g, D, case)
     quasistatic = {} if matrix is None else {"quasistatic_stiffness_matrix": matrix}

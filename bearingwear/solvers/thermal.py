@@ -80,7 +80,10 @@ outer ring (both assumed)."""
 
 
 def conductances(thermal: Thermal) -> np.ndarray:
-    """Returns the heat that leaves each part by the temperatures of the three (3, 3) [W/K]."""
+    """Returns the matrix G (3, 3): G @ T is the heat that leaves each part at temperatures T [W/K].
+
+    Parts are inner ring, balls and outer ring; T is relative to shaft and housing, equally warm.
+    """
     G = thermal.conductance_W_K
     shaft, housing, ball = G.inner_ring_shaft, G.outer_ring_housing, G.ball_race
     return np.array(
@@ -107,7 +110,7 @@ def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> floa
     """Returns the largest imbalance of the heat flows of the three parts, over all heat [1].
 
     It is summed part by part, apart from the solver, less the effect of rounding. Heat that flows
-    from a warm shaft to a cold housing counts as heat.
+    from a warm shaft to a cold housing counts as heat. 0 without any heat.
     """
     G = thermal.conductance_W_K
     assert t.inner_ring_C is not None and t.balls_C is not None and t.outer_ring_C is not None
@@ -140,7 +143,10 @@ def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
 def find_heat_balance(
     scene: Scene, heats: Heats, start: Warmed | None = None, heat_error: float = 0.0
 ) -> Warmed:
-    """Returns a scene with a thermal network at its temperatures, with OK if they are verified.
+    """Returns a scene with a thermal network at the temperatures of its friction heat.
+
+    Its status is OK; UNVERIFIED if the heat flows are not in balance; WARM_SEIZURE if the heat runs
+    away; NO_HEAT_BALANCE if the search fails; or that of a bearing which has no state on the way.
 
     The heat h is a fixed point: at the temperatures of h the bearing makes h. Broyden's method
     finds it, from a solve nearby or cold; its first step takes the heat that the bearing makes.
@@ -148,7 +154,7 @@ def find_heat_balance(
     upwards, to a balance or to where the bearing has none (`warm_seizure`).
 
     heats: returns status and heat of the scene at given temperatures.
-    start: balance nearby to start from.
+    start: balance nearby to start from; if that fails, the search begins again from no heat.
     heat_error: relative error of the heats, which limits the balance.
     """
     if start is not None:
@@ -164,7 +170,8 @@ def _search(
     """Returns the balance found from a heat `h` (3,) [W] and its slope, see `Warmed.slope`.
 
     Steps are by Broyden's rule, halved where the bearing has no state at their end. The slope is
-    changed in place.
+    changed in place. The statuses are those of `find_heat_balance`; after `MOST_SOLVES` the search
+    has failed.
     """
     last_h = h
     last_excess = None
@@ -254,7 +261,10 @@ def find_joint_heat_balance(
     solves = 0
 
     def warm_scenes(h: np.ndarray) -> list[Scene]:
-        """Returns the scenes at the temperatures of heats (parts of all,)."""
+        """Returns the scenes at the temperatures of heats (3 of each bearing,) [W].
+
+        Raises _Unsolved if one cannot be so warm.
+        """
         flows = (HeatFlow(*heat) for heat in h.reshape(-1, size))
         warm = [at_temperatures(scene, heat) for scene, heat in zip(scenes, flows, strict=True)]
         if None in warm:
@@ -262,7 +272,10 @@ def find_joint_heat_balance(
         return warm  # type: ignore[return-value]
 
     def heat_made(h: np.ndarray) -> np.ndarray:
-        """Returns the heats that the bearings make at the temperatures of heats `h`."""
+        """Returns the heats that the bearings make at the temperatures of heats `h`, counted.
+
+        Raises _Unsolved if they have no state there.
+        """
         nonlocal solves
         solves += 1
         heat_flows = heats(warm_scenes(h))

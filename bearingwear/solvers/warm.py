@@ -40,7 +40,10 @@ class Warm(Wrapper):
             self.solver = solver.at(balance.scene)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Returns the bearing solved at the temperatures of its heat, or of the given balance."""
+        """Returns the bearing solved at the temperatures of its heat, or of the given balance.
+
+        Where no temperatures are found, it has the status of that search and NaN for its numbers.
+        """
         if self._balance is not None:
             return self.solver(condition, near)._replace(warmed=self._balance)
         last = near
@@ -109,7 +112,11 @@ def warmed_for_motion(scene: Scene, bare: Bare = COVERED) -> Warmed:
 
 
 def preload_spread(solver: Warm) -> str:
-    """Returns the running preload with less and more heat conducted between rings, in words."""
+    """Returns the running preload with less and more heat conducted between rings, in words.
+
+    The conductance is changed by the factors `CONDUCTED`. A status stands for a preload that is not
+    found.
+    """
     scene = solver.scene
     sentences = []
     assert scene.thermal is not None

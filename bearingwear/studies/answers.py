@@ -49,7 +49,10 @@ def answers_at(
     label: str = "sweep",
     progress: bool | Tell = True,
 ) -> Iterator[Answer]:
-    """Yields the answers of a function at points, in their order; see `Workers`."""
+    """Yields the answers of a function at points, in their order.
+
+    The arguments are those of `Workers` and of its method `answers_at`.
+    """
     with Workers(workers, label, progress) as pool:
         yield from pool.answers_at(function, points)
 
@@ -59,6 +62,8 @@ class Workers:
 
     The first point is evaluated in this process, before the others are forked from it: they then
     have the kernels and modules that it loaded. With one worker, all points are evaluated here.
+    Used as a context, it ends the processes after its block; an error in the block terminates them
+    at once, and that of a process which was killed becomes a `ProcessEnded`.
 
     workers: number of processes (default: one per core).
     label: name of the computation in lines of progress and of errors.
@@ -123,6 +128,11 @@ class Workers:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Ends the processes; after an error, without waiting for what they solve.
+
+        kind: of an error in the block, which goes on; None without one.
+        ProcessEnded: replaces the error of a process that ended before it answered.
+        """
         if self._pool is None:
             return
         if kind is not None:  # do not wait for what is still being solved
@@ -140,7 +150,13 @@ class Workers:
 
 
 def points_at_once(count: int, workers: int) -> int:
-    """Returns how many of some points a process takes at once, from 1 to `_MOST_AT_ONCE`."""
+    """Returns how many of some points a process takes at once, from 1 to `_MOST_AT_ONCE`.
+
+    Each process has about `_CHUNKS_PER_WORKER` turns, so that all end at about the same time.
+
+    count: number of points.
+    workers: number of processes; 0 counts as 1.
+    """
     share = math.ceil(count / (_CHUNKS_PER_WORKER * max(workers, 1)))
     return min(max(share, 1), _MOST_AT_ONCE)
 
@@ -176,6 +192,8 @@ def with_progress(
     answers: Iterable[Answer], count: int, label: str, progress: bool | Tell
 ) -> Iterator[Answer]:
     """Yields the answers, and reports their number and the time left by a bar or by lines.
+
+    The bar is that of tqdm, if it is installed and the lines are not taken by a function.
 
     count: number of answers to come.
     label: name of the computation.

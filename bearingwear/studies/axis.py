@@ -24,7 +24,7 @@ MOST_DECIMALS = 9
 
 
 def in_name(value: float, decimals: int) -> str:
-    """Returns a number as it stands in the name of a file.
+    """Returns a number as it stands in the name of a file, such as 0.050 for 0.05 and 3 decimals.
 
     decimals: the fewest; more are written where the number has more, up to `MOST_DECIMALS`.
     """
@@ -41,6 +41,7 @@ class Steps:
     step: float = setting("Distance between successive values", within="(0, inf)")
 
     def __post_init__(self) -> None:
+        """Raises a ValueError if no whole number of steps leads to the last value, or too many."""
         distance = abs(self.first + (self.count - 1) * self.step - self.last)
         # beyond the rounding of decimals such as 0.1
         misses_last = distance > 1e-6 * self.step
@@ -68,6 +69,7 @@ class Values:
     values: tuple[float, ...] = setting("Values", least=1, within="(0, inf)")
 
     def __post_init__(self) -> None:
+        """Raises a SceneError if the values do not rise strictly."""
         check_rising("values", self.values)
 
 
@@ -89,7 +91,7 @@ class RisingAxis(tuple[float, ...]):
 
 
 def check_rising(name: str, values: Sequence[float]) -> None:
-    """Raises a SceneError if the values of a key do not rise."""
+    """Raises a SceneError if the values of a key do not rise strictly."""
     if list(values) != sorted(set(values)):
         numbers = ", ".join(f"{value:g}" for value in values)
         raise SceneError(name, f"got {numbers}, expected increasing numbers > 0")
@@ -97,7 +99,10 @@ def check_rising(name: str, values: Sequence[float]) -> None:
 
 @contextlib.contextmanager
 def place_of_errors(place: str) -> Iterator[None]:
-    """Puts a place, such as "config: studies[0]", before the message of a ValueError inside."""
+    """Puts a place, such as "config: studies[0]", before the message of a ValueError inside.
+
+    A subclass, such as SceneError, becomes a plain ValueError, and a leading `--set ` is left out.
+    """
     try:
         yield
     except ValueError as error:

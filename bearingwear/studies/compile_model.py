@@ -14,7 +14,11 @@ _WORN_GROOVES = ("model.contact=auto", "model.normal_balance=frictionless")
 def compile_model(model: str) -> None:
     """Solves cases that call every kernel of a model, which numba then stores on disk.
 
-    model {"steady", "worn", "dynamic"}: "worn" stands for lives.
+    The results are dropped. Cases are solved with slip on the centre line of the contact, as the
+    example has it (`model.contact=paper`), and over the whole ellipse.
+
+    model {"steady", "worn", "dynamic"}: "worn" stands for lives, with Hertzian and worn grooves.
+    NoStudy: there is no workflow, whose example is solved.
     """
     from bearingwear.lives.life import life
     from bearingwear.solvers.solve import solve
@@ -24,9 +28,9 @@ def compile_model(model: str) -> None:
         life(load_scene(example))
         life(load_scene(example, _WORN_GROOVES))
     elif model == "dynamic":
-        turns = ["model.simulated_turns=0.1"]
+        turns = ["model.simulated_turns=0.1"]  # a few steps call all kernels
         solve(load_scene(example, turns), "dynamic")
-        solve(load_scene(example, [*turns, "model.contact=paper"]), "dynamic")
+        solve(load_scene(example, [*turns, "model.contact=hertz"]), "dynamic")
     else:
         solve(load_scene(example), "steady")
         solve(load_scene(example, ["model.contact=hertz"]), "steady")

@@ -62,7 +62,10 @@ def validated_config(
 
 
 def refuse_other_copy() -> None:
-    """Ends with status 2 if an installed copy differs from these sources; commands would run it."""
+    """Ends the process if an installed copy differs from these sources; commands would run it.
+
+    It writes a line to standard error and raises SystemExit with status 2.
+    """
     if copy := other_copy():
         print(
             f"{copy}: got an installed copy that differs from the sources of this workflow; "
@@ -138,6 +141,8 @@ def scene_values(
 def scene_hash(path: str, replaced: tuple[str, ...], cage: bool, uncertainty: bool) -> str:
     """Returns a hash of the values of a scene that decide a result.
 
+    A process reads each scene once: later calls with the same arguments return the same hash.
+
     replaced, cage, uncertainty: as of `scene_values`.
     """
     data = dict(as_data(path)[0])
@@ -186,7 +191,10 @@ def has_duty(scene: str) -> bool:
 
 
 def figure_suffixes(scene: str) -> Sequence[str]:
-    """Returns suffixes for the names of a scene's figures: "", or one a bearing if two differ."""
+    """Returns the suffixes for the names of a scene's figures.
+
+    They are "-first" and "-second" for a pair whose bearings differ, else only the empty suffix.
+    """
     block = as_data(scene_file(scene))[0].get("arrangement")
     arrangement = Arrangement() if block is None else record(Arrangement, block)
     if not arrangement.is_pair or arrangement.is_symmetric:
@@ -216,10 +224,14 @@ def grids(config: Mapping[str, Any], key: str = "studies") -> dict[str, Grid]:
 
 
 def check_config(config: Mapping[str, Any]) -> None:
-    """Refuses figures and spreads of cases that no grid contains, and scenes with invalid cases.
+    """Refuses figures of cases or lives that no grid contains, and scenes with invalid cases.
+
+    It also refuses sampled scenes without a block `uncertainty`, studied scenes without an end of
+    life, pairs of bearings in dynamic cases, and dynamic cases that the grid of steady cases of the
+    same scene lacks.
 
     config: data of config.yaml that agrees with its schema.
-    ValueError: one line that names the key, or the scene file.
+    ValueError: the first fault, in one line that names the key or the scene file.
     """
     studied, dynamic = grids(config), grids(config, "dynamic")
     figures = config["figures"]
@@ -241,10 +253,10 @@ def check_config(config: Mapping[str, Any]) -> None:
             problem = f"got {scene}, whose file has no uncertainty block, expected scenes with one"
             raise ValueError(f"config: uncertain_lives.scenes: {problem}")
     for scene, grid in studied.items():
-        scene_for_life(load_scene(scene_file(scene)), scene_file(scene))
+        scene_for_life(load_scene(scene_file(scene)), scene_file(scene))  # raises for no end
         _check_cases(scene, grid, {})
     for scene, grid in dynamic.items():
-        single_bearing_scene(load_scene(scene_file(scene)), scene_file(scene))
+        single_bearing_scene(load_scene(scene_file(scene)), scene_file(scene))  # for a pair
         _check_cases(scene, grid, dynamic_model(config, scene))
         # a dynamic case without its steady twin could not be set beside it
         for case in grid.cases() if scene in studied else ():
@@ -256,7 +268,7 @@ def check_config(config: Mapping[str, Any]) -> None:
 def dynamic_model(config: Mapping[str, Any], scene: str) -> dict[str, Any]:
     """Returns the changes of the block `model` in the dynamic cases of a scene, by dotted key.
 
-    config: data of config.yaml.
+    config: data of config.yaml, in which a block of `dynamic` names the scene.
     """
     scene_block = next(block for block in config["dynamic"] if scene in block["scenes"])
     return {f"model.{key}": value for key, value in scene_block["model"].items()}
@@ -277,9 +289,11 @@ def _text(value: Any) -> str:
 
 
 def _check_studied(key: str, scene: str, mu: float, studied: Mapping[str, Grid]) -> None:
-    """Refuses a scene that no grid contains, or a friction coefficient outside of its grid.
+    """Refuses a scene that has no grid, or a friction coefficient that is not in its grid.
 
+    key: of the configuration, for the error.
     studied: grids by the name of the scene.
+    ValueError: one line that names the key.
     """
     _check_each(key, [scene], studied)
     _check_each(f"{key}: {scene}", [float(mu)], studied[scene].friction)
@@ -288,7 +302,10 @@ def _check_studied(key: str, scene: str, mu: float, studied: Mapping[str, Grid])
 def _check_cases(scene: str, grid: Grid, model_changes: Mapping[str, Any]) -> None:
     """Checks a scene with the changes of cases that cover each value of each axis.
 
+    Combinations of values are not checked.
+
     model_changes: by dotted key, of all cases.
+    ValueError: a case that makes no valid scene; the line names the scene and the case.
     """
     data, source = as_data(scene_file(scene))
     for case in grid.cases_of_each_value():
@@ -319,7 +336,11 @@ def check_sampled(uncertainty: Mapping[str, Any]) -> None:
 
 
 def map_axes(axes: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the axes of a map of design.yaml as lists of methods and numbers, by their keys."""
+    """Returns the axes of a map of design.yaml as lists of methods and numbers, by their keys.
+
+    axes: `preload_method`, and further keys with a list, or with `first`, `last` and `step`.
+    ValueError: an axis that does not rise, or is neither of both.
+    """
     lists: dict[str, Any] = {"preload_method": list(axes["preload_method"])}
     for key, values in axes.items():
         if key != "preload_method":

@@ -60,10 +60,11 @@ def dataset_of_rows(
 
 
 def _column(variable: Variable, row_values: Sequence[Any], sizes: Mapping[str, int]) -> np.ndarray:
-    """Returns the values of a variable in all rows, NaN where a row has none.
+    """Returns the values (rows, *shape) of a variable in all rows, NaN where a row has none.
 
     row_values: of each row; None where it has no value.
-    sizes: lengths of all dimensions.
+    sizes: lengths of all dimensions, from which the shape follows if no row has a value.
+    ValueError: values of different shapes, or of another number of dimensions than the variable.
     """
     shapes = {np.shape(value) for value in row_values if value is not None}
     if len(shapes) > 1 or any(len(shape) != len(variable.dims) for shape in shapes):
@@ -90,8 +91,9 @@ def stacked_dataset(
     leave_out: names of variables to leave out, and of dimensions whose variables to leave out.
     along: a leading dimension along which a dataset may hold several items; others hold one item.
 
-    Returns a dataset with the coordinates of the inner dimensions, those of the longest; positions
-    along a dimension (of strips) stay only where their number is the same in all datasets.
+    Returns a dataset with the coordinates of the inner dimensions, those of the longest dataset. A
+        coordinate along a dimension of another name, such as `strip_position` along `strip`, stays
+        only if it has the same length in all datasets.
     """
     templates: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {}
@@ -100,7 +102,7 @@ def stacked_dataset(
     previous_shapes: list[Any] = []
     for dataset in datasets:
         shapes = [(name, v.dims, v.shape) for name, v in dataset.variables.items()]
-        if shapes == previous_shapes:
+        if shapes == previous_shapes:  # as in most studies; nothing below would change
             continue
         previous_shapes = shapes
         for name, variable in _item_variables(dataset, leave_out, along).items():
@@ -246,7 +248,11 @@ def load_with_dynamic(steady_path: Path, dynamic_path: Path) -> tuple[xr.Dataset
 
 
 def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
-    """Writes a dataset whole or not at all; the same dataset gives the same bytes."""
+    """Writes a dataset as netCDF, whole or not at all; the same dataset gives the same bytes.
+
+    Missing values are NaN in the file; missing flags are the fill value of their integer type.
+    Coordinates have no fill value.
+    """
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
         encoding[str(name)] = {"_FillValue": None}
@@ -265,10 +271,13 @@ def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
 
 
 def pareto(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Returns a mask (n,), true at the points that no other beats in both coordinates.
+    """Returns a mask (n,), true at the points of the Pareto front.
+
+    A point is on the front if each other point that is not larger in `first` is larger in `second`.
+    Of equal points, only the first is on it.
 
     first, second: coordinates (n,) of the points; smaller is better. A point with a NaN or an
-        infinite coordinate is never in the mask.
+        infinite coordinate is never on the front.
     """
     front = np.zeros(len(first), dtype=bool)
     lowest_second = np.inf

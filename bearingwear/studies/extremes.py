@@ -45,8 +45,8 @@ WORST_VALUES = table(
 def worst_values(scene: Scene, life: Mapping[str, Any]) -> dict[str, float]:
     """Returns the worst value along a life of each measure that it has a history of.
 
-    life: values of its result [SI]; `history_...` has the shape (steps,), or (2, steps) for a
-        pair, whose worse bearing counts.
+    life: values of its result [SI]; `history_...` has the shape (steps, ...), or (2, steps, ...)
+        for a pair, whose worse bearing counts.
 
     Returns values by the names of `WORST_VALUES`.
     """
@@ -60,16 +60,17 @@ def worst_values(scene: Scene, life: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _worst_value(measure: Measure, values: np.ndarray, scene: Scene) -> float:
-    """Returns the worst value over steps and bearings; NaN if all are NaN.
+    """Returns the worst value over steps, contacts and bearings [SI]; NaN if all are NaN.
 
-    A residual preload is returned as a share of the initial one.
+    A residual preload is returned as a share of the initial one, that of the scene [1].
 
     values: (steps, ...) [SI], in a pair (2, steps, ...).
     """
     reference = 1.0
     if measure.over_preload:
         reference = scene.operation.preload_N
-        if scene.pair is not None:  # one spring or one displacement preloads all in tandem
+        # `values` are of one bearing; all bearings in tandem on a side share the preload
+        if scene.pair is not None:
             values = values * np.reshape(scene.pair.tandem, (2,) + (1,) * (values.ndim - 1))
     finite = values[~np.isnan(values)]
     return measure.extreme(finite) / reference if finite.size else math.nan

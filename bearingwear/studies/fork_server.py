@@ -27,6 +27,9 @@ _MOST_BYTES = 1 << 16
 def run_job(snakemake: str, arguments: list[str]) -> int:
     """Runs a command by the server of a run, else as a process, and returns its exit status.
 
+    Where no server listens, the second job of a run starts one for later jobs. A command whose
+    server ends without an answer runs again as a process. The end by signal N is status 128 + N.
+
     snakemake: id of Snakemake's process.
     arguments: of the command `bearingwear`.
     """
@@ -51,7 +54,13 @@ def _shell_status(status: int) -> int:
 
 
 def _start_server(folder: str, snakemake: str) -> None:
-    """Starts a server at the second job of a run, if the system allows it."""
+    """Starts a server at the second job of a run, if the system allows it.
+
+    The first job only makes the folder, and all jobs after the second find that a server has been
+    started. Where the system has no `pidfd_open`, no job starts one.
+
+    folder: of the server, one for each run of Snakemake.
+    """
     try:
         os.mkdir(folder)
         return  # the first job of a run may be the only one
@@ -59,7 +68,7 @@ def _start_server(folder: str, snakemake: str) -> None:
         pass
     try:
         os.mkdir(f"{folder}/server")  # fails in all processes but the first that tries
-        os.pidfd_open(int(snakemake))
+        os.pidfd_open(int(snakemake))  # as the server does
     except (AttributeError, OSError):
         return
     import subprocess
@@ -75,10 +84,14 @@ def _start_server(folder: str, snakemake: str) -> None:
 
 
 def log_silent_failure(status: int) -> None:
-    """Writes the exit status of a job in its log, if it failed without a message."""
+    """Writes the exit status of a job in its log, if it failed without a message.
+
+    The log is the file to which standard error goes; elsewhere, as on a terminal, it does nothing.
+    """
     try:
         if status and os.path.isfile("/dev/stderr") and not os.fstat(2).st_size:
             cause = f" (by signal {status - 128})" if status > 128 else ""
+            # with that status, a command says that it could not even write a line
             cause = " (No space left on device)" if status == os.EX_IOERR else cause
             print(f"ended with status {status}{cause} without a message", file=sys.stderr)
     except OSError:
@@ -91,6 +104,8 @@ _RUNNING: set[int] = set()
 
 def serve(folder: str, snakemake: int) -> None:
     """Forks for each command until Snakemake ends, and imports modules in between.
+
+    Snakemake's end also ends the jobs that still run, by SIGTERM, and the function then returns.
 
     folder: of the server's socket; it is deleted in the end.
     snakemake: id of Snakemake's process.
@@ -111,7 +126,7 @@ def serve(folder: str, snakemake: int) -> None:
     try:
         while True:
             for event, _ in selector.select(0.0 if to_import else None):
-                to_import |= event.data() or set()
+                to_import |= event.data() or set()  # a callback returns modules, or None
             to_import -= imported
             if to_import:
                 name = min(to_import)
@@ -139,7 +154,11 @@ def _end() -> None:
 
 
 def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
-    """Forks a job for a client that connects, and watches both of them."""
+    """Forks a job for a client that connects, and registers what may happen to both.
+
+    Nothing is forked for a client that is gone. The callbacks wait for the end of the client, for
+    the names of the modules that the job imported, and for the end of the job.
+    """
     client = listener.accept()[0]
     request, files, _, _ = socket.recv_fds(client, _MOST_BYTES, 2)
     while not request.endswith(b"\n"):
@@ -155,7 +174,7 @@ def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
     job = os.fork()
     if job == 0:
         listener.close()
-        _run_and_exit(folder, arguments, files, pipe_end)
+        _run_and_exit(folder, arguments, files, pipe_end)  # does not return
     _RUNNING.add(job)
     for file in (*files, pipe_end):
         os.close(file)
@@ -167,7 +186,10 @@ def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
 
 
 def _end_abandoned_job(selector: DefaultSelector, client: socket.socket, job: int) -> None:
-    """Ends a job whose client is gone."""
+    """Ends a job whose client is gone, by SIGTERM; `_send_status` follows when it has ended.
+
+    A client sends nothing after its request, so that its socket is readable only at its end.
+    """
     os.kill(job, signal.SIGTERM)
     selector.unregister(client)
 
@@ -180,7 +202,7 @@ def _imported_modules(selector: DefaultSelector, report_end: int) -> set[str]:
 
 
 def _send_status(selector: DefaultSelector, client: socket.socket, job: int, job_file: int) -> None:
-    """Sends the exit status of a finished job to its client, and forgets both."""
+    """Sends the exit status of a finished job to its client, if that is not gone; forgets both."""
     status = os.waitstatus_to_exitcode(os.waitpid(job, 0)[1])
     _RUNNING.discard(job)
     selector.unregister(job_file)
@@ -195,6 +217,8 @@ def _send_status(selector: DefaultSelector, client: socket.socket, job: int, job
 
 def _run_and_exit(folder: str, arguments: list[str], files: list[int], pipe_end: int) -> None:
     """Runs a command in this process, and ends the process with the status of the command.
+
+    The status is 1 after an exception or a message in SystemExit. The function never returns.
 
     files: descriptors of standard output and standard error.
     pipe_end: descriptor that takes the names of the modules that the command imported.

@@ -17,7 +17,10 @@ GRACE = 10.0
 
 
 def run_guarded() -> int:
-    """Runs the command of the arguments and returns its exit status."""
+    """Runs the command in the arguments of this process, and returns its exit status.
+
+    After the end by signal N, it is 128 + N. This process ignores interrupts from here on.
+    """
     # an interrupt reaches the children too: they end, and this process waits for them
     signal.signal(signal.SIGINT, lambda *_: None)
     process = subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL, close_fds=False)
@@ -27,7 +30,11 @@ def run_guarded() -> int:
 
 
 def _interrupt_at_closed_input() -> None:
-    """Waits until standard input closes, interrupts the children, and kills them after `GRACE`."""
+    """Waits until standard input closes, interrupts the children, and kills them after `GRACE`.
+
+    Both signals reach the whole process group. The second also kills this process, so that the
+    function returns only if the process ends before.
+    """
     while os.read(0, 1):  # until the command that started this ends
         pass
     os.killpg(0, signal.SIGINT)

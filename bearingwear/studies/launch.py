@@ -56,6 +56,7 @@ def run_study(
     extra_arguments: further arguments of Snakemake.
     files: open files that Snakemake keeps open while it runs.
     scene_folder: folder of the study of one scene, empty for other studies.
+    NoStudy: the folder has no configuration, or there is no workflow.
 
     Returns the exit status of Snakemake.
     """
@@ -91,9 +92,10 @@ def run_own_study(
     """Runs the study of one scene in its folder, or continues a run that was killed.
 
     jobs, extra_arguments: as of `run_study`.
+    NoStudy: another run is in the folder, or it has no configuration or cannot be used.
 
-    Returns `status`: the exit status of Snakemake.
-    Returns `page`: the report page beside the folders of the study, or None without one.
+    Returns the exit status of Snakemake, and the path of the report page, which is copied beside
+        the folders of the study. It is None if there is no page, and after a dry run.
     """
     with _only_run(folder) as lock_file:
         # this lock ends with the processes that hold it, Snakemake's would stay after a kill
@@ -121,6 +123,8 @@ _ADVICE = dict.fromkeys(
 def check_arguments(arguments: Sequence[str], is_own_study: bool) -> None:
     """Refuses arguments that Snakemake does not know, and targets in the study of one scene.
 
+    Arguments that only ask for a dry run pass at once, without the slow import of the parser.
+
     is_own_study: whether the study is of one scene.
     UsageError: the first of them, in one line.
     """
@@ -131,6 +135,7 @@ def check_arguments(arguments: Sequence[str], is_own_study: bool) -> None:
     parser = get_argument_parser()
 
     def refuse(problem: str) -> NoReturn:
+        """Raises a UsageError, where the parser would print its usage and exit."""
         raise UsageError(f"bearingwear study: {problem}; see bearingwear study --help")
 
     parser.error = refuse
@@ -148,6 +153,9 @@ def _run_guarded(
     command: Sequence[str], folder: Path, files: Sequence[int], environment: Mapping[str, str]
 ) -> int:
     """Runs a command in a folder and returns its exit status; it never outlives this process.
+
+    An interrupt ends the command; KeyboardInterrupt is raised after that. The handler of SIGINT is
+    replaced, and stays so.
 
     files: descriptors of open files that the command inherits.
     """
@@ -193,7 +201,10 @@ def _only_run(folder: Path) -> Iterator[int]:
 
 
 def copy_own_page(folder: Path) -> Path | None:
-    """Copies the page of a study beside its folders and returns its path; None without a page."""
+    """Copies the page of a study beside its folders and returns its path; None without a page.
+
+    Links to files of the study are changed to lead there from the copy.
+    """
     report = folder / PAGE
     page = folder / PAGE.name
     if not report.is_file():
@@ -204,8 +215,11 @@ def copy_own_page(folder: Path) -> Path | None:
 
 
 def own_headlines(folder: Path, name: str) -> list[str]:
-    """Returns the titles of the leading answers of a scene's study; see `headlines`.
+    """Returns the titles of the leading answers of a scene's study, as of `headlines`.
 
+    The list is empty if the study has no answer yet.
+
+    folder: of the study.
     name: of the scene.
     """
     results = folder / "results"

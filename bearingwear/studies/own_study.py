@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from bearingwear.solvers.compose import Remembered
 
 FRICTIONS = (0.5, 1.0, 1.5, 2.0)
-"""Friction coefficients of the grid, relative to the scene's."""
+"""Friction coefficients of the grid, relative to the scene's; over a duty, the scene's alone."""
 
 STATES_OF_WEAR = 8
 """Number of steps of the grid from new to the end of the scene's life."""
@@ -57,8 +57,10 @@ def study_files(scene: Scene, name: str, limits: DesignLimits, source: str) -> d
     or a `cage_uncertainty` has a map of cages, too.
 
     name: of the scene's file in the study, without suffix.
+    limits: requirements on the recommended preload.
     source: file of the scene, for errors.
-    SceneError: a friction or a preload of 0, around which no grid is possible.
+    SceneError: limits that are not possible for the scene, or a friction or a preload of 0, around
+    which no grid is possible.
     """
     limits.check(scene, source)
     changes_with_depth = scene.friction.film is not None or friction_changes_with_wear(scene)
@@ -141,13 +143,23 @@ def _cage_configuration(scene: Scene, name: str) -> dict[str, Any]:
 
 
 def _grid_frictions(scene: Scene, source: str) -> list[float]:
-    """Returns the friction coefficients of the grid, rising. Raises SceneError at no friction."""
+    """Returns the friction coefficients of the grid, rising, among which is that of the scene.
+
+    The others are rounded to three decimals, and left out beyond the largest that a scene allows.
+    Over a duty, that of the scene is the only one: phases may have friction of their own, and each
+    life costs as much as one in each phase.
+
+    source: file of the scene, for errors.
+    SceneError: the scene has no friction.
+    """
     coefficient = scene.friction.coefficient
     key = "friction.ball_race"
     if coefficient <= 0.0:
         raise SceneError(
             key, f"got {coefficient:g}, expected a number > 0 for a study", source=source
         )
+    if scene.duty is not None:
+        return [coefficient]
     field = key_of_scene(key)
     assert field is not None
     _, largest = field.key.ends
@@ -156,9 +168,11 @@ def _grid_frictions(scene: Scene, source: str) -> list[float]:
 
 
 def _grid_losses(scene: Scene) -> list[float]:
-    """Returns losses of ball diameter [um], rising from new to the end of the scene's own life.
+    """Returns losses of ball diameter [um], rising evenly from 0 to the end of the scene's life.
 
-    If a preload method has no solution there, they go to the sooner end of the two lives.
+    They have two decimals. If its life with its own preload method is not solved, the last loss is
+    that at the end of the life with the other. If a preload method has no state there, the last
+    loss is the smaller of the two at the ends. Without any life, the list is [0.0].
     """
     from bearingwear.scene.arrangement import with_method
     from bearingwear.solvers.compose import solver_of
@@ -181,7 +195,7 @@ def _grid_losses(scene: Scene) -> list[float]:
 def _status_at_loss(solver: Remembered, loss: float) -> int:
     """Returns OK, or the first other status of the bearings, at a loss of ball diameter [m].
 
-    solver: of a bearing or a pair.
+    solver: of a bearing or a pair. All its bearings have the loss.
     """
     worn_bearings = tuple(bearing._replace(loss=loss) for bearing in solver.bearings.start)
     statuses = [state.status for state in solver(worn_bearings)]
@@ -191,9 +205,13 @@ def _status_at_loss(solver: Remembered, loss: float) -> int:
 def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
     """Writes the configuration of a study of a scene, and the scene, into a folder.
 
+    Files that would not change are not written. Nothing is written if anything is refused.
+
     file: of the scene.
     folder: new, empty, or of an earlier call for this scene.
+    limits: requirements on the recommended preload.
     UsageError: another folder, an edited file in it, or a scene's name that is not allowed.
+    SceneError: as of `study_files`, or a scene that is not valid or has no life.
     """
     from bearingwear.scene.checking.strict_yaml import text_of
     from bearingwear.scene.read import scene_files
@@ -226,12 +244,14 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
 
 
 def _hash(text: str) -> str:
-    """Returns the hash by which edited files are recognised."""
+    """Returns the start of a SHA-256 hash, by which edited files are recognised."""
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
 def _check_folder(folder: Path, heading: str) -> None:
     """Raises a UsageError for a folder with other files than those of a study of this scene.
+
+    What Snakemake keeps in `.snakemake` does not count.
 
     heading: begins the first line of the files of that study.
     """
@@ -264,5 +284,8 @@ def _check_unedited(path: Path, heading: str, folder: Path) -> None:
 
 
 def _text(path: Path) -> str | None:
-    """Returns the contents of a file; None if it does not exist."""
+    """Returns the contents of a file; None if it does not exist.
+
+    Bytes that are not UTF-8 are replaced, so that an edited file can be compared, too.
+    """
     return path.read_bytes().decode("utf-8", "replace") if path.is_file() else None

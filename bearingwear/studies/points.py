@@ -86,11 +86,16 @@ class SweepPoints:
         return json.dumps(asdict(self))
 
     def __iter__(self) -> Iterator[ScenePoint]:
+        """Returns the points scene by scene, each with its rows, or with the product of the axes.
+
+        The last axis varies fastest.
+        """
         columns = self.columns.values()
         rows = zip(*columns, strict=True) if self.in_rows else itertools.product(*columns)
         return itertools.starmap(ScenePoint, itertools.product(range(len(self.names)), rows))
 
     def __len__(self) -> int:
+        """Returns the number of points of all scenes."""
         return math.prod(self.lengths([]).values())
 
     def key_names(self, used_names: Iterable[str]) -> dict[str, str]:
@@ -159,7 +164,10 @@ def _plain_values(key: str, values: Any) -> list[Any]:
 
 
 def _columns_of_rows(rows: Any) -> dict[str, list[Any]]:
-    """Returns the values of each key in all rows. Raises SceneError if their keys differ."""
+    """Returns the values of each key in all rows, by the keys, which all rows share.
+
+    SceneError: no sequence of mappings, no row, or rows whose keys differ.
+    """
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
         problem = f"got {shown(rows)}, expected axes KEY: VALUES, or a list of rows KEY: VALUE"
         raise SceneError("", problem, source="axes")
@@ -183,19 +191,23 @@ def _check_key(scenes: Sequence[Scene], key: str, value: Any) -> None:
     value: of the key, with which the scene's own check raises an error that names similar keys.
     """
     if _field_of_key(key) is None:
-        scenes[0].with_({key: value})
+        scenes[0].with_({key: value})  # raises that error
         raise SceneError("", "got no key of a scene, expected one", source=key)
 
 
 def _check_axis(key: str, values: Sequence[Any]) -> None:
-    """Raises SceneError for a value on an axis that is repeated, or that its key does not take."""
+    """Raises SceneError for a value on an axis that is repeated, or that its key does not take.
+
+    Lists and dicts may repeat.
+    """
     field = _field_of_key(key)
     assert field is not None
     for value in values:
         if not fits(value, field):
             problem = misfit_words(value, field, key.rpartition(".")[2])
             raise SceneError("", problem, source=key)
-    if repeated := _repeated([value for value in values if not isinstance(value, dict | list)]):
+    countable = [value for value in values if not isinstance(value, dict | list)]  # by their hash
+    if repeated := _repeated(countable):
         problem = f"got {shown(repeated[0])} twice, expected each value once"
         raise SceneError("", problem, source=key)
 
@@ -214,14 +226,15 @@ def _check_kinds(scenes: Sequence[Scene], kinds: Sequence[Any] | None) -> None:
 
 
 def _repeated(values: Iterable[Any]) -> list[Any]:
-    """Returns the values that occur more than once."""
+    """Returns the values that occur more than once, each once; they must be hashable."""
     return [value for value, count in Counter(values).items() if count > 1]
 
 
 def _coordinate(key: str, dim: str, values: Sequence[Any]) -> xr.Variable:
-    """Returns the values of a key as a coordinate along a dimension.
+    """Returns the values of a key as a coordinate along a dimension, in the unit of the key.
 
-    Where not all values are numbers, the coordinate holds texts, with JSON for what is no text.
+    Where not all values are numbers, the coordinate holds texts, with JSON for what is no text. The
+    attribute `flag_meanings` of a choice has the allowed names.
     """
     import numpy as np
     import xarray as xr

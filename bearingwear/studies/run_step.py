@@ -35,6 +35,7 @@ def run_step(name: str, words: Sequence[str], outputs: Sequence[Path]) -> None:
         a parameter says whether they are paths, texts or plain data. A parameter without words
         takes its default.
     NotSolved: raised by the function itself; nothing is written.
+    StepError: no such function, wrong arguments, or a number of outputs that does not fit.
     """
     function = _function(name)
     try:
@@ -68,7 +69,9 @@ def _function(name: str) -> Any:
 def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, Any]:
     """Returns the arguments of a function by name, from words `NAME=VALUE` and further values.
 
-    A parameter that is a sequence takes all values as a list, others exactly one.
+    A parameter that is a sequence takes all values as a list, others exactly one. `NAME=` alone
+    gives an empty list to a sequence; another parameter is left out, and takes its default. The
+    last of several words with the same name counts.
 
     ValueError: a value before the first name, or several for a parameter that takes one.
     """
@@ -113,7 +116,7 @@ def _typed_value(text: str, annotation: str) -> Any:
 def write_outputs(results: Iterator[Any] | Sequence[Any], outputs: Sequence[Path]) -> None:
     """Writes each result to its file, and a figure to all files that differ only in their format.
 
-    StepError: more results than files, or more files than results.
+    StepError: more results than files, or more files than results; what fits is written before.
     """
     paths_left = list(outputs)
     for result in results:
@@ -144,7 +147,7 @@ def _is_a(result: Any, name: str) -> bool:
 
 
 def write_output(result: Any, path: Path) -> None:
-    """Writes a text, or a Result or a Dataset as netCDF, whole or not at all."""
+    """Writes a text, or a `Result` or an `xarray.Dataset` as netCDF, whole or not at all."""
     if isinstance(result, str):
         from bearingwear.atomic import write_text
 

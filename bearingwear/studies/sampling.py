@@ -40,6 +40,7 @@ class Sampling:
     seed: int = setting("Random seed for the sequence", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
+        """Raises a SceneError if the number of samples is no power of two."""
         if self.samples & (self.samples - 1):
             raise SceneError("samples", f"got {self.samples}, expected a power of two, such as 128")
 
@@ -60,7 +61,7 @@ DIAMETER = "ball_diameter_mm"
 
 
 def scene_with_values(scene: Scene, values: Mapping[str, float]) -> Scene | None:
-    """Returns the scene with other values under keys of `UNCERTAIN`.
+    """Returns the scene with other values under keys of `UNCERTAIN`, also in its cases.
 
     Groove factors and contact angle are those of nominal balls. A ball diameter then changes only
     the balls, like a batch out of tolerance: grooves and their centres keep their places
@@ -120,7 +121,7 @@ def _scaled_cases(scene: Scene, values: Mapping[str, float]) -> dict[str, dict[s
     }
     return {
         case: {
-            key: value * ratios[key] if key in ratios and value else value
+            key: value * ratios[key] if key in ratios and value else value  # None and 0 stay
             for key, value in changes.items()
         }
         for case, changes in scene.cases.items()
@@ -133,7 +134,7 @@ def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.nd
     Life is proportional to hardness over wear coefficient (Archard).
 
     names: keys of `WORN`.
-    values: (n, names) that replace those of the scene.
+    values: (n, len(names)) in the units of the keys, which replace those of the scene.
     """
     factor = np.ones(len(values))
     for k, name in enumerate(names):
@@ -159,8 +160,8 @@ def with_wear(scene: Scene, factors: Mapping[str, float]) -> Scene:
 def _with_scaled_fields(part: Any, factors: Mapping[str, float]) -> Any:
     """Returns a material or a film with scaled values, also in its film and running-in.
 
-    part: material, film or running-in.
-    factors: by the names of fields, of which the part may lack some.
+    part: material, film or running-in. A field that it lacks or that is None stays so.
+    factors: by the names of fields.
     """
     changed = {
         name: getattr(part, name) * factor
@@ -175,7 +176,15 @@ def _with_scaled_fields(part: Any, factors: Mapping[str, float]) -> Any:
 
 
 def with_balls(bearing: Bearing, ball_diameter_mm: float) -> Bearing | None:
-    """Returns the bearing with other balls between the same grooves; None if they have no play."""
+    """Returns the bearing with other balls between the same grooves.
+
+    The grooves keep their radii and their places. Contact angle, pitch diameter and groove factors
+    of the bearing follow.
+
+    Returns None where the balls are too large for the play between the grooves, or for the radius
+    of a groove.
+    """
+    # r_i, r_o: radii of the grooves; cosine: of the new free contact angle
     D, D0 = ball_diameter_mm, bearing.ball_diameter_mm
     r_i, r_o = bearing.inner_groove_factor * D0, bearing.outer_groove_factor * D0
     cos_a0 = math.cos(math.radians(bearing.contact_angle_deg))

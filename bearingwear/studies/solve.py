@@ -94,7 +94,8 @@ def life_scene(scene: Source, settings: Sequence[str] = (), films: bool = False)
 
     settings: changes `KEY=VALUE`.
     films: whether solid films and running-in are allowed.
-    SceneError: a film that is not allowed, or a life that requires another model.
+    SceneError: a scene that is not valid or has no end of life, a film that is not allowed, or a
+    life that requires another model.
     """
     from bearingwear.solvers.effects.choice import choice_for_life
 

@@ -33,7 +33,7 @@ Question = str | Callable[[Scene], Mapping[str, Any]]
 """What a sweep computes of a scene: "solve", "life", or a function of it."""
 
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-"""Multiples of the golden ratio, modulo 1, spread evenly."""
+"""The golden ratio, whose first multiples, modulo 1, are spread evenly, however many they are."""
 
 _MOST_LOOKED_AT = 20
 """Number of points from which a sweep finds the models that it needs."""
@@ -133,6 +133,13 @@ class SceneQuestion:
         return scene_for_life(scene) if self.what == "life" else scene
 
     def __call__(self, point: ScenePoint) -> Answer:
+        """Returns the kept values of the scene at a point, as of `KeptVariables`.
+
+        An unsolved case or life has a status that says so; errors of a function are not caught.
+
+        SceneError: the point makes no valid scene.
+        NotAvailable: the model does not apply to the scene.
+        """
         scene = self.scene(point)
         if callable(self.what):
             return self.kept.of_function(self.what(scene))
@@ -239,7 +246,11 @@ class Sweep:
         return [points[k] for k in _even_order(len(points))]
 
     def compile(self, points: Sequence[ScenePoint]) -> None:
-        """Compiles and loads the kernels that points need; processes forked later have them."""
+        """Compiles and loads the kernels that points need; processes forked later have them.
+
+        For each model that the first points require, it solves one of them as coarsely as possible.
+        For a sweep of a function, it does nothing.
+        """
         what = self.question.what
         if callable(what):
             return
@@ -248,7 +259,10 @@ class Sweep:
             _result(scene.with_(COARSEST), "solve" if fidelity == "dynamic" else what, fidelity)
 
     def _scene_by_fidelity(self, points: Sequence[ScenePoint]) -> dict[str, Scene]:
-        """Returns a scene that requires it for each fidelity that the first points require."""
+        """Returns a scene for each fidelity that the first points require, by the fidelity.
+
+        Points without a valid scene, or that no model can solve, are skipped.
+        """
         from bearingwear.solvers.effects.choice import choice, choice_for_life
 
         model_choice = choice_for_life if self.question.what == "life" else choice
@@ -262,14 +276,19 @@ class Sweep:
         return scenes
 
     def _check_some_valid(self, first: ScenePoint, answers: Sequence[Answer]) -> None:
-        """Raises the error of the first point if all points were refused."""
+        """Raises the error of the first point if all points were refused.
+
+        NotAvailable: that point raises no error in this process.
+
+        answers: at all points.
+        """
         if all(PROBLEM in answer for answer in answers):
-            self.question(first)
+            self.question(first)  # raises the error
             raise NotAvailable(answers[0][PROBLEM])
 
 
 def _even_order(count: int, block_size: int = 1) -> list[int]:
-    """Returns the numbers below a count in an order whose first few are spread over all of them.
+    """Returns the numbers from 0 to below a count in an order whose first few are spread evenly.
 
     The time left is then estimated well from the points that are solved.
 
@@ -281,7 +300,9 @@ def _even_order(count: int, block_size: int = 1) -> list[int]:
 
 
 def _numbers_of_part(part: tuple[int, int], count: int) -> range:
-    """Returns the numbers of the points of part (K, N): every N-th, so that parts take equal time.
+    """Returns the numbers, from 0 on, of the points of part (K, N): every N-th, from number K - 1.
+
+    Neighbours take similar times, so the parts take about equal times.
 
     SceneError: a part that does not exist, or more parts than points.
     """
@@ -293,9 +314,9 @@ def _numbers_of_part(part: tuple[int, int], count: int) -> range:
 
 
 def check_can_be_sent(what: Callable[..., Any]) -> None:
-    """Raises a SceneError for a function that cannot be pickled for other processes.
+    """Raises a SceneError for a function that cannot be pickled, and so not sent to a process.
 
-    what: the function.
+    what: the function, such as a lambda, which cannot be.
     """
     try:
         pickle.dumps(what)

@@ -21,6 +21,9 @@ _LONGEST = 20.0
 def cost_lines(sweep: Sweep, workers: int | None = None, parts: int = 1) -> list[str]:
     """Returns lines on the number of points of a sweep, its CPU time, wall time and memory.
 
+    It compiles the kernels of the sweep, and solves a few points in this process, which takes up to
+    some tens of seconds. There is no line on memory if all of these points were refused.
+
     workers: processes that are to solve it, by default one per core.
     parts: number of jobs that are to share the points.
     """
@@ -40,6 +43,7 @@ def cost_lines(sweep: Sweep, workers: int | None = None, parts: int = 1) -> list
     if parts > 1:
         lines.append(f"each of {parts} parts: {_duration(mean * count / parts)} of CPU time")
     if any(PROBLEM not in answer for answer in answers):
+        # [bytes]; with the answer that was not timed
         size = points_dataset(sweep.question.kept, answers).nbytes / len(answers) * count
         lines.append(f"about {max(size / 1e6, 0.1):.3g} MB of memory for the dataset")
     return lines
@@ -48,7 +52,8 @@ def cost_lines(sweep: Sweep, workers: int | None = None, parts: int = 1) -> list
 def _timed_answers(sweep: Sweep, points: Sequence[ScenePoint]) -> tuple[list[Answer], list[float]]:
     """Returns the answers of a sweep at its first points, and the CPU time [s] of the timed ones.
 
-    The first point is timed only if it took so long that it stayed the only one.
+    The first point, which loads the kernels, is timed only if it took so long that it stayed the
+    only one; otherwise there is one time less than answers.
     """
     answers, seconds = [], []
     start = time.monotonic()

@@ -43,13 +43,14 @@ class KeptVariables:
     """Choice of the variables of a sweep: some by name, or all."""
 
     what: str  # solve, life or function
-    names: tuple[str, ...] | None
-    with_worst: bool = False
+    names: tuple[str, ...] | None  # None: all
+    with_worst: bool = False  # whether to add the worst values along a life
 
     @classmethod
     def of(cls, keep: str | Sequence[str] | None, what: str) -> KeptVariables:
         """Returns the choice that the argument `keep` of `bearingwear.sweep` makes.
 
+        keep: names of variables or one name, "extremes", "study" (of a solve), or None for all.
         what {"solve", "life", "function"}: that the sweep computes.
         SceneError: a name that no result has, or the extremes of something other than a life.
         """
@@ -98,7 +99,7 @@ class KeptVariables:
         return {"values": values, "attrs": attrs, "scene": layout, "worst": worst}
 
     def _has(self, name: str) -> bool:
-        """Whether the choice keeps a variable of a name."""
+        """Whether the choice keeps a variable of a name, or a dataset needs it in any case."""
         return self.names is None or name in (*self.names, "status", "end_criterion")
 
 
@@ -130,7 +131,11 @@ def _check_names(names: Iterable[str], what: str) -> None:
 def points_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset:
     """Returns a dataset of answers along `point`, with codes; NaN where a point has no value.
 
-    answers: of `kept.of_function` or `kept.of_result`, or of refused points.
+    Its attributes are `fidelity` (all models used), `warnings`, and `problem`: that of the first
+    refused point, empty without one.
+
+    answers: of `kept.of_function` or `kept.of_result`, or of refused points; at least one of a
+        solve or a life is not refused.
     """
     from bearingwear.studies.dataset import dataset_of_rows
 
@@ -159,8 +164,8 @@ def points_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset
 def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Dataset:
     """Returns a dataset of solves or lives along `point`.
 
-    Refused points have NaN in the layout of the first solved one. The names of the phases of a
-    duty are kept where all points have the same.
+    Refused points have NaN in the layout of the first solved one, of which there must be one. The
+    names of the phases of a duty are kept where all points have the same.
     """
     from bearingwear.results.netcdf import stacked_datasets
     from bearingwear.solvers.result import Result
@@ -189,9 +194,9 @@ def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Datas
 
 
 def _answers_of_equal_shapes(answers: Sequence[Answer]) -> list[Answer]:
-    """Returns the answers of a function, where one with values of another shape is refused.
+    """Returns the answers of a function; one with a value of another shape becomes a refused one.
 
-    The first answer that has a value decides its shape.
+    The first answer that has a value of a name decides the shape of all values of that name.
     """
     first_shapes: dict[str, tuple[int, ...]] = {}
     checked: list[Answer] = []
@@ -210,7 +215,10 @@ def _answers_of_equal_shapes(answers: Sequence[Answer]) -> list[Answer]:
 def _variables_of_rows(rows: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
     """Returns variables for the values that a function returned, by their names.
 
-    The dimensions of an array `a` are `a_0`, `a_1` and so on.
+    They are texts, or numbers as `float`. The dimensions of an array `a` are `a_0`, `a_1` and so
+    on.
+
+    rows: values at each point; the first row with a name decides the type and the dimensions.
     """
     variables = table(STATUS)
     for row in rows:
@@ -224,7 +232,13 @@ def _variables_of_rows(rows: Sequence[Mapping[str, Any]]) -> dict[str, Variable]
 
 
 def whole_sweep(results: xr.Dataset, points: SweepPoints) -> xr.Dataset:
-    """Returns results along `point` over the dimensions of the sweep, with names for codes."""
+    """Returns results along `point` over the dimensions of the sweep, with names for codes.
+
+    The attribute `changed_keys` gets the key of each dimension or coordinate as JSON, `message` a
+    line on unsolved points. The attributes that only parts need are left out.
+
+    results: dataset of `points_dataset` at all points, in their order.
+    """
     from bearingwear.results.labels import labelled
     from bearingwear.studies.dataset import reshaped_dataset
 
@@ -247,7 +261,10 @@ def part_of_sweep(
 ) -> xr.Dataset:
     """Returns the results of a part of a sweep along `point`, with names for codes.
 
-    points: of the whole sweep, which become an attribute.
+    The attributes `points`, `part` ("3/10") and `message`, a line on unsolved points, are set.
+
+    results: dataset of `points_dataset` at the points of the part.
+    points: of the whole sweep.
     numbers: of the points of the part, among all points.
     part: number of the part, and number of parts.
     """
@@ -301,7 +318,8 @@ def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
 def _part_datasets(paths: Iterable[str | Path]) -> list[xr.Dataset]:
     """Returns the datasets of all parts of a sweep, in the order of the paths.
 
-    CaseFileError: as of `gathered_parts`.
+    paths: at least one.
+    CaseFileError: a file that is no part, a part of another sweep, a repeated or a missing part.
     """
     from bearingwear.results.netcdf import CaseFileError, load_kind
 
@@ -329,7 +347,9 @@ def _part_datasets(paths: Iterable[str | Path]) -> list[xr.Dataset]:
 
 
 def sweep_warnings(results: xr.Dataset) -> list[str]:
-    """Returns lines on unsolved points of a sweep, and on the warnings of the solved ones.
+    """Returns a line on the unsolved points of a sweep, then one for each warning of the others.
+
+    The list is empty if all points were solved without a warning.
 
     results: of a whole sweep, or of a part, with names for codes.
     """
@@ -340,8 +360,9 @@ def sweep_warnings(results: xr.Dataset) -> list[str]:
 
 
 def _message(results: xr.Dataset, problem: str) -> str:
-    """Returns a line on how many points were not solved, by status.
+    """Returns a line on how many points were not solved, by status, or that all were.
 
+    results: with names for codes.
     problem: of the first refused point, empty without one.
     """
     statuses = results["status"].values.ravel().tolist()

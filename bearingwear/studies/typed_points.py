@@ -18,7 +18,10 @@ MOST_ON_AN_AXIS = 100_000
 
 
 def typed_points(axes: Sequence[str], rows: Path | None) -> Any:
-    """Returns the points of a sweep from options: axes by key, or a list of rows by key.
+    """Returns the points of a sweep from options.
+
+    They are a dict with the list of values of each key for axes, or a list with a dict for each row
+    of a table, with a value for each key.
 
     axes: texts `KEY=VALUES`.
     rows: path of a table, if there are no axes.
@@ -46,9 +49,12 @@ def typed_points(axes: Sequence[str], rows: Path | None) -> Any:
 def _yaml_list(key: str, text: str) -> str:
     """Returns the values of an axis as a list in YAML.
 
-    text: values with commas between them, or LOW:HIGH:COUNT for evenly spaced numbers.
+    text: values with commas between them, or LOW:HIGH:COUNT for evenly spaced numbers from LOW to
+        HIGH, both included.
+    SceneError: numbers with colons between them that are not LOW:HIGH:COUNT, or with hyphens.
     """
-    if not re.fullmatch(r"[-+.eE\d]+(?:[:-][-+.eE\d]+)+", text):
+    # numbers between colons, or hyphens as in 5-9; that of 1e-5 is no separator
+    if not re.fullmatch(r"[-+.eE\d]+(?:(?::|(?<![eE])-)[-+.eE\d]+)+", text):
         return f"[{text}]"
     try:
         low_text, high_text, count_text = text.split(":")
@@ -63,7 +69,13 @@ def _yaml_list(key: str, text: str) -> str:
 
 
 def _table_rows(path: Path) -> list[dict[str, Any]]:
-    """Returns the lines of a CSV file below its header as values by key. Raises SceneError."""
+    """Returns a dict of values by key for each line of a CSV file below its header.
+
+    Empty lines are left out.
+
+    SceneError: a file that cannot be read, without a header of different keys or without a row, or
+    a line that has too few or too many values or one that is not YAML.
+    """
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeError) as error:

@@ -20,11 +20,17 @@ from bearingwear.studies.run_step import NotSolved
 
 
 def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
-    """Step: returns a line that says that all was solved, or lines on what was not.
+    """Step: returns a text with the number of solved cases and lives, or with the unsolved ones.
 
-    paths: study files and files of wear life; maps, which keep the status of each life, need none.
-    unsolved_is {"error", "warning"}: what an unsolved case or life is.
-    NotSolved: an unsolved case or life, if that is an error.
+    The text is one line if all cases and lives were solved. Otherwise it counts the unsolved ones,
+    and has a line for each (see `unsolved_lines`).
+
+    paths: study files and files of wear life. Without any, as in a study of design maps alone, the
+        text says that nothing was checked.
+    unsolved_is {"error", "warning"}: whether an unsolved case or life raises `NotSolved`, or the
+        text goes to standard error as a warning and is returned.
+    NotSolved: there is an unsolved case or life, and that is an error.
+    CaseFileError: a file of another kind.
     """
     if not paths:
         return "nothing to check; cases and lives in maps keep their status\n"
@@ -41,7 +47,8 @@ def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
 def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
     """Returns the number of cases and lives in files, and a line for each unsolved one.
 
-    The line names the file and the reason. A life that no criterion ends counts as solved.
+    The line names the file and the reason. A case is named by a file of its own beside the study,
+    even where several cases share a file. A life that no criterion ends counts as solved.
 
     paths: study files and files of wear life.
     CaseFileError: a file of another kind.
@@ -70,7 +77,7 @@ def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
 
 
 def _case_at(status: xr.DataArray) -> Case:
-    """Returns the case at the coordinates of a single status; a life has no loss, thus zero."""
+    """Returns the case at the coordinates of a single status; that of a life has a loss of 0."""
     return Case(
         preload_method=PRELOAD_METHODS[int(status["preload_method"])],
         friction=float(status["friction"]),

@@ -50,7 +50,7 @@ def powers(velocity, place, n, stiffness, damping):
 
 @pytest.mark.parametrize("speed", [1e-4, 1e-3, 1e-1])
 def test_slopes_of_friction_heat_and_damping_power_agree_with_differences(speed):
-    """By velocity and place of a contact, for speeds below and beyond the regularisation."""
+    """Slopes are by velocity and place of a contact, at speeds around the regularisation."""
     random = np.random.default_rng(3)
     n, velocity = random.normal(size=(2, 3))
     n, velocity, place = n / np.linalg.norm(n), speed * velocity, np.zeros(3)

@@ -56,7 +56,7 @@ def points_of(rule, c, contact=CONTACT, v_r=V_R):
 
 
 def test_places_across_have_the_same_bits_wherever_they_lie_in_memory():
-    """The order of their sum does not depend on how close together the two arrays lie."""
+    """Two arrays lie n to 199 numbers apart in memory; their order of summation is the same."""
     rule, c = ellipse_rule("split", 5, 8), (3.0, 0.02, 5.0, 4e5)
     n, memory, results = rule.across.size, np.zeros(512), set()
     for distance in range(n, 200):
@@ -96,7 +96,7 @@ def differences(c, points, result):
 @pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])
 @pytest.mark.parametrize("c", SLIPS)
 def test_gradient_and_hessian_of_the_potential_agree_with_differences(c, rule):
-    """At points that are held; the errors of the differences are those of test_friction.py."""
+    """Points are held; 1e-5 and 1e-6 are the errors of differences (see test_friction.py)."""
     points = points_of(rule, c)
     _, gradient, hessian = sums(c, points)
     size = np.abs(gradient / SCALE).max()
@@ -112,6 +112,11 @@ def test_gradient_and_hessian_of_the_potential_agree_with_differences(c, rule):
 
 @pytest.mark.parametrize("c", SLIPS)
 def test_one_point_across_the_ellipse_gives_the_sums_along_a_line(c):
+    """A point in the middle of each strip, without width, is the line of the strips.
+
+    Sums, gradient, Hessian and QV agree to rounding. The fifth force is the first over the mean
+    height, to 2e-3.
+    """
     t, weight = gauss_halves(30)
     h = np.empty(t.size)
     surface_height(CONTACT, R, t, h)
@@ -145,7 +150,10 @@ def test_an_opposite_gyroscopic_slip_gives_the_mirrored_friction(c, rule):
 @pytest.mark.parametrize("make", [chebyshev, chebyshev_halves])
 @pytest.mark.parametrize("n", [1, 2, 4, 7, 12])
 def test_points_across_integrate_a_semi_ellipse(make, n):
-    """Weights, symmetry, and the mean of y^2; only the halves have that of |y| exactly."""
+    """The weights sum to 1, the mean of y^2 is 1/4, and places are symmetric.
+
+    Only the rule of two halves has the mean of |y|, 4/(3 pi), exactly.
+    """
     across, share = make(n)
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
     assert_allclose(across, -across[::-1], atol=1e-16)
@@ -216,7 +224,7 @@ def test_the_torque_of_pure_spin_on_a_line_has_a_closed_form():
     ids=["default points", "fixed points"],
 )
 def test_few_points_give_the_torque_of_pure_spin(rule, error):
-    """At the ellipticity of gyro_s1's outer contact; the error of fixed points is 2.5e-4."""
+    """The ellipticity is that of gyro_s1's outer contact; fixed points err by 2.5e-4."""
     kappa = 3.07
     contact = CONTACT._replace(b=CONTACT.a / kappa)
     exact = 3 / 8 * MU * contact.Q * contact.a * ellipe(1.0 - kappa**-2)
@@ -225,7 +233,7 @@ def test_few_points_give_the_torque_of_pure_spin(rule, error):
 
 
 def test_heathcote_slip_agrees_with_johnson():
-    """Without spin and gyroscopic slip: Contact Mechanics, 8.5 (line slip, close conformity).
+    """There is no spin and no gyroscopic slip: Contact Mechanics, 8.5 (line, close conformity).
 
     Without a net force there is no slip at 0.34730 a, and the moment is 0.08057 mu Q a^2/R.
     """

@@ -40,6 +40,7 @@ def friction(points, c, v_r=V_R, size=5, contact=CONTACT, even=False):
 
 @pytest.mark.parametrize("c", SLIPS)
 def test_fixed_points_give_the_sums_of_the_steady_rule(c):
+    """Both take the same points, so that sums and slopes agree to rounding."""
     points = points_of(ellipse_rule("gauss", 40, 5), c)
     gradient, hessian = np.empty(5), np.empty((5, 5))
     ellipse_slopes(CONTACT, c, MU, V_R, points, gradient, hessian)
@@ -83,7 +84,7 @@ def spin_slip(gyroscopic, rolling, sign):
 
 @pytest.mark.parametrize("spin", SPINS)
 def test_few_points_give_qv_within_a_thousandth(spin):
-    """Both in time and in the steady state (20 x 8); forces in time within 5e-3 mu Q."""
+    """It holds in time and for 20 x 8 steady points; forces in time err by 5e-3 mu Q at most."""
     c = spin_slip(*spin)
     few, many = friction(SPREAD, c, 1e-4)[0], friction(FINE, c, 1e-4)[0]
     steady = ellipse_sums(

@@ -74,7 +74,7 @@ def test_the_moment_of_pure_spin_on_a_film_has_a_closed_form(kappa):
 
 @pytest.mark.parametrize("c", SLIPS)
 def test_film_friction_in_time_is_that_of_the_steady_state(c):
-    """With many points of either rule; on a line their points are the same."""
+    """Both have many points over the ellipse, and the same points on a line."""
     ellipse = ellipse_sums(FILM, c, MU_EVEN, V_R, film_points(ellipse_rule("split", 200, 64), c))
     computed, _ = friction(spread_ellipse(25, 32), c, contact=FILM, even=True)
     assert_allclose(computed[:5] / SCALE, ellipse[:5] / SCALE, atol=1e-5 * MU_EVEN * FILM.Q)
@@ -86,7 +86,9 @@ def test_film_friction_in_time_is_that_of_the_steady_state(c):
 
 @pytest.mark.parametrize("c", SLIPS)
 def test_slopes_of_film_friction_agree_with_differences(c):
-    """At held points, and with many points in time, which move; the potential is convex."""
+    """Points are held in the steady state and move in time, where many are taken.
+
+    The potential is convex: the Hessian by the four slip coefficients is positive definite."""
     points, gradient, hessian = (
         film_points(ellipse_rule("split", 24, 8), c),
         np.empty(5),
@@ -156,7 +158,7 @@ def balance_with_mean_law(problem):
 
 
 def test_an_even_film_takes_an_eighth_more_power_than_hertz_pressure(film_problem):
-    """At the same motion and mean coefficient; pure spin would give 1.132 (closed form).
+    """Motion and mean coefficient are the same; pure spin would give 1.132 (closed form).
 
     The ratios of both scenes are golden. QV, by which wear is counted, is the same.
     """

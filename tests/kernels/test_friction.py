@@ -85,6 +85,7 @@ def test_gradient_is_the_slope_of_the_potential(c):
 
 @pytest.mark.parametrize("c", SLIPS)
 def test_hessian_is_the_slope_of_the_gradient(c):
+    """It is symmetric to the last bit and positive definite, and agrees with differences."""
     scale = np.array([R, 1.0, R, CONTACT.a])
     scale = scale[:, None] * scale
     _, _, hessian = sums(c)

@@ -77,7 +77,7 @@ def test_ellipses_satisfy_hertz_equations():
 
 
 def test_the_ellipticity_does_not_depend_on_the_start_of_newton():
-    """"""
+    """NaN is no start; 0, 1 and 5 for ln(kappa) lead to the same contact, to rounding."""
     cold = race_contact(B218, -1.0, B218.D0, 0.8, math.nan)
     for start in (0.0, 1.0, 5.0):
         assert_allclose(race_contact(B218, -1.0, B218.D0, 0.8, start), cold, rtol=1e-13)

@@ -39,7 +39,7 @@ def test_the_integral_of_the_pressure_is_the_load():
 
 
 def test_stiffness_approach_and_energy_follow_from_the_contact_load():
-    """By differences, inversion and quadrature of Q = K d^1.5."""
+    """Differences, inversion and quadrature of Q = K d^1.5 give them."""
     K, d = 3.3e9, 7e-7
     Q, step = contact_load(K, d), 1e-5 * d
     slope = (contact_load(K, d + step) - contact_load(K, d - step)) / (2.0 * step)

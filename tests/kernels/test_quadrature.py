@@ -1,6 +1,7 @@
 """The rule whose points gather at the pure-rolling points of each contact."""
 
 import dataclasses
+import itertools
 import math
 
 import numpy as np
@@ -66,7 +67,7 @@ def adaptive_sums(c, v_r):
     return [
         sum(
             quad(lambda t, i=i: values(t)[i], a, b, epsabs=1e-13, epsrel=1e-10)[0]
-            for a, b in zip(edges, edges[1:], strict=False)
+            for a, b in itertools.pairwise(edges)
         )
         for i in range(5)
     ]
@@ -94,7 +95,10 @@ def test_against_adaptive_quadrature(roots, c_1, v_r):
 
 @pytest.mark.parametrize("c_1", [0.0, 0.5])
 def test_sums_are_continuous_where_two_rolling_points_merge_and_vanish(c_1):
-    """They do not jump, and agree with 4000 Gauss points on both sides."""
+    """Two roots lie 1e-6 apart; a lift of the slip parts or removes them in 41 steps.
+
+    No step changes a sum by 0.05, and 4000 Gauss points have the forces to 3e-4, on both sides.
+    """
     c_1, c_0, c_h, c_x = slip_with_roots(0.3, 0.3 + 1e-6, c_1)
     rule, fine_rule = ellipse_rule("split", 40), ellipse_rule("gauss", 4000)
     slips = [(c_1, c_0 - lift, c_h, c_x) for lift in np.linspace(-1e-4, 1e-4, 41)]
@@ -107,7 +111,7 @@ def test_sums_are_continuous_where_two_rolling_points_merge_and_vanish(c_1):
 def test_sums_hardly_change_where_a_far_rolling_point_is_left_out():
     """The points of the rule jump there."""
     rule = ellipse_rule("split", 40)
-    for c_1 in (0.0, 0.5):
+    for c_1 in (0.0, 0.5):  # a root inside the ellipse, the other on either side of FAR
         inside = sums(rule, slip_with_roots(0.02, FAR - 1e-9, c_1), 1e-3)
         outside = sums(rule, slip_with_roots(0.02, FAR + 1e-9, c_1), 1e-3)
         assert_allclose(inside[0], outside[0], rtol=1e-6)
@@ -127,7 +131,7 @@ def test_rolling_points_are_roots_of_the_slip(roots):
 
 
 def test_degenerate_slip_gives_finite_points():
-    """Without slip, with spin alone, with equal slip everywhere; the weights add up to 1."""
+    """Slip is zero, spin alone, or equal everywhere; the weights add up to 1."""
     rule = ellipse_rule("split", 40)
     for c in ((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1e3), (0.0, 1.0, 0.0, 0.0), (5.0, 0, 0, 0)):
         for v_r in (0.0, 1e-9, 1e-3):
@@ -143,7 +147,7 @@ def test_degenerate_slip_gives_finite_points():
 @pytest.mark.parametrize("mu", [0.02, 0.11])
 @pytest.mark.parametrize("v_r", [1e-3, 1e-6])
 def test_forty_points_give_qv_of_a_steady_state_to_3e_5(scene, mu, loss, v_r):
-    """Against 2000 Gauss points (measured: 1.4e-5), with hardly more steps of Newton's method."""
+    """2000 Gauss points differ by 1.4e-5 at most; Newton's method takes 5 steps more at most."""
     changes = {
         "operation.preload_method": "fixed_position",
         "friction.ball_race": mu,
@@ -163,7 +167,7 @@ def test_forty_points_give_qv_of_a_steady_state_to_3e_5(scene, mu, loss, v_r):
 
 
 def test_forty_points_give_the_motion_of_four_hundred(scene):
-    """For half a turn from a motion off the steady state."""
+    """After 1 ms, half a turn, from 3 % in spin and 50 rad/s off the steady state."""
     s = scene("gyro_s1")
     u = ThrustProblem.of(s).solve(2e-3).u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0]
     motions = []

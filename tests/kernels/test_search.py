@@ -69,6 +69,7 @@ def test_each_orbit_rate_has_one_angular_velocity(scene, share):
 
 
 def test_the_force_on_the_orbit_changes_sign_at_the_steady_state(scene):
+    """F is relative to friction: 0 at the steady rate, over 0.5 at a tenth to either side of it."""
     problem, D, case = solved_problem(scene("gyro_s1"))
     v_r = problem.op.v_r
     assert abs(balance_at_share(problem, D, case, 1.0, v_r=v_r)[0].F) < 1e-9
@@ -78,7 +79,7 @@ def test_the_force_on_the_orbit_changes_sign_at_the_steady_state(scene):
 
 @pytest.mark.parametrize("share", [0.6, 0.97, 1.01, 1.4])
 def test_the_slope_of_the_force_on_the_orbit_agrees_with_differences(scene, share):
-    """With balls so light that the loads do not depend on the orbit rate."""
+    """dF/dOmega of balls so light that the loads do not depend on the orbit rate."""
     problem, D, case = solved_problem(scene("gyro_s1"), rho=1e-3)
     computed, u = balance_at_share(problem, D, case, share)
     step = 1e-5
@@ -87,7 +88,7 @@ def test_the_slope_of_the_force_on_the_orbit_agrees_with_differences(scene, shar
 
 
 def test_without_gyroscopic_moment_the_force_on_the_orbit_only_falls(scene):
-    """So that there is one steady state."""
+    """Its slope is never positive (1e-12 for rounding), so that there is one steady state."""
     problem, D, case = solved_problem(scene("gyro_s1"), rho=1e-3)
     for share in np.linspace(0.05, 2.5, 40):
         assert balance_at_share(problem, D, case, share)[0].slope <= 1e-12

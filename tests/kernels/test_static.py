@@ -35,16 +35,16 @@ def race_at_rest(g, F_a, F_r, start=(0.0, 0.0, 0.0), tilt=0.0):
     status, residual, _ = race_equilibrium(
         g,
         np.full(g.n_balls, g.D0),
-        np.zeros((g.n_balls, 6)),
+        np.zeros((g.n_balls, 6)),  # balls without orbit or forces of their own
         psi,
         np.array([F_a, 0.0, F_r]),
         tilt,
-        0,
+        0,  # the race moves in all directions from the first on
         delta,
         rows,
     )
     assert status == OK
-    assert residual < 1e-9 * 1000.0
+    assert residual < 1e-9 * 1000.0  # [N], of the loads here
     return delta, rows, psi
 
 
@@ -68,7 +68,8 @@ def test_a_combined_load_with_free_tilt_agrees_with_a_commercial_program():
 
     def moment(tilt):
         _, rows, psi = race_at_rest(g, 1000.0, 1000.0, (1e-5, 0.0, 1e-5), tilt)
-        return (rows[:, 17] * np.cos(psi) * g.R_i).sum()
+        axial_force = rows[:, 17]  # of each ball on the inner race
+        return (axial_force * np.cos(psi) * g.R_i).sum()
 
     tilt = brentq(moment, -6e-3, 6e-3, xtol=1e-14)
     delta, _, _ = race_at_rest(g, 1000.0, 1000.0, (1e-5, 0.0, 1e-5), tilt)
@@ -82,8 +83,8 @@ def test_a_heavy_radial_load_unloads_the_far_balls():
     """The balls that stay loaded carry the whole load."""
     g = deep_groove(0.0)
     _, rows, psi = race_at_rest(g, 200.0, 3000.0)
-    unloaded = rows[:, 5] == 0.0
-    assert 0 < unloaded.sum() < g.n_balls
-    radial = (rows[:, 5] * np.cos(rows[:, 3]) * np.cos(psi)).sum()
-    axial = (rows[:, 5] * np.sin(rows[:, 3])).sum()
+    alpha_i, Q_i = rows[:, 3], rows[:, 5]
+    assert 0 < (Q_i == 0.0).sum() < g.n_balls
+    radial = (Q_i * np.cos(alpha_i) * np.cos(psi)).sum()
+    axial = (Q_i * np.sin(alpha_i)).sum()
     assert_allclose([radial, axial], [3000.0, 200.0], rtol=1e-10)

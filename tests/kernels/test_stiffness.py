@@ -77,7 +77,7 @@ def stiffness(g, D, states):
 )
 @pytest.mark.parametrize("part", [0.0, 0.5, 2.5])
 def test_the_stiffness_matrix_agrees_with_differences_of_forces(g, F_x, Omega, part):
-    """Under thrust, under all five loads, and where some balls have lost contact."""
+    """The race is under thrust, under all five loads, and where some balls have lost contact."""
     delta = static_displacement(g, F_x)
     q = delta * np.array([1.0, 0.2 * part, 0.4 * part, -0.2 * part / g.R_i, 0.1 * part / g.R_i])
     D = g.D0 - 0.02 * delta * np.arange(g.n_balls) / g.n_balls
@@ -93,7 +93,7 @@ def test_the_stiffness_matrix_agrees_with_differences_of_forces(g, F_x, Omega, p
 
 
 def test_the_stiffness_matrix_is_symmetric_and_positive_definite():
-    """In 500 random bearings under thrust, speed and small loads."""
+    """It is so in 500 random bearings under thrust, speed and small loads."""
     random = np.random.default_rng(6)
     count = 0
     while count < 500:

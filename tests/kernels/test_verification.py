@@ -1,4 +1,4 @@
-"""The checks after a solve must say no: each is fed a wrong state."""
+"""The checks after a solve reject wrong states."""
 
 import numpy as np
 import pytest

@@ -67,7 +67,7 @@ def skew_depth(x):
 
 
 def test_a_groove_is_a_spline_with_level_ends():
-    """As SciPy's clamped spline."""
+    """Its pieces are those of SciPy's clamped spline, whose slope vanishes at both ends."""
     x = np.linspace(-3.0, 4.0, 57)
     depth, c = np.exp(-((x - 0.3) ** 2)), np.empty((4, 56))
     spline_pieces(x[1] - x[0], depth, c)
@@ -88,6 +88,7 @@ def test_without_wear_a_contact_is_that_of_hertz(side):
 
 @SIDES
 def test_an_even_depth_only_shifts_the_approach(side):
+    """The load is that of Hertz at an approach without the depth, from either reference."""
     deep = 0.3 * APPROACH
     race, hertz = worn_race(side, lambda x: np.full_like(x, deep))
     y = place_of_ball(side, APPROACH + deep)
@@ -102,6 +103,10 @@ def test_an_even_depth_only_shifts_the_approach(side):
 
 @SIDES
 def test_bodies_of_twice_the_size_carry_four_times_the_load(side):
+    """All lengths are doubled, also the depth of the groove over its place; the peak is the same.
+
+    A coefficient of the power p of the place [m] goes as 2^(1 - p).
+    """
     race, _ = worn_race(side, skew_depth)
     force = worn_force(G, D, race, side, 0.0, *place_of_ball(side))
     lengths = ("D0", "dm", "BD", "R_o", "R_i", "r_i", "r_o")
@@ -118,7 +123,7 @@ def test_bodies_of_twice_the_size_carry_four_times_the_load(side):
 
 @SIDES
 def test_the_tangent_is_symmetric_with_a_skew_profile(side):
-    """So that the force is conservative; without the tangential force T it is not."""
+    """The force is conservative. Without the tangential force T its tangent is not symmetric."""
     race, _ = worn_race(side, skew_depth, (96, 16))
     # off the angle at which the groove was worn
     y = place_of_ball(side, 1.1 * APPROACH, ALPHA + 0.01)
@@ -146,7 +151,10 @@ def test_the_tangent_is_symmetric_with_a_skew_profile(side):
 
 @SIDES
 def test_a_groove_pulls_back_a_ball_whose_angle_grows(side):
-    """The ball leaves its groove: to +X outside, to -X inside. The load rises."""
+    """A larger angle moves the ball beside its groove: to +X outside, to -X inside.
+
+    The tangential force T points back, and the load rises.
+    """
     race, _ = worn_race(side, lambda x: 0.5 * APPROACH * np.exp(-(x**2)))
     in_groove, beside_groove = (
         worn_force(G, D, race, side, 0.0, *place_of_ball(side, alpha=ALPHA + angle))

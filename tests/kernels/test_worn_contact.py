@@ -109,6 +109,7 @@ def test_a_solved_contact_passes_its_check(cells, name):
 def test_the_contact_check_rejects_wrong_depths_and_pressures(cells):
     wear = PROFILES["skew"](cells.X)
     pressure = solved_pressure(cells, wear)
+    # 1e-6 deeper leaves a gap of nearly as much; 0.1 less deep, the bodies overlap
     assert contact_check(cells, check_influence(cells), wear + 1e-6, pressure).gap > 0.9e-6
     assert contact_check(cells, check_influence(cells), wear - 0.1, pressure).overlap > 0.01
     pressure[0, 20] *= -1.0
@@ -117,7 +118,7 @@ def test_the_contact_check_rejects_wrong_depths_and_pressures(cells):
 
 def test_a_failed_contact_solve_has_a_status(cells):
     work = contact_buffers(48, 10)
-    deep = -1.5 * np.ones(48)
+    deep = -1.5 * np.ones(48)  # a hill, by which the contact outgrows its cells
     assert worn_pressure(cells, deep, work, cells.fresh.copy())[0] == code.BEYOND_GROOVE
     unknown = np.full(48, math.nan)
     assert worn_pressure(cells, unknown, work, cells.fresh.copy())[0] == code.NOT_CONVERGED
@@ -129,7 +130,10 @@ def test_a_ball_off_the_groove_has_no_pressure(cells):
 
 @pytest.mark.parametrize("spin", [0.0, 1.0])
 def test_with_a_fixed_width_pressure_times_slip_becomes_even(spin):
-    """For a constant load, no wear beyond +-a, and |v| = 1 or sqrt(X^2 + 0.3^2)."""
+    """Wear goes on until pressure times slip is even, to 2 %; the load stays half of Hertz's.
+
+    Nothing wears beyond X = +-1. The slip is 1 everywhere, or sqrt(X^2 + 0.3^2) with spin.
+    """
     strips = 40
     _, cells = contact_cells(math.log(KAPPA), -1.0, 1.0, FULL_WIDTH, strips, 8)
     work, pressure = contact_buffers(strips, 8), cells.fresh.copy()

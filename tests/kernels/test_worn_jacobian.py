@@ -21,7 +21,7 @@ FILM = {
 
 @pytest.mark.parametrize("changes", [{}, FILM], ids=["coulomb", "film"])
 def test_the_jacobian_of_the_friction_of_worn_contacts_agrees_with_differences(scene, changes):
-    """To 1e-5 of the largest term, and 1e-4 of the largest in each row."""
+    """They differ by 1e-5 of the largest term, and 1e-4 of the largest in each row, at most."""
     problem = ThrustProblem.of(scene("gyro_s1", LINE | {"model.contact": "worn"} | changes))
     bearing = WornBearing(problem, problem.solve(problem.g.D0), 0.0, (32, 8))
     wear = bearing.unworn()
@@ -37,7 +37,7 @@ def test_the_jacobian_of_the_friction_of_worn_contacts_agrees_with_differences(s
         worn_friction_balance(g, op, point.D, point.seat, op.v_r, rule, work, u, out)
         return out
 
-    residual(point.u)
+    residual(point.u)  # which fills the Jacobian
     analytic, step = work.jacobian.copy(), 1e-3 * op.v_r / (0.5 * point.D)
     J = np.column_stack(
         [(residual(point.u + h) - residual(point.u - h)) / (2.0 * step) for h in step * np.eye(4)]

@@ -43,7 +43,10 @@ def steady_life(contact, *changes):
 
 
 def history_at(values, time, name, bearing=...):
-    """A history of a bearing at a time, between its points by straight lines."""
+    """Returns a history at a time [s], between its points by straight lines.
+
+    bearing: 0 or 1 of a pair; by default the values are those of a single bearing.
+    """
     return np.interp(time, values["history_time"], values[f"history_{name}"][bearing])
 
 
@@ -160,8 +163,9 @@ def test_a_life_has_each_effect_in_every_arrangement(model, film, warm):
         values = short_life(model, *film, *arrangement, *warm)
         check_effects(values, film, warm, is_mixed)
         if is_mixed:
+            # one has a film and the other none: a tenth is far less than their frictions differ by
             first, second = at_end(values, "friction_used_by_gyroscopic_moment")
-            assert abs(second / first - 1.0) > 0.1, name  # their frictions differ by far more
+            assert abs(second / first - 1.0) > 0.1, name
         lives[name] = values["life"]
     assert lives["alike"] == lives["single"]
     of_rotor = lives["alike, by way of the rotor"]

@@ -22,6 +22,7 @@ from bearingwear.lives.duty.lives import (
     hertzian_duty_life,
     worn_duty_life,
 )
+from bearingwear.lives.duty.warm import _steady_warm_up
 from bearingwear.lives.duty.wearing import DutyCriteria, DutyGrooves, DutySurfaces
 from bearingwear.lives.grooves import EXACT_GROOVES, Grooves, StiffGrooves, follow_grooves
 from bearingwear.lives.life import life
@@ -32,12 +33,15 @@ from bearingwear.measures import WORST
 from bearingwear.results.life_variables import DUTY
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.checking.errors import NotAvailable
+from bearingwear.scene.read import load_scene
 from bearingwear.sides import SHARED
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.state import State
 from bearingwear.studies.design import map as design_map
+from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.map import design_point
 from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.recommend import recommendation
 from bearingwear.studies.lives.duty_report import duty_report
 from bearingwear.studies.sampling import scene_with_values
 from bearingwear.studies.uncertainty.quantiles import uncertain_lives
@@ -74,6 +78,7 @@ NOMINAL_ALONE = {"duty": {"phases": {"nominal": {"hours": 3.0}}}}
 
 
 def duty(phases, **more):
+    """Returns the block `duty` of these phases, with other keys of it."""
     return {"duty": {"phases": phases} | more}
 
 
@@ -81,12 +86,13 @@ MIXED = {"idle": {"hours": 1.0}, "nominal": {"hours": 6.5}, "fast": {"hours": 0.
 
 
 def even_life(scene):
-    """Life over a duty with Hertzian contacts, and its cycle."""
-    cycle = cycle_of(scene, 2)
+    """Returns the life over a duty with Hertzian contacts, and its cycle."""
+    cycle = cycle_of(scene, 2)  # two speeds for each start
     return hertzian_duty_life(cycle, [solver_of(item) for item in cycle.scenes]), cycle
 
 
 def hours(life):
+    """Returns the hours of a life, which has to be solved."""
     assert life.status == code.OK, code.STATUS_NAMES[life.status]
     return life.last.time / HOUR
 
@@ -154,7 +160,7 @@ def test_one_phase_wears_its_grooves_as_the_scene_itself(scene, changes):
 
 @pytest.mark.parametrize("changes", [HERTZ, HERTZ | POSITION], ids=["spring", "position"])
 def test_order_cuts_and_length_of_phases_do_not_change_a_life(scene, changes):
-    """Backwards to the last bit; cut in two, or twice as long, to rounding."""
+    """Phases in reverse order give the same bits; cut in two, or twice as long, to rounding."""
     duty_scene = scene("gyro_s1", changes | {"cases": CASES} | duty(MIXED))
     expected, _ = even_life(duty_scene)
     backwards, _ = even_life(duty_scene.with_(duty(dict(reversed(MIXED.items())))))
@@ -169,7 +175,10 @@ def test_order_cuts_and_length_of_phases_do_not_change_a_life(scene, changes):
 
 @pytest.mark.parametrize("film", [HERTZ | FILM, WORN | FILM], ids=["even", "worn"])
 def test_order_of_phases_does_not_change_a_life_whose_film_wears_through(scene, film):
-    """Cut in two, rates are summed otherwise: their last digit changes the seventh of the life."""
+    """Phases in reverse order give the same bits; one cut in two changes the seventh digit.
+
+    Rates are then summed in another order, which changes their last digit.
+    """
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.06}}
     cases = CASES | {"hot": {"friction.film.bare_ball_race": 0.3}}
     phases = {"fast": {"hours": 0.1}, "hot": {"hours": 0.7, "starts": 1.0}, "idle": {"hours": 0.3}}
@@ -180,7 +189,8 @@ def test_order_of_phases_does_not_change_a_life_whose_film_wears_through(scene, 
     results = [duty_life(filmed.with_(duty(mix, **ramps))) for mix in (phases, backwards, apart)]
     forwards_life, backwards_life, life_cut_in_two = (result.life for result in results)
     assert forwards_life.last.states[0]["film_left"].min() <= 0.0
-    assert forwards_life.last.time == backwards_life.last.time > 0.0
+    assert forwards_life.last.time == backwards_life.last.time
+    assert forwards_life.last.time > 0.0
     assert life_cut_in_two.last.time == pytest.approx(forwards_life.last.time, rel=1e-6)
     assert len({result.ending_case_index for result in results}) == 1
 
@@ -214,6 +224,7 @@ def test_hours_follow_from_the_histories_of_the_phases(scene, phases, method):
 
 
 def temperatures(inner_ring_C, balls_C, outer_ring_C):
+    """Returns the temperatures of the parts by their keys of a scene."""
     return {
         "temperature.inner_ring_C": inner_ring_C,
         "temperature.balls_C": balls_C,
@@ -236,7 +247,11 @@ def temperatures(inner_ring_C, balls_C, outer_ring_C):
     ids=["seldom fast", "cold and warm with a film", "pair that starts"],
 )
 def test_hours_follow_from_histories_at_all_speeds(scene, changes, phases, loss_um):
-    """t = integral of dL over the mean rate; each start is the mean over histories at 20 speeds."""
+    """The life is the integral of dL over the mean rate of the loss L of all phases.
+
+    Each rate is that of a life at the condition of a phase alone. A start, with its stop, has the
+    mean of 20 speeds in the middle of equal parts.
+    """
     cases = {
         "crawl": {"operation.shaft_speed_rpm": 3000.0},
         "sprint": {"operation.shaft_speed_rpm": 42000.0},
@@ -295,19 +310,21 @@ def test_points_of_a_ramp_integrate_the_rates_of_a_bearing():
 
 @pytest.mark.parametrize("method", [{}, POSITION], ids=["spring", "position"])
 def test_a_start_to_a_low_speed_wears_half_of_its_time_at_that_speed(scene, method):
+    """A duty of starts and stops alone therefore lives twice as long as its speed alone."""
     slow = {"slow": {"operation.shaft_speed_rpm": 600.0}}
     starts = duty({"slow": {"starts": 3.0}}, start_s=20.0, stop_s=60.0)
     duty_scene = scene("gyro_s1", HERTZ | method | {"cases": slow} | starts)
     result, _ = even_life(duty_scene)
     alone = duty_scene.in_cases["slow"]
     at_speed_alone = hours(surface_life(alone, solver_of(alone)))
-    # so slow that centrifugal forces, which go as the square of the speed, do not show
+    # rates go as the speed, whose mean over a ramp is half of it: 600 r/min is so slow that
+    # centrifugal forces, which go as the square of the speed, do not show
     assert 0.5 * hours(result) == pytest.approx(at_speed_alone, rel=1e-3)
 
 
 @pytest.mark.parametrize("method", [{}, POSITION], ids=["spring", "position"])
 def test_two_points_of_a_ramp_have_the_wear_of_forty_speeds(scene, method):
-    """Within 0.2 %, in a start to full speed; the forty are midpoints of equal parts."""
+    """A start to full speed has it within 0.2 %; the forty are midpoints of equal parts."""
     full = {"friction.slip_regularisation_m_s": 1e-4}
     starts = duty({"nominal": {"starts": 1.0}}, start_s=20.0, stop_s=60.0)
     duty_scene = scene("gyro_s1", HERTZ | method | full | starts)
@@ -341,9 +358,10 @@ WARMING = {
 
 @pytest.mark.parametrize("hours_on", [1.0, 0.1], ids=["warm at the end", "never warm"])
 def test_a_start_wears_at_its_own_temperatures(scene, hours_on):
-    """Rates at all instants of a warm-up, each solved with its temperatures given, summed.
+    """The life is that of the mean rate over a cycle, at the temperatures of each instant.
 
-    The two sums over the instants, straight lines here, agree within 0.2 %.
+    Temperatures are those of `warmup`; each instant is solved with them as given. Between the
+    instants the rates here are straight lines, which leaves 0.2 %.
     """
     loss = {"wear.end_of_life": {"ball_diameter_loss_um": 0.001}}  # at which rates are as new
     full = {"friction.slip_regularisation_m_s": 1e-4}
@@ -383,6 +401,7 @@ WARM_STARTS = duty({"nominal": {"hours": 1.0, "starts": 1.0}}, start_s=60.0, war
 
 
 def test_starts_that_warm_up_need_heat_capacities(scene):
+    """A network of conductances alone is refused."""
     with pytest.raises(ValueError, match="duty.warmup: got true, expected a thermal network"):
         life(scene("gyro_s1", HERTZ | POSITION | NETWORK | WARM_STARTS))
 
@@ -392,6 +411,13 @@ def test_starts_of_a_bearing_that_seizes_are_refused(scene):
     seizing |= {"thermal.conductance_W_K.ball_race": 1e-4, "friction.ball_race": 0.3}
     with pytest.raises(NotAvailable, match="got a start without a steady state"):
         life(scene("gyro_s1", HERTZ | POSITION | seizing | WARM_STARTS))
+
+
+def test_starts_of_a_bearing_without_a_state_as_mounted_are_refused(scene):
+    """With 60 um of wear, the balls no longer reach the inner race in the position set at 7 N."""
+    loose = WARMING | {"wear.ball_diameter_loss_um": 60.0}
+    with pytest.raises(NotAvailable, match="duty.warmup: got bearings without a state as mounted"):
+        _steady_warm_up(scene("gyro_s1", HERTZ | POSITION | loose), 60.0)
 
 
 # phases one after the other, with the wear carried on
@@ -426,6 +452,7 @@ class LossPhase:
         self.scene = scene
 
     def state(self, worn):
+        """Returns the solved state at a loss [m]."""
         scene = self.scene.with_({"wear.ball_diameter_loss_um": worn * 1e6})
         states = solver_of(scene)
         (state,) = states(states.bearings.start)
@@ -433,6 +460,7 @@ class LossPhase:
         return state
 
     def after(self, worn, span, at):
+        """Returns the loss after a span [s] at the rate of the loss `at` [m]."""
         return worn + span * self.state(at).rate
 
 
@@ -523,7 +551,7 @@ def test_grooves_wear_in_all_phases_at_once(scene, film):
 
 @pytest.mark.parametrize("thickness", [0.02, 0.07])
 def test_a_film_worn_through_has_the_life_of_four_times_shorter_steps(scene, thickness):
-    """Within 0.5 %: steps of 0.24 of the gap of the contact, and of 0.06."""
+    """Steps of 0.24 of the gap of the contact and of 0.06 differ by less than 0.5 %."""
     film = FILM | {"friction.film.thickness_um": thickness}
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.15}}
     filmed = scene("gyro_s1", WORN | POSITION | film | end)
@@ -567,7 +595,10 @@ SLOW_WEAR = {
 
 @pytest.fixture(scope="module")
 def life_over_duty(scene):
-    """Function (changes, phases) -> result of the life of gyro_s1 over a duty."""
+    """Returns a function (changes, phases, keys of the duty) that solves a life of gyro_s1.
+
+    By default the duty has the phases RAMPED and the keys RAMPS.
+    """
 
     def life_of(changes, phases=None, **more):
         inputs = duty(phases or RAMPED, **(RAMPS | more))
@@ -579,6 +610,7 @@ def life_over_duty(scene):
 @pytest.mark.parametrize("contact", [HERTZ, WORN], ids=["even", "worn"])
 @pytest.mark.parametrize("kind", [POSITION, RIGID | {"arrangement.external_axial_N": 1.0}])
 def test_shares_of_wear_and_time_add_up_to_one(life_over_duty, contact, kind):
+    """The share of starts is a part of that of their phase; shares along the life never fall."""
     result = life_over_duty(contact | kind)
     values = result.values
     assert result.status == "ok" and values["phase_time_share"].sum() == pytest.approx(1.0)
@@ -604,14 +636,17 @@ def test_the_phase_with_the_least_preload_ends_the_life(life_over_duty, contact)
 
 
 def test_miners_rule_holds_for_phases_that_do_not_interact(life_over_duty):
-    """They end at the loss alone, and 0.02 um hardly change their rates."""
+    """All phases end at the same loss of 0.02 um, which hardly changes their rates: to 0.1 %."""
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.02}}
     values = life_over_duty(HERTZ | end, MIXED, start_s=0.0, stop_s=0.0).values
     assert values["palmgren_miner_error"] == pytest.approx(0.0, abs=1e-3)
 
 
 def test_miners_rule_fails_where_a_phase_ends_by_what_others_wore(life_over_duty):
-    """The slow phase ends the life of all by the preload that the others took away."""
+    """The slow phase ends the life of all by the preload that the others took away.
+
+    The rule's life, 1/sum(time share/life of each phase alone), is then over by more than half.
+    """
     values = life_over_duty(HERTZ | POSITION, MIXED, start_s=0.0, stop_s=0.0).values
     share, lives = values["phase_time_share"], values["phase_life"]
     assert values["palmgren_miner_life"] == pytest.approx(1.0 / (share / lives).sum())
@@ -634,6 +669,7 @@ def test_a_phase_that_is_not_solved_is_named(scene, contact):
 
 
 def test_a_phase_that_requires_the_dynamic_model_is_refused(scene, tmp_path, capsys):
+    """Python raises an error; commands print it in one line, with exit status 2."""
     loaded = {"cases": {"idle": {"operation.radial_load_N": (1.0, 0.0)}}}
     duty_scene = scene("gyro_s1", PLAIN | loaded | duty({"idle": {"hours": 1.0}}))
     problem = "duty: got the case idle, which requires the dynamic"
@@ -681,7 +717,10 @@ def test_acceleration_of_balls_by_hand(life_over_duty):
 
 @pytest.mark.parametrize(("contact", "rtol"), [(HERTZ, 1e-3), (WORN, 2e-2)], ids=["even", "worn"])
 def test_quick_lives_by_end_and_by_case_follow_the_duty(scene, contact, rtol):
-    """Within the tolerance of quick lives they have the time of the exact one."""
+    """Three ways to a quick life have the time of the exact one, within what quick lives err by.
+
+    Cases that are not in the duty have no life; the others share one time and differ in preload.
+    """
     duty_scene = scene("gyro_s1", contact | SLOW_WEAR | POSITION | {"cases": CASES} | duty(MIXED))
     exact = life(duty_scene).values["life"]
     quick = worn_life(duty_scene) or HertzianLives(duty_scene, quick=True)(duty_scene)
@@ -726,6 +765,10 @@ def test_the_page_has_the_phases_and_their_figure(scene, tmp_path):
         block.title for block in answer.blocks_in("open")
     }
     assert "phase idle meets its criterion" in str(answer.blocks_in("lead"))
+    rows = {row.name: row for block in answer.blocks_in("open") for row in block.rows}
+    percent = 100.0 * float(dataset["palmgren_miner_error"])
+    assert numbers_in(rows["palmgren_miner_life"].note) == [float(f"{percent:.2g}")]
+    assert "more" in rows["palmgren_miner_life"].note and "palmgren_miner_error" not in rows
     assert float(dataset["life_cycles"]) > 0.0
     assert len(figure.axes) == 2  # the wear of the phases, and what is left of the preload
 
@@ -737,6 +780,36 @@ def test_the_page_names_the_phase_without_a_life(scene, tmp_path):
     bearingwear.save(scene("gyro_s1", HERTZ | bare | phases), path)
     _, stored, _ = duty_report(path)
     assert "no life over the duty: in phase still" in stored
+
+
+def test_the_page_has_the_duty_at_the_recommended_preload(scene, tmp_path):
+    """That of the longest life where no life is long enough; the input preload where none is."""
+    path, file = tmp_path / "gyro.yaml", tmp_path / "recommendation.nc"
+    changes = SLOW_WEAR | HERTZ | RIGID | {"cases": CASES} | duty(RAMPED, **RAMPS)
+    bearingwear.save(scene("gyro_s1", changes), path)
+
+    def duty_answer(limits):
+        chosen = recommendation(load_scene(path), limits)
+        chosen.to_netcdf(file)
+        lived, stored, _ = duty_report(path, file)
+        (tmp_path / "duty.json").write_text(stored)
+        return chosen, lived, load_document(tmp_path / "duty.json")
+
+    stiff = DesignLimits(system_axial_stiffness_N_um=3.0, at_speed_only=True)
+    chosen, lived, answer = duty_answer(stiff)
+    best = int(np.argmax(chosen["life"].values))
+    longest = float(chosen["life"][best])
+    assert float(lived["life"]) == pytest.approx(longest, rel=1e-9)
+    assert f"recommended preload, {float(chosen['preload'][best]):g} N" in answer.facts["beside"]
+    (table,) = [block for block in preload_document(chosen).blocks if block.title == "recommended"]
+    (cycles,) = [row.values[best] for row in table.rows if row.name == "life_cycles"]
+    assert cycles == pytest.approx(float(lived["life_cycles"]), rel=1e-9)
+    chosen, lived, answer = duty_answer(replace(stiff, life_h=2.0 * longest))
+    assert chosen["life"].isnull().all() and "longest life" in answer.facts["beside"]
+    assert float(lived["life"]) == pytest.approx(longest, rel=1e-9)
+    _, _, answer = duty_answer(replace(stiff, maximum_pressure_GPa=0.01))
+    assert "input preload" in answer.facts["beside"]
+    assert "No preload is recommended" in str(answer.blocks_in("lead"))
 
 
 def test_worst_values_of_a_duty_are_shared_by_both_bearings():
@@ -771,9 +844,9 @@ def test_a_pair_with_a_duty_is_checked_and_solved(scene, tmp_path, capsys):
 
 
 def test_requirements_hold_in_every_phase_along_one_life(scene):
-    """Extremes are the worst of the phases, not of cases that the duty does not name.
+    """Extremes of a design are the worst of the phases of the duty, not of cases outside it.
 
-    Points of a design are those of a life with other steps, hence 0.1 % for its extremes.
+    A design follows a life with other steps, hence 0.1 % for its extremes.
     """
     duty_scene = scene(
         "gyro_s1", HERTZ | SLOW_WEAR | POSITION | {"cases": CASES} | duty(RAMPED, **RAMPS)
@@ -800,7 +873,7 @@ def test_a_phase_that_is_not_solved_at_some_speed_leaves_no_preload(scene, monke
 
 
 def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):
-    """So a spread over one phase has the quantiles of the scene itself."""
+    """Its time has the same bits, by Hertzian contacts and by worn grooves."""
     alone = scene("gyro_s1", HERTZ | POSITION)
     with_duty = alone.with_(NOMINAL_ALONE)
     lives = [HertzianLives(item, quick=True)(item).last.time for item in (alone, with_duty)]
@@ -819,6 +892,7 @@ def test_a_spread_over_one_phase_is_that_of_the_scene(scene):
 
 
 def test_values_of_a_case_vary_with_those_of_the_scene(scene):
+    """Friction of a case is multiplied by the factor of the scene's own, here 1.5."""
     duty_scene = scene(
         "gyro_s1", HERTZ | POSITION | {"cases": CASES} | duty({"hot": {"hours": 1.0}})
     )

@@ -62,7 +62,10 @@ SHARE = {"wear.end_of_life": {"film_worn_share": 0.5}}
     ids=["pressed, ball", "on balls", "running in", "depth"],
 )
 def test_a_dynamic_life_with_equal_balls_agrees_with_the_steady_one(scene, changes):
-    """To 1 %, what eight steps of a dynamic life leave out; its own estimate covers that."""
+    """Eight steps of a dynamic life leave out 1 % at most, which its own estimate covers.
+
+    The estimate itself is at most 6 %, so that it says something.
+    """
     s = scene("gyro_s1", THREE_BALLS | changes)
     v, steady = life(s, "dynamic").values, life(s, "steady").values
     assert v["status"] == code.OK and v["end_criterion"] == steady["end_criterion"]
@@ -76,7 +79,11 @@ def test_a_dynamic_life_with_equal_balls_agrees_with_the_steady_one(scene, chang
 
 
 def test_a_film_lasts_as_long_as_its_depth_over_archards_rate(scene):
-    """Under a constant force hardly anything changes: h/(n K QV/(H 4 pi r a)) of a case alone."""
+    """The life is h/(n K_s QV/(H 4 pi r a)), with the values of one case: h is the thickness.
+
+    Under a constant force these hardly change. n is the number of balls, r the radius of the track
+    and a the semi-major axis: the track is 2 a wide. SHARE is met when the first track is bare.
+    """
     held = {"operation.preload_method": "constant_force"}
     s = scene("gyro_s1", THREE_BALLS | FILM | SHARE | held)
     case, v = solve(s, "steady").values, life(s, "dynamic").values
@@ -88,9 +95,10 @@ def test_a_film_lasts_as_long_as_its_depth_over_archards_rate(scene):
 
 
 def test_a_shallow_groove_is_as_deep_in_every_model(scene):
-    """0.004 um: the models with a Hertzian groove agree, the one of worn grooves is later.
+    """The models with a Hertzian groove reach a depth of 0.004 um at the same time, to 0.1 %.
 
-    Slip across its ellipse fills the valley a little.
+    The one of worn grooves reaches it up to 10 % later, because slip across its ellipse fills the
+    valley a little.
     """
     shallow = {"wear.end_of_life": {"groove_depth_um": 0.004}, "wear.track_wander": 0.0}
     base = THREE_BALLS | shallow | {"operation.preload_method": "constant_force"}
@@ -138,7 +146,7 @@ def test_a_cage_does_not_keep_a_film_from_its_end(scene):
 
 
 def test_a_film_under_a_radial_load_wears_through_when_race_control_says(scene):
-    """Within a fifth, because race control only estimates the slip that wears the film."""
+    """They agree within a fifth: race control only estimates the slip that wears the film."""
     few = {"model.simulated_turns": 3, "model.evaluated_turns": 1, "model.life_steps": 4}
     loaded = {"operation.radial_load_N": [0.3, 0.0]}
     s = scene("gyro_s1", THREE_BALLS | FILM | LOSS | few | loaded)
@@ -150,6 +158,7 @@ def test_a_film_under_a_radial_load_wears_through_when_race_control_says(scene):
 
 
 def test_without_a_state_after_its_film_the_life_ends_there(scene, monkeypatch):
+    """The solve of a bare state is made to fail: the time so far is finite and kept."""
     s = scene("gyro_s1", THREE_BALLS | FILM | LOSS)
     solved_state = Motion.state
 

@@ -13,7 +13,7 @@ END = 0.9
 
 
 class StepsAlongALine(Method):
-    """Steps of 0.5 along a line whose one criterion is met at `END`."""
+    """Steps of 0.5 along a line, whose first criterion, with the index 0, is met at `END`."""
 
     def at(self, x):
         return self.node(x, x, x)
@@ -24,7 +24,10 @@ class StepsAlongALine(Method):
 
 
 def life_with(fails):
-    """A life along a line, whose states fail where a function (place) -> bool says so."""
+    """Returns a life along a line, whose states fail where a function (place) -> bool says so.
+
+    The line begins at 0 and ends at 2.
+    """
 
     def state(x):
         return (SimpleNamespace(x=x, status=code.BEYOND_GROOVE if fails(x) else code.OK),)

@@ -17,10 +17,12 @@ POSITION = {"operation.preload_method": "fixed_position"}
 
 
 def with_tolerance(scene, tolerance):
+    """Returns a scene with another `model.tolerance`, without a check of its range."""
     return replace(scene, model=replace(scene.model, tolerance=tolerance))
 
 
 def with_end(scene, **criteria):
+    """Returns a scene whose end of life has these criteria and no others."""
     from bearingwear.scene.scene import EndOfLife
 
     return replace(scene, wear=replace(scene.wear, end_of_life=EndOfLife(**criteria)))
@@ -35,7 +37,10 @@ def with_end(scene, **criteria):
     ],
 )
 def test_a_life_is_the_integral_of_the_inverse_rate_up_to_its_criterion(scene, changes, criterion):
-    """Against SciPy's quad and brentq on single solves."""
+    """SciPy's brentq and quad on single solves give the loss at the end and the life.
+
+    Where preload or slip ends the life, brentq seeks the loss at which the criterion is met.
+    """
     s = scene("gyro_s1", changes)
     v = life(s).values
     state, end = solver_of(s).at, s.wear.end_of_life
@@ -94,6 +99,7 @@ def test_a_life_counts_what_its_scene_says(scene):
 
 
 def test_life_is_inverse_to_the_wear_coefficient(scene):
+    """The normalised life, K_s/H times the life [s/Pa], does not depend on it."""
     K, H = 5e-6, 6.6e9  # of the steel of the scene; H in Pa
     s = scene("gyro_s1", POSITION)
     values = life(s).values
@@ -118,6 +124,7 @@ def test_the_criterion_that_is_met_first_ends_the_life(scene, criteria, first):
 
 
 def test_a_criterion_met_when_new_gives_a_life_of_zero(scene):
+    """gyro_s1 has a larger share of gyroscopic slip than 0.01 when new."""
     v = life(with_end(scene("gyro_s1"), gyroscopic_slip_share=0.01)).values
     assert CRITERIA[v["end_criterion"]] == "gyroscopic_slip_share"
     assert v["life"] == 0.0

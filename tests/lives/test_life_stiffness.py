@@ -47,6 +47,7 @@ def slope_of_further_solves(side, node):
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
 def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balance):
+    """The state is the last one of a life to a loss of 0.2 um."""
     scene = scene_of(method, balance=balance, end_of_life=LOSS_OF_02_UM)
     course = StiffGrooves(scene, FEW_CELLS)
     groove_life = follow_grooves(course)
@@ -80,18 +81,17 @@ def test_a_worn_life_ends_at_the_lesser_stiffness_and_names_it(limit, lesser, ap
 
 
 @pytest.mark.parametrize(
-    ("changes", "kind"),
+    "changes",
     [
-        ((*RIGID, *LOADED), "rigid"),
-        ((*SPRING, *LOADED), "spring"),
-        ((*RIGID, "arrangement.second={friction.ball_race: 0.05}"), "unlike"),
-        (("operation.preload_method=fixed_position", NETWORK), "warm"),
-        ((*RIGID, *LOADED, NETWORK), "warm pair"),
+        pytest.param((*RIGID, *LOADED), id="rigid"),
+        pytest.param((*SPRING, *LOADED), id="spring"),
+        pytest.param((*RIGID, "arrangement.second={friction.ball_race: 0.05}"), id="unlike"),
+        pytest.param(("operation.preload_method=fixed_position", NETWORK), id="warm"),
+        pytest.param((*RIGID, *LOADED, NETWORK), id="warm pair"),
     ],
-    ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes, kind):
-    """To 0.1 %, of the cells of a groove, and have both stiffnesses at every state."""
+def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes):
+    """Cells of a groove leave 0.1 %. Every state of a life has both stiffnesses."""
     end = "wear.end_of_life={preload_fraction: 0.9, ball_diameter_loss_um: 0.1}"
 
     def life_values(contact):
@@ -119,11 +119,15 @@ FIXED = "operation.preload_method=fixed_position"
 
 
 def dynamic_life(*changes):
+    """Returns the result of a short dynamic life of gyro_s1_hertz without its cage."""
     return life(load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes]), "dynamic")
 
 
 def test_a_dynamic_life_has_the_steady_quasistatic_stiffness():
-    """That of a steady solve with the wear of the run; twice for the pair that the scene means."""
+    """It is that of a steady solve with the same wear.
+
+    The stiffness of the system is twice that, because a single bearing stands for a symmetric pair.
+    """
     changes = [FIXED, "operation.preload_N=4", "wear.end_of_life={preload_fraction: 0.8}"]
     scene = load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes])
     wearing = Motion(scene)
@@ -151,6 +155,7 @@ def test_a_dynamic_life_ends_at_the_lesser_stiffness_and_names_it():
 
 
 def test_a_dynamic_life_under_radial_load_takes_that_of_race_control():
+    """At its start it has twice the quasi-static stiffness of a solve: a symmetric pair."""
     changes = "operation.radial_load_N=[0, 1]", "wear.end_of_life={preload_fraction: 0.98}", FIXED
     values = dynamic_life(*changes).values
     start = load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes])

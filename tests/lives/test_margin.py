@@ -23,12 +23,16 @@ FACTORS_TO_95_PERCENT = 1.6448536269514722
 
 
 def loss_at_end(scene):
+    """Returns the loss of ball diameter at the end of the life [m]."""
     return life_of(scene).last.states[0].loss
 
 
 @pytest.fixture(scope="module")
 def scene():
-    """gyro_s1 with a case of high friction and drag, and a drive; friction is known to 1.2."""
+    """Returns gyro_s1 with a case of high friction and drag, and a drive of 10 mN m.
+
+    Its friction has a lognormal distribution with a geometric standard deviation of 1.2.
+    """
     plain = load_scene(scene_file("gyro_s1"))
     return plain.with_(
         {
@@ -46,7 +50,11 @@ def corners(scene):
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # of the scene, which is not the subject
 def test_margin_by_hand(scene, corners):
-    """T/(2 (3 T_b + 1.1 I) + T_L) - 1 of ECSS, T_b by a solve of the corner's own scene."""
+    """The margin of ECSS is T/(2 (3 T_b + 1.1 I) + T_L) - 1.
+
+    T is the torque of the drive, T_b that of the bearings, by a solve of the corner's own scene. I
+    is that of inertia and T_L that of the output; the scene has neither.
+    """
     mu = 0.2 * 1.2**FACTORS_TO_95_PERCENT
     loss = loss_at_end(scene.in_cases["cold"])
     hand = scene.in_cases["cold"].with_(

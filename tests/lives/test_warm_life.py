@@ -15,9 +15,9 @@ def spindle():
 
 
 def test_a_warm_bearing_wears_sooner_to_the_same_criterion(spindle):
-    """The warmer inner ring presses harder.
+    """The warmer inner ring presses harder, so that the life is shorter than without a network.
 
-    Temperatures on the way are no better than the rough balances of its states.
+    A third of it is a bound, not a figure.
     """
     warm, cold = life(spindle), life(spindle.with_({"thermal": None}))
     assert warm.status == cold.status == "ok"
@@ -26,6 +26,7 @@ def test_a_warm_bearing_wears_sooner_to_the_same_criterion(spindle):
 
 
 def test_a_required_thermal_margin_above_the_one_when_new_ends_the_life_at_once(spindle):
+    """One that is 5 % lower does not, and the life begins with the margin of a solve."""
     margin = float(solve(spindle).values["thermal_margin"])
     result = life(spindle.with_({"wear.end_of_life.thermal_margin": 1.05 * margin}))
     assert np.all(result.values["life"] == 0.0)

@@ -29,7 +29,7 @@ COULOMB = FILM | {
 }
 THICK = {"friction.film.thickness_um": 0.3, "friction.film.wear_coefficient": 5e-6}
 SOON = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}}
-K_H = 5e-6 / 6.6e9
+K_H = 5e-6 / 6.6e9  # K_s/H of the steel of gyro_s1, and of the film THICK [1/Pa]
 SPINDLE_7008 = {
     "bearing.ball_count": 17,
     "bearing.ball_diameter_mm": 7.938,
@@ -45,7 +45,10 @@ SPINDLE_7008 = {
 
 @pytest.fixture(scope="module")
 def groove_life(scene):
-    """Function (changes) -> life of gyro_s1 to a loss of 0.3 um, without estimates of errors."""
+    """Returns a function (changes) that follows gyro_s1 with worn grooves to a loss of 0.3 um.
+
+    It keeps its lives for further calls. They have no estimates of errors.
+    """
     lives = {}
 
     def life_of(changes):
@@ -146,7 +149,10 @@ def test_volume_of_the_film_is_what_archard_takes(groove_life):
 
 
 def test_wear_by_place(scene):
-    """Film where there is film, steel of K_s 1e-4 where there is none, their mean half way."""
+    """K_s is 5e-6 where there is film and 1e-4 of the steel where there is none.
+
+    The film fades over FILM_EDGE of its thickness: half way K_s is the mean of both.
+    """
     films = WornFilms.of(scene("gyro_s1", FILM | THICK | {STEEL + ".wear_coefficient": 1e-4}))
     h = 0.3e-6
     depth = h * np.array([0.0, 1.0 - FILM_EDGE, 1.0 - 0.5 * FILM_EDGE, 1.0, 2.0])
@@ -171,7 +177,7 @@ def test_the_film_of_the_balls_wears_off_both_parts_until_it_is_gone(scene, ball
 
 
 def test_a_race_runs_in_by_the_depth_of_each_place(scene):
-    """K + (K_0 - K) e^(-d/h)"""
+    """K_s at a depth d is K + (K_0 - K) e^(-d/h), with K 5e-6, K_0 5e-5 and h 0.1 um."""
     running = {f"{STEEL}.running_in": {"wear_coefficient": 5e-5, "depth_um": 0.1}}
     films = WornFilms.of(scene("gyro_s1", WORN | running))
     depth = np.array([0.0, 0.1e-6, 0.2e-6])
@@ -180,7 +186,10 @@ def test_a_race_runs_in_by_the_depth_of_each_place(scene):
 
 
 def test_the_worn_share_of_a_film_grows_place_by_place_and_ends_the_life(scene):
-    """The middle of the track goes first, at a share of a tenth next to nothing is left there."""
+    """The middle of the track is worn through first, and ends the life at a share of a tenth.
+
+    By then the film left there is a fifth of its fading edge at the most.
+    """
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7, "film_worn_share": 0.1}}
     filmed = scene("gyro_s1", FILM | THICK | {"friction.film.thickness_um": 0.2} | end)
     result = follow_grooves(Grooves(filmed))

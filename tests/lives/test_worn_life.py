@@ -40,6 +40,10 @@ def node_at(wearing, worn):
 
 
 def scene_of(method="constant_force", mu=0.08, balance="frictionless", **wear):
+    """Returns gyro_s1 with worn grooves, without its cage, to a loss of 0.3 um if `wear` has none.
+
+    wear: fields of the block `wear`. By default the track does not wander.
+    """
     base = replace(load_scene(scene_file("gyro_s1")), cage=None)
     limits = {"end_of_life": EndOfLife(ball_diameter_loss_um=0.3), "track_wander": 0.0}
     return replace(
@@ -57,6 +61,7 @@ METHODS = pytest.mark.parametrize("method", ["constant_force", "fixed_position"]
 @METHODS
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
 def test_a_groove_without_wear_is_hertz(method, balance):
+    """Its first state is the steady case of Hertzian contacts, but for differences over cells."""
     course = StiffGrooves(scene_of(method, balance=balance))
     (side,) = course.sides
     (state,) = course.completed(node_at(course, course.start)).states
@@ -82,6 +87,10 @@ def test_a_groove_without_wear_is_hertz(method, balance):
 
 @pytest.mark.parametrize("wander", [0.0, 0.1])
 def test_worn_volumes_are_those_of_archard(wander):
+    """Rates of three states, each a step further: a race loses K_s/H times QV of its nine contacts.
+
+    A ball loses that of its two contacts. It holds for a track that wanders, too.
+    """
     course = Grooves(scene_of(track_wander=wander))
     (side,) = course.sides
     bearing = side.bearing
@@ -99,8 +108,10 @@ def test_worn_volumes_are_those_of_archard(wander):
 
 
 def test_friction_of_cells_is_resolved_where_outer_races_control():
-    """The life of a high-speed 7008 at mu 0.16, whose lines of pure rolling pass cells, ends by
-    its criterion."""
+    """A life at mu 0.16, whose lines of pure rolling pass from cell to cell, ends by its criterion.
+
+    It is that of a high-speed 7008.
+    """
     scene = new(designation="7008C", speed=18000.0, friction=0.16)
     groove_life = follow_grooves(Grooves(scene.with_({"model.contact": "worn", "cage": None})))
     assert groove_life.status == code.OK
@@ -121,7 +132,7 @@ class EvenWear(Grooves):
 
 @METHODS
 def test_grooves_that_wear_evenly_have_the_hertzian_life(method):
-    """In half of the usual steps, of which each leaves out a quarter as much: to 0.1 %."""
+    """They are followed in half of the usual steps, which leave out a quarter as much: 0.1 %."""
     scene = scene_of(method)
     half_steps = EvenWear(scene, EXACT_GROOVES._replace(step=0.5 * STEP))
     even, hertz = follow_grooves(half_steps), HertzianLives(scene)(scene)
@@ -164,6 +175,7 @@ pressures and 2 % in half-lengths, as their grids say; cells and steps here are 
 
 @pytest.mark.parametrize("method, wander", OTHER_PROGRAMS)
 def test_grooves_as_they_wear_agree_with_other_programs(method, wander):
+    """Times to 1 %, QV and pressures to 2 %, and half-lengths to 5 %, of cells and steps here."""
     expected = OTHER_PROGRAMS[method, wander]
     end = EndOfLife(ball_diameter_loss_um=0.78)  # some steps beyond 0.7 um
     groove_life = follow_grooves(Grooves(scene_of(method, track_wander=wander, end_of_life=end)))
@@ -234,7 +246,7 @@ def test_the_preload_left_by_even_wear_agrees_with_other_programs():
     [("constant_force", "ball_diameter_loss_um"), ("fixed_position", "preload_fraction")],
 )
 def test_lives_with_traction_reach_their_criterion(method, criterion):
-    """With half of the cells, too, and after a time within 2 % of theirs."""
+    """Half of the cells change the life by 2 % at most."""
     end = EndOfLife(preload_fraction=0.4, ball_diameter_loss_um=0.7)
     scene = scene_of(method, balance="with_traction", track_wander=0.1, end_of_life=end)
     groove_life = follow_grooves(Grooves(scene))
@@ -245,6 +257,7 @@ def test_lives_with_traction_reach_their_criterion(method, criterion):
 
 
 def test_a_worn_life_ends_at_its_loss_and_bounds_its_errors():
+    """The bound is on the integration; the estimate is of all numerical errors, 2 % at most."""
     scene = scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))
     result = life(scene)
     v = result.values
@@ -258,7 +271,7 @@ def test_a_worn_life_ends_at_its_loss_and_bounds_its_errors():
 
 
 def test_worn_volumes_are_the_time_integral_of_qv():
-    """By trapezoids over the few steps of the history: to 1 %."""
+    """Trapezoids over the few steps of the history give it to 1 %."""
     v = life(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))).values
     time, qv = v["history_time"], v["history_qv"]
     K_H = 5e-6 / 6.6e9
@@ -268,6 +281,7 @@ def test_worn_volumes_are_the_time_integral_of_qv():
 
 
 def with_contact(scene, contact):
+    """Returns a scene with another model of its contacts."""
     return replace(scene, model=replace(scene.model, contact=contact))
 
 
@@ -302,7 +316,7 @@ def history_to_03_um():
 def test_pressure_and_depth_end_a_life_at_the_values_of_a_longer_one(
     history_to_03_um, criterion, limit, history, factor
 ):
-    """Within 3 %, of its few steps."""
+    """The few steps of the longer one leave 3 %."""
     values, time = factor * history_to_03_um[history], history_to_03_um["history_time"]
     assert values.max() > limit > values[0]
     rising = slice(values.argmax())
@@ -322,7 +336,7 @@ def test_a_hertzian_groove_is_deep_sooner(history_to_03_um):
 
 
 def test_auto_follows_the_grooves_for_a_limit_on_their_depth():
-    """However little wears."""
+    """A limit of 1 nm is met when hardly anything has worn, and yet they are followed."""
     shallow = scene_of(end_of_life=EndOfLife(groove_depth_um=1e-3))
     assert "groove_depth" in life(with_contact(shallow, "auto")).values
 
@@ -347,7 +361,10 @@ def test_a_criterion_met_at_the_start_gives_a_life_of_zero():
 
 
 def test_grooves_that_wear_beyond_the_solver_end_without_a_criterion():
-    """In coarse steps and cells, to a skid ratio that is never reached."""
+    """Coarse steps and cells are to reach a skid ratio that is never reached.
+
+    Which status says that no state is found does not matter.
+    """
     scene = scene_of(end_of_life=EndOfLife(skid_ratio=0.9))
     course = Grooves(scene, EXACT_GROOVES._replace(step=2.0, cells=(24, 5)))
     groove_life = follow_grooves(course)

@@ -32,13 +32,14 @@ def life_values(*changes, contact="worn"):
 
 
 def test_a_pair_on_a_soft_spring_lives_as_under_a_constant_force():
-    """Within 0.1 %: the spring of 10 N/m gives way by the loss, and steps differ."""
+    """Lives agree within 0.1 %: the spring of 10 N/m gives way by the loss, and steps differ."""
     single = life_values("operation.preload_method=constant_force")
     spring = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1e-5")
     assert life_values(*spring)["life"] == pytest.approx(single["life"], rel=1e-3)
 
 
 def test_a_rigid_pair_with_a_load_balances_and_wears_the_loaded_side_more():
+    """2 N load the first bearing: its grooves become deeper. Stiffness falls with wear."""
     pair = life_values(*RIGID, "arrangement.external_axial_N=2.0")
     assert pair["status"] == code.OK
     first, second = pair["history_residual_preload"]
@@ -53,6 +54,7 @@ def test_a_rigid_pair_with_a_load_balances_and_wears_the_loaded_side_more():
 
 
 def test_bearings_that_differ_start_as_with_unworn_grooves():
+    """The friction of the second is 0.05: their QV differs, and no load comes from outside."""
     changes = (*RIGID, "arrangement.second={friction.ball_race: 0.05}")
     pair, hertz = life_values(*changes), life_values(*changes, contact="hertz")
     assert pair["status"] == code.OK
@@ -99,8 +101,10 @@ def test_a_pair_without_a_state_when_new_has_lifted_off():
 
 
 def test_a_lightly_preloaded_pair_wears_to_its_criterion():
-    """At light preload, short steps predict a rotor place far off; each life still ends at its
-    criterion, and more preload still means a shorter life."""
+    """Each life ends at its criterion, and more preload means a shorter one, by over 1 %.
+
+    At light preload, short steps predict a rotor place far off.
+    """
     warm = {"inner_ring_C": 40.0, "balls_C": 40.0, "outer_ring_C": 30.0}
     pair = {
         "operation.preload_method": "fixed_position",
@@ -122,4 +126,5 @@ def test_a_lightly_preloaded_pair_wears_to_its_criterion():
             limit, rel=1e-3
         )
         lives.append(groove_life.last.time)
-    assert lives[0] > 1.01 * lives[1] > 1.01**2 * lives[2]
+    assert lives[0] > 1.01 * lives[1]
+    assert lives[1] > 1.01 * lives[2]

@@ -462,6 +462,14 @@ def test_an_assumed_input_has_an_asterisk():
     }
 
 
+def test_inputs_contain_the_friction_that_a_study_varies(small_project, tmp_path, monkeypatch):
+    monkeypatch.chdir(small_project)
+    path = tmp_path / "index.html"
+    assert main(page_command(path, scenes=["mine.yaml"])) == 0
+    page = words(parsed(path.read_text(encoding="utf-8")))
+    assert "ball race0.08" in page  # a row of the inputs
+
+
 def test_the_page_of_a_study_without_answers_counts_its_cases(page_of):
     """All eight are solved."""
     tree = parsed(page_of([f"{FOLDER}/study.nc"], (), ()))

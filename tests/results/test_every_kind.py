@@ -33,12 +33,13 @@ KINDS = (
 
 
 def run_command(*argv) -> None:
+    """Runs a command, which must succeed."""
     assert main([str(part) for part in argv]) == 0
 
 
 @pytest.fixture(scope="module")
 def file_of(tmp_path_factory):
-    """A file of each kind, by its kind, made by the commands."""
+    """Returns the path of a file of each of KINDS, made by commands and steps of the workflow."""
     folder = tmp_path_factory.mktemp("kinds")
     files = {kind: folder / f"{kind.replace(' ', '_')}.nc" for kind in KINDS}
     run_command("solve", SCENE, "-o", files["steady case"])
@@ -100,7 +101,7 @@ def file_of(tmp_path_factory):
     ],
 )
 def test_show_has_the_main_numbers_of_each_kind(file_of, kind, name, column, value, capsys):
-    """For people in short lines without NaN, and for programs each under a key of its own.
+    """People read short lines without NaN; programs find each number under a key of its own.
 
     Computed numbers are regression values, which `bearingwear show FILE --csv` prints.
     """
@@ -146,7 +147,10 @@ def shown(capsys, *argv):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_two_files_of_one_content_do_not_differ(file_of, kind, tmp_path, capsys):
-    """Every number of the sheet of one stands twice."""
+    """Both columns have the same values, and each number of the sheet of one file has a row.
+
+    Axes of the table of lives are no rows, because they name its points.
+    """
     copy = tmp_path / "copy.nc"
     shutil.copy(file_of[kind], copy)
     sheet, rows = shown(capsys, file_of[kind], copy)
@@ -192,6 +196,7 @@ def test_one_changed_number_is_shown_with_its_percentage(
 
 
 def test_keys_and_attributes_that_differ_stand_below(file_of, tmp_path, capsys):
+    """A solve has other keys; its file gets another source hash and an attribute of its own."""
     changed = tmp_path / "changed.nc"
     changes = "operation.preload_N=9", "friction.ball_race=0.05"
     run_command("solve", SCENE, "-o", changed, "--set", *changes)
@@ -276,6 +281,7 @@ def test_a_dynamic_life_is_drawn_and_tabulated(file_of, tmp_path, capsys):
 def test_only_a_dynamic_life_is_drawn_and_tabulated_as_one(
     file_of, kind, run, argument, tmp_path, capsys
 ):
+    """The line that refuses another kind begins with its path."""
     path = file_of[kind]
     capsys.readouterr()
     given = {argument: [path] if argument == "lives" else path}
@@ -301,10 +307,11 @@ def test_files_without_a_figure_are_refused_in_one_line(file_of, kind, tmp_path,
     assert re.fullmatch(r"got .*sweep.*, expected .*\n", capsys.readouterr().err)
 
 
-# the others are written as one of these
+# other kinds are written by the same code as one of these
 @pytest.mark.long  # the checker takes seconds a file, and its set-up more
 @pytest.mark.parametrize("kind", ["dynamic case", "dynamic life", "study"])
 def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeypatch):
+    """The checker finds nothing but BEYOND_CF, and that only in dynamic cases."""
     runner = pytest.importorskip(
         "compliance_checker.runner", reason="compliance-checker is not installed (extra cf)"
     )
@@ -330,4 +337,4 @@ def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeyp
     assert len(checks) > 10
     messages = {message for check in checks for message in check["msgs"]}
     assert not {m for m in messages if not m.endswith(BEYOND_CF)}
-    assert kind == "dynamic case" or not messages
+    assert kind == "dynamic case" or not messages  # only a dynamic case has times

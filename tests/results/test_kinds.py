@@ -1,4 +1,4 @@
-"""Kinds of files are told in one place, and studies hand in what serves theirs."""
+"""The kind of a result file: how it is read from the file, and who shows and draws it."""
 
 import re
 
@@ -35,6 +35,7 @@ KIND = "map of a test"
 
 @pytest.fixture
 def path(tmp_path):
+    """Returns a file of the kind KIND, which no study of the program has."""
     life = ("preload", np.array([1.0, 3.0]), {"units": "h"})
     attrs = {"source": "bearingwear test", "title": "A test", "kind": KIND}
     xr.Dataset({"longest": life, "life": life}, attrs=attrs).to_netcdf(tmp_path / "map.nc")

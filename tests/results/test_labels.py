@@ -1,4 +1,4 @@
-"""Names in memory, codes in files."""
+"""Flags and labels of axes are names in memory and codes in files."""
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ def test_names_stay_names(codes):
 
 
 def test_the_code_minus_one_is_called_none(codes):
-    """As in a recommendation without a preload within the limits, where none was solved."""
+    """A recommendation has it where no preload is within the limits and none was solved."""
     codes["controlling"][1] = -1
     labelled_dataset = labelled(codes)
     assert labelled_dataset["controlling"].values.tolist() == ["inner", "none", "outer"]

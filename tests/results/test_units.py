@@ -1,4 +1,4 @@
-"""Display units: scaled so that three digits say it, the same wherever a person reads a number."""
+"""Units and digits in which numbers are shown to people, in sheets, figures and tables alike."""
 
 import math
 
@@ -64,7 +64,7 @@ def test_rounding_errors_of_zero_are_shown_as_zero(value, unit, text):
 
 
 def test_a_row_has_one_unit():
-    """The largest magnitude decides; what is not known does not count."""
+    """The largest magnitude of its numbers decides the unit; NaN does not count."""
     unit = display("W", [2e-3, np.nan, -0.5], [[30.0]])
     assert unit.unit == "W" and unit.text(2e-3) == "0.002"
     np.testing.assert_allclose(unit.of(np.array([1.0, 2.0])), [1.0, 2.0])

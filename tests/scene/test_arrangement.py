@@ -15,11 +15,12 @@ LOSS = "wear.ball_diameter_loss_um"
 
 
 def read(*settings, name="gyro_s1"):
+    """Returns a scene of the project with settings, as texts KEY=VALUE."""
     return load_scene(scene_file(name), settings)
 
 
 def test_keys_of_the_second_bearing_change_it_alone():
-    """What they leave alone is as in the first."""
+    """All other keys are as in the first bearing."""
     first, second = read(
         *RIGID, f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}"
     ).sides

@@ -34,8 +34,10 @@ MARKED = {
     ],
 )
 def test_comments_mark_assumed_values(tmp_path, text, left_out):
-    """On their line, on the line above, or of a whole block; not of keys that a file based on it
-    sets."""
+    """A comment marks the key of its line, the key on the next line, or its whole block.
+
+    Keys that a file based on the scene sets itself (`left_out`) are not assumed any more.
+    """
     base, scene = tmp_path / "base.yaml", tmp_path / "mine.yaml"
     base.write_text(SCENE)
     scene.write_text(f"name: mine\nbased_on: base\nset:\n  {text}\n" if text else SCENE)

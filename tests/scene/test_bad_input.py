@@ -159,8 +159,10 @@ def test_refuses_broken_scene(name, tmp_path, capsys):
 
 
 def test_every_fault_has_its_line(tmp_path, capsys):
-    """In the order of the scene, missing keys last and with an example; a mistyped key is not
-    missing too."""
+    """Lines are in the order of the scene; missing keys come last, with an example.
+
+    The key that `ball_cout` stands for is not reported as missing, too.
+    """
     scene = tmp_path / "broken.yaml"
     scene.write_text(
         edited(
@@ -181,6 +183,7 @@ def test_every_fault_has_its_line(tmp_path, capsys):
 
 
 def test_of_many_faults_the_first_are_told(tmp_path, capsys):
+    """99 unknown keys have MOST_FAULTS lines."""
     scene = tmp_path / "broken.yaml"
     scene.write_text(GOOD + "".join(f"k{i}: 1\n" for i in range(99)))
     lines = refusal(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")])
@@ -190,6 +193,7 @@ def test_of_many_faults_the_first_are_told(tmp_path, capsys):
 @pytest.mark.parametrize("command", ["life", "check"])
 @pytest.mark.parametrize("name", ["unknown key", "alias bomb"])
 def test_other_commands_refuse_alike(command, name, tmp_path, capsys):
+    """`life` and `check` name file and key, too, and write nothing."""
     scene, output = tmp_path / "broken.yaml", tmp_path / "life.nc"
     scene.write_text(BROKEN[name][0])
     line = refusal(
@@ -243,6 +247,7 @@ def test_a_fault_of_the_file_is_named_by_the_file_beside_an_override(tmp_path, c
 @pytest.mark.parametrize("command", ["solve", "life"])
 @pytest.mark.parametrize("what", ["missing", "folder", "line break", "zero byte"])
 def test_refuses_scene_that_is_no_file(command, what, tmp_path, capsys):
+    """A missing file, a folder, and names with a line break or a zero byte."""
     path = {
         "missing": str(tmp_path / "none.yaml"),
         "folder": str(tmp_path),
@@ -265,6 +270,7 @@ def test_a_life_needs_a_criterion(text, tmp_path, capsys):
 
 
 def test_a_share_of_no_preload_is_no_criterion(tmp_path, capsys):
+    """The scene has a `preload_fraction`, and a preload of 0."""
     scene, output = tmp_path / "endless.yaml", tmp_path / "life.nc"
     scene.write_text(edited(("preload_N: 7.0", "preload_N: 0")))
     line = refusal(capsys, ["life", str(scene), "-o", str(output)])

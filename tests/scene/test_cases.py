@@ -1,5 +1,6 @@
 """Cases of a scene: keys changed, checked, and nothing that a design has in all of them."""
 
+import json
 import pickle
 
 import pytest
@@ -59,12 +60,14 @@ def test_wrong_cases_are_refused_in_one_line(changes, problem):
 
 @pytest.mark.parametrize("case", ["cold", "nominal"])
 def test_a_case_is_solved_by_its_name(scene, case, tmp_path, capsys):
-    """The sheet has its shaft torque [uN m]."""
+    """The sheet has the shaft torque [uN m] of that case, which depends on its friction."""
     bearingwear.save(scene, tmp_path / "a.yaml")
     assert main(["solve", str(tmp_path / "a.yaml"), "--case", case, "--json"]) == 0
-    output = capsys.readouterr().out
+    rows = json.loads(capsys.readouterr().out)["quantities"]
+    (torque,) = (row for row in rows if row["name"] == "shaft_torque")
     result = bearingwear.solve(scene.in_cases[case])
-    assert f"{float(result.shaft_torque) * 1e6:.6f}"[:6] in output
+    assert torque["unit"] == "uN m"
+    assert torque["value"] == pytest.approx(1e6 * float(result.shaft_torque), rel=1e-12)
 
 
 def test_a_case_that_a_scene_has_not_is_refused_in_one_line(scene, tmp_path, capsys):

@@ -73,7 +73,7 @@ def test_coefficients_without_a_source_are_listed_as_assumed(surface, name, mate
 
 @pytest.mark.parametrize("lubrication, balls", [*RUBBING, ("oil", STEEL), ("grease", NITRIDE)])
 def test_a_scene_has_the_coefficients_of_its_lubrication_with_their_spread(lubrication, balls):
-    """Within 3 %, as files and lines have two digits."""
+    """Values agree within 3 %, as files and lines have two digits."""
     coefficients = RUBBING[NEAREST.get(lubrication, lubrication), balls]
     assert set(coefficients.rows) <= MEASURED_WEAR.keys()
     text, assumptions = scene_text(

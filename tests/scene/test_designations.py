@@ -1,5 +1,6 @@
 """Designations of common bearings and the clearances of deep groove ones."""
 
+import itertools
 import re
 
 import pytest
@@ -45,9 +46,9 @@ def test_a_designation_gives_bore_outside_and_width(designation, bore, outside, 
 
 @pytest.mark.parametrize("series", SERIES)
 def test_sizes_grow_with_the_bore_code(series):
-    """As in any dimension series: a wrong entry of the table would stand out."""
+    """They do in any dimension series, so that a wrong entry of the table would stand out."""
     sizes = [designation_of(series + code) for code in CODES]
-    for a, b in zip(sizes, sizes[1:], strict=False):
+    for a, b in itertools.pairwise(sizes):
         assert b.bore > a.bore and b.outside > a.outside and b.width >= a.width
     for size in sizes:
         section = 0.5 * (size.outside - size.bore)
@@ -69,7 +70,7 @@ def test_every_suffix_of_an_angle_is_tested():
 
 @pytest.mark.parametrize(("suffix", "angle"), SUFFIXES.items())
 def test_a_suffix_gives_the_contact_angle(suffix, angle):
-    """E and A are not every maker's, so why the angle is assumed is told."""
+    """Makers use E and A for different angles, so that these have a rule that is printed."""
     designation = designation_of(f"7210{suffix}")
     assert designation.angle == angle and bool(designation.angle_rule) == (suffix in ("E", "A"))
 
@@ -125,7 +126,10 @@ def test_a_suffix_gives_the_clearance_group(group):
     ],
 )
 def test_the_letters_of_makers_are_understood(text, name, balls, pair, load, ignored):
-    """Each has a line on what it means; without them it is the designation alone."""
+    """Letters of the balls, of a pair and of its preload, and those that change nothing here.
+
+    Each has a line on what it means; without letters it is the designation alone.
+    """
     designation = designation_of(text)
     letters = designation.letters
     parts = letters.ball_letters, letters.pair, letters.load, letters.ignored
@@ -166,7 +170,7 @@ def test_ceramic_balls_reach_the_scene():
     [("HS7008-C-T-P4S", "HS"), ("XC71910E", "XC"), ("HCSS7008-C", "HCSS"), ("RS7008-C", "RS")],
 )
 def test_letters_of_a_high_speed_series_ask_for_the_size_of_its_small_balls(text, letters):
-    """The program does not know it."""
+    """The program does not know that size, and names the option for it."""
     of_text = designation_of(text).letters
     assert of_text.small_balls == letters and letters not in of_text.ignored.split()
     assert "--ball-diameter" in " ".join(of_text.explanations())
@@ -234,7 +238,7 @@ def test_designations_of_gmn_have_its_balls(text, balls, ball, preload):
     ],
 )
 def test_the_robust_series_of_nsk_has_the_sizes_of_70_and_719(text, angle, balls, pair):
-    """With the bore in mm; S, H and X are materials."""
+    """Its designations have the bore in mm; S, H and X behind the series are materials."""
     size = size_of(text, None, None)
     iso = designation_of("71908" if "19" in text else "7008")
     assert (size.bore, size.outside, size.width) == (iso.bore, iso.outside, iso.width)

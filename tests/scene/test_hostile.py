@@ -33,6 +33,7 @@ def gyro():
 
 
 def is_no_number(value):
+    """Returns whether a value is no finite number; True and False are none."""
     return not (type(value) in (int, float) and math.isfinite(value))
 
 
@@ -41,7 +42,7 @@ def test_every_key_of_the_schema_is_tried():
 
 
 def test_a_hostile_value_is_refused_in_one_line_or_survives_being_read_again(gyro):
-    """Of five screen lines at most."""
+    """A line has less than 400 characters, five lines of a screen. Null may leave out a number."""
     faults = []
     for key in KEYS:
         required = PAIR if key.startswith("arrangement.") else {}

@@ -1,5 +1,6 @@
 """The least preload that a maker prescribes, and the line about it on sheets."""
 
+import itertools
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,7 @@ GMN = {"designation": "S 6007 E", "maker": "GMN", "preload": 140.0}
 
 
 def least(scene):
+    """Returns the least preload of the maker of a scene's bearing; None if it is not known."""
     data = scene.to_dict()
     return minimum_preload(data["bearing"], data["operation"])
 
@@ -34,11 +36,14 @@ def test_gmn_minimum_preload_grows_with_the_square_of_the_relative_speed():
 @pytest.mark.parametrize("series", ["72", "73"])
 @pytest.mark.parametrize("suffix", ["AC", "B"])
 def test_factors_of_skf_grow_with_the_size(series, suffix):
-    """A wrong place of the tables would stand out: bearings of one series, by their size."""
+    """Each is larger than that of the next smaller size of its series, but 3.5 times at most.
+
+    A number read from a wrong place of the table would stand out.
+    """
     factors = [factor for name, factor in sorted(skf_factors().items())
                if name.startswith(series) and name.endswith(suffix)]  # fmt: skip
     assert factors == sorted(factors) and len(factors) >= 8
-    assert all(1.0 < b / a < 3.5 for a, b in zip(factors, factors[1:], strict=False))
+    assert all(1.0 < b / a < 3.5 for a, b in itertools.pairwise(factors))
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +116,7 @@ def test_the_minimum_preload_is_on_the_sheet(command, tmp_path, capsys, monkeypa
 
 
 def test_the_minimum_preload_is_on_the_line_of_the_bearing():
-    """Without a preload of the scene too, as in studies."""
+    """It is there without a preload of the scene, too, as in studies."""
     data = bearingwear.new(**GMN, speed=15000.0).to_dict()
     del data["operation"]["preload_N"]
     assert "GMN minimum preload 179 N at 15000 r/min" in bearing_line(data)

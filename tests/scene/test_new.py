@@ -24,6 +24,7 @@ SIZE = ["--bore", "40", "--outside", "68"]
 
 
 def new(path, *argv) -> int:
+    """Runs `bearingwear new` for a file, and returns its exit status."""
     return main(["new", str(path), *map(str, argv)])
 
 
@@ -183,7 +184,7 @@ def test_the_radial_clearance_gives_the_free_contact_angle(argv, clearance, tmp_
 def test_deep_groove_bearings_have_the_real_number_of_balls_within_one(
     designation, balls, tmp_path
 ):
-    """Counted in real bearings."""
+    """The numbers were counted in real bearings."""
     assert new(tmp_path / "a.yaml", designation) == 0
     assert load_scene(tmp_path / "a.yaml").bearing.ball_count == pytest.approx(balls, abs=1)
 
@@ -322,7 +323,10 @@ def test_fits_are_written_with_the_range_of_their_class(designation, ends, gap):
 
 @pytest.mark.parametrize("rings", [{}, {"inner_ring_C": 30.0, "outer_ring_C": 25.0}])
 def test_written_fits_change_no_number(rings):
-    """Until the outer ring is so warm that it fills its housing: 9 K here."""
+    """The fits are loose or line to line, so that rings are not pressed.
+
+    That holds until the outer ring fills its housing: when it is 9 K warmer here.
+    """
     text, _ = scene_text("mine", None, None, {}, None, "fixed_position", designation="7008C")
     scene = scene_from_dict(data_of(text, "mine"), "mine")
     scene = scene.with_({f"temperature.{part}": degC for part, degC in rings.items()})

@@ -19,7 +19,7 @@ def gyro(scene):
 
 
 def test_the_search_finds_the_angle_of_a_bearing_that_matches(bearings, gyro):
-    """Within half a degree, as the scene has the angle rounded."""
+    """It is that of the scene within half a degree, because the scene has it rounded."""
     angle = gyro.bearing.contact_angle_deg
     (found,) = bearings.angles_with_loss(gyro, [angle - 2.0, angle + 2.0])
     assert found == pytest.approx(angle, abs=0.5)

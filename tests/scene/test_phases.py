@@ -46,7 +46,8 @@ def test_a_scene_with_a_duty_survives_files_and_pickling(scene, tmp_path):
 
 
 def test_the_hash_of_a_scene_depends_on_its_duty(scene):
-    assert hash(scene) == hash(scene.with_({})) != hash(scene.with_({"duty.start_s": 21.0}))
+    assert hash(scene) == hash(scene.with_({}))
+    assert hash(scene) != hash(scene.with_({"duty.start_s": 21.0}))
 
 
 def test_a_case_has_no_duty_of_its_own(scene):

@@ -50,6 +50,7 @@ class Plan:
 
 
 def plan(**changes: Any) -> dict[str, Any]:
+    """Returns plain data of a Plan with its required keys, and with changes of whole blocks."""
     return {"sweeps": {"one": {"title": "One"}}, "scenes": ["a"]} | changes
 
 

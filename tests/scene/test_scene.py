@@ -161,7 +161,7 @@ def test_overrides_are_read_as_yaml():
 
 @pytest.mark.parametrize("indent", [None, 2, "\t"])
 def test_json_is_read_as_a_scene(indent, plain, tmp_path):
-    """With a number and a text that JSON writes in another way than YAML."""
+    """It has a number and a text that JSON writes in another way than YAML."""
     plain["friction"]["slip_regularisation_m_s"] = 5e-06
     plain["description"] = 'assumed: "\u03bc/2" \\ 5'
     path = tmp_path / "scene.yaml"
@@ -253,7 +253,7 @@ def test_wear_of_a_cage_takes_finer_steps(changes, expected):
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_the_schema_alone_accepts_the_scenes_of_the_project(path):
-    """As editors read it, without this program."""
+    """Editors use the schema so, without this program."""
     data = yaml.safe_load(path.read_text())
     record = config.BasedOn if "based_on" in data else Scene
     jsonschema.Draft202012Validator(schema(record)).validate(data)
@@ -274,7 +274,7 @@ def test_key_list_is_up_to_date():
     [("O", "back_to_back"), ("DB", "back_to_back"), ("X", "face_to_face"), ("DF", "face_to_face")],
 )
 def test_makers_letters_of_an_orientation_are_the_same_scene(text, orientation, plain):
-    """In the schema too."""
+    """The schema accepts the letters, too."""
     kind = PAIRS[plain["operation"]["preload_method"]]
     data = plain | {"arrangement": {"kind": kind, "orientation": text}}
     jsonschema.Draft202012Validator(schema()).validate(data)

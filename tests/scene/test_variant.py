@@ -12,6 +12,7 @@ S1 = SCENES / "gyro_s1.yaml"
 
 
 def write(folder, name, text):
+    """Writes a scene file with a name and further lines, and returns its path."""
     path = folder / f"{name}.yaml"
     path.write_text(f"name: {name}\n{text}")
     return path
@@ -19,6 +20,7 @@ def write(folder, name, text):
 
 @pytest.fixture
 def folder(tmp_path):
+    """Returns a folder with the file gyro_s1.yaml."""
     (tmp_path / "gyro_s1.yaml").write_bytes(S1.read_bytes())
     return tmp_path
 

@@ -26,10 +26,15 @@ def started(scene):
 
 
 def energy_change(motion, duration, *options):
-    """Runs a motion on; changes of its energies [J] by name, `missing` and `all heat` with them."""
+    """Runs a motion on for a duration [s], and returns the changes of its energies [J] by name.
+
+    `missing` is what was supplied less all other changes. `all heat` is the friction heat of races
+    and cage and the loss in damping. options: tolerance and method of `advance`.
+    """
     before = motion.energy()
     assert motion.advance(duration, *options).status == OK
     change = {name: value - before[name] for name, value in motion.energy().items()}
+    # twice, because the sum has what was supplied, too
     change["missing"] = 2.0 * change["supplied"] - sum(change.values())
     change["all heat"] = change["heat"] + change["cage heat"] + change["damping"]
     return change
@@ -56,7 +61,10 @@ def test_energy_account(scene, changes):
 
 @pytest.mark.parametrize("method", [ROSENBROCK, RUNGE_KUTTA])
 def test_free_cage_keeps_its_momentum(scene, method):
-    """A tumbling cage that touches nothing: momentum to 1e-9, energy, orthogonal axes."""
+    """A tumbling cage that touches nothing keeps both momenta to 1e-9 and precesses freely.
+
+    Its state z has its place (0:3), velocity (3:6) and angular momentum (9:12).
+    """
     s = scene("gyro_s1", {"cage.pocket_clearance_mm": 0.5, "cage.guide_clearance_mm": 1.0})
     motion = started(s)
     z = motion.cage_state
@@ -67,6 +75,7 @@ def test_free_cage_keeps_its_momentum(scene, method):
     momentum, linear = z[9:12].copy(), z[3:6].copy()
     cage = motion.bearing.cage
     tilts = []
+    # Runge-Kutta takes far more steps: two turns are enough of it
     for _ in range(20 if method == ROSENBROCK else 2):
         assert motion.advance(motion.turn, 1e-5, method).status == OK
         R = motion.buffers.cage.R0
@@ -92,8 +101,10 @@ def test_free_cage_keeps_its_momentum(scene, method):
 
 
 def test_rotation_has_no_singularity():
-    """Fifty equal steps about a random axis add up to the half turn, where formulas of rotation
-    tend to be singular."""
+    """Fifty equal steps about a random axis add up to one step of half a turn.
+
+    At half a turn, formulas of rotation tend to be singular.
+    """
     rng, steps = np.random.default_rng(4), 50
     for _ in range(20):
         theta = rng.normal(size=3)
@@ -126,9 +137,10 @@ def test_frictionless_undamped_bouncing_gains_nothing(scene):
 @pytest.mark.parametrize("restitution", [0.3, 0.6, 0.9])
 @pytest.mark.parametrize(("speed", "within"), [(0.02, 0.35), (0.2, 0.05)])
 def test_restitution_at_the_land(scene, restitution, speed, within):
-    """A cage thrown at the outer land [m/s] comes back with the restitution times its speed.
+    """A cage thrown at the outer land comes back with the restitution times its speed [m/s].
 
-    The damping comes in over a range of approach that a light impact hardly leaves: hence 35 %.
+    It moves along Y (z[4]) and turns with the balls. The damping comes in over a range of approach
+    that a light impact hardly leaves: hence 35 %.
     """
     changes = {"cage.pocket_clearance_mm": 0.5, "cage.restitution": restitution}
     motion = started(scene("gyro_s1", changes | {"friction.cage": 0.0}))
@@ -142,7 +154,11 @@ def test_restitution_at_the_land(scene, restitution, speed, within):
 
 
 def rebound(damping, spring_power, damping_power):
-    """Speed after an impact at speed 1, by small explicit steps; unit mass and stiffness."""
+    """Returns the speed after an impact at speed 1, by small explicit steps.
+
+    Mass and stiffness are 1: at an approach x the force is x^spring_power + damping
+    x^damping_power dx/dt.
+    """
     approach, speed, h = 1e-12, 1.0, 1e-5
     while approach > 0.0:
         force = approach**spring_power + damping * approach**damping_power * speed
@@ -166,7 +182,10 @@ PRECISE = {"model.dynamic_tolerance": 1e-4, "model.simulated_turns": 6}
 
 @pytest.mark.parametrize("changes", [ROTATING, HEAVY])
 def test_torques_are_the_rate_of_momentum(scene, changes):
-    """Mean torques on the cage against its momentum, over the evaluated window."""
+    """The mean torques on the cage add up to the mean rate of its angular momentum.
+
+    Only the heavy cage, which has an imbalance, feels a torque of gravity.
+    """
     values, _ = solve_dynamic(scene("gyro_s1", PRECISE | changes))
     torque = values["mean_pocket_torque"] + values["mean_land_torque"]
     torque = torque + values["mean_gravity_torque"]
@@ -180,10 +199,9 @@ def test_torques_are_the_rate_of_momentum(scene, changes):
 
 
 def test_pockets_pull_and_push_balls(scene):
-    """The forces on balls and cage are opposite: total momentum about the axis, no race friction.
+    """What the balls gain in angular momentum about the axis, the cage loses.
 
-    With the ball/race friction at nothing and no drag, balls and cage exchange angular momentum
-    through the pockets alone.
+    Without friction at the races and without drag, they exchange it through the pockets alone.
     """
     motion = started(scene("gyro_s1", {"friction.ball_race": 0.0, "cage.guiding_race": "ball"}))
     assert motion.bearing.cage.present

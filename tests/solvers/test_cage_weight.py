@@ -26,6 +26,7 @@ INNER = {
 
 
 def started(scene, changes):
+    """Returns the motion of gyro_s1 with these changes, as a solve begins it."""
     s = scene("gyro_s1", changes)
     return DynamicSystem.of(s, start_of(s).u)
 
@@ -57,6 +58,10 @@ def test_a_free_cage_falls_along_a_parabola(scene):
 
 @jit
 def force_of(cage, mass, approach, speed):
+    """Returns the forces [N] of a pocket's spring, and of spring and damping, on a ball.
+
+    approach: [m]; speed: at which the bodies close [m/s].
+    """
     result = pocket_force(cage, mass, approach, 1.0, -speed)
     return result.elastic, result.normal
 
@@ -124,9 +129,12 @@ def test_a_cage_resting_on_a_displaced_inner_land_is_not_damped(scene, changes, 
 
 
 def turns_to_land(rooms):
-    """Turns until a cage with this room to its land, turn after turn, would meet it."""
+    """Returns the turns after which a cage would meet its land; infinity for never.
+
+    rooms: between cage and land in each turn so far, as a share of the clearance.
+    """
     trend = Trend()
-    for room in rooms:
+    for room in rooms:  # the last of the values of a turn; the others do not matter
         trend.add(np.r_[np.ones(trend.values.shape[1] - 1), room])
     return trend.turns_to_land()
 
@@ -158,12 +166,15 @@ def test_a_cage_that_does_not_drift_to_its_land_never_meets_it(rooms):
 
 
 def test_a_drift_to_the_land_is_not_settled(scene):
-    """Weightless with little friction the cage leans ever further, at the balls' rate: run on."""
+    """A weightless cage with little friction leans ever further, so that all turns are run.
+
+    It orbits at the balls' rate and has not met its land by then, but would.
+    """
     changes = {
         "friction.cage": 0.02,
         "model.simulated_turns": 60,
         "model.evaluated_turns": 20,
-        "model.settled_drift": 1.0,
+        "model.settled_drift": 1.0,  # drifts of QV and wear settle at once
     }
     values, attrs = solve_dynamic(scene("gyro_s1", changes))
     assert values["status"] == OK and values["simulated_turns"] == 60

@@ -90,7 +90,11 @@ def groups(catalogues):
     ],
 )
 def test_each_group_of_comparisons_keeps_its_limit(groups, name, source, count):
-    """Every row is judged, and the mean square of all; none is left out of the count."""
+    """Every row counts in the root mean square of the differences, which a limit bounds.
+
+    A group with `fails` is one that the page reports as failed: its limit is exceeded. In the
+    others, only known misprints lie far off.
+    """
     (group,) = [item for item in groups if (item.name, item.source) == (name, source)]
     assert len(group.rows) == count
     misprints = ["KH 61903 E M, axial rigidity"] if name.endswith("KH") else []
@@ -123,7 +127,7 @@ def test_the_first_screen_counts_all_groups_and_values(groups, catalogues):
 
 
 def test_grooves_of_the_ratings_meet_the_rigidities(catalogues, groups):
-    """On the mean to 2, 0.5 and 0.5 % for S, SM and KH; nothing is fitted to a row.
+    """The means of S, SM and KH differ by 2, 0.5 and 0.5 % at most; nothing is fitted to a row.
 
     With a groove factor of 0.52, SM and KH would be 15 % off.
     """
@@ -142,6 +146,10 @@ def test_the_arm_of_the_starting_torque_is_that_of_the_measured_pair(catalogues)
 
 
 def test_the_page_has_these_totals(catalogues, groups):
+    """The sentence of totals, the row table of misprints, and two cells of a table near the top.
+
+    One has the number and the range of the comparisons at rest, the other the two of torques.
+    """
     page = catalogues.PAGE.read_text(encoding="utf-8")
     assert catalogues.totals(groups) in page
     at_rest = [group for group in groups if group.source in ("NSK", "GMN")]
@@ -178,13 +186,16 @@ def test_a_solve_and_a_plain_program_have_the_same_rigidity(catalogues, designat
     assert case.status == "ok"
     assert float(case.system_axial_stiffness) == pytest.approx(axial, rel=1e-6)
     assert 2.0 * np.mean(case.stiffness_matrix[:, 1, 1]) == pytest.approx(radial, rel=1e-6)
-    # the plain program lets the Hertz factors follow the angle, the others hold them
+    # 3e-4: the plain program lets the Hertz factors follow the angle, the others hold them
     assert catalogues.makers.plain_rigidity(scene) == pytest.approx(axial, rel=3e-4)
 
 
 def test_speed_of_rigid_pairs_by_pv_and_by_heat():
-    """What the page says of shares of the speed under a spring, to its digits: p v knows no class
-    of preload, heat does, and neither is the maker's rule of 0.85 and 0.55."""
+    """Speed of a rigid pair over that under a spring, for the preload classes EL and H.
+
+    The maker's rule has 0.85 and 0.55. Equal p v allows 0.70 for both classes, equal heat 0.53 for
+    EL and far less for H. The shares are those of the page, to its digits.
+    """
     limits = benchmark("speed_limits")
     entry = limits.entry_of("NSK", "7010C")[0]
     pv, heat = limits.severity(entry, "constant_force", entry.preloads["EL"], entry.speed_grease)

@@ -1,4 +1,7 @@
-"""Quadrature of the friction integral and its regularisation: order and envelope."""
+"""Quadrature of the friction integral and its regularisation: order and envelope.
+
+`values` of tests/conftest.py solves gyro_s1 with some keys changed.
+"""
 
 import numpy as np
 import pytest

@@ -146,7 +146,7 @@ def test_integrators_agree_with_scipy(scene, contact):
     ],
 )
 def test_energy_that_shaft_and_loads_supply_is_accounted_for(scene, changes):
-    """To 1e-5 of the heat over six turns."""
+    """It is what the other energies gain over six turns, to 1e-5 of the heat."""
     motion = started(scene("gyro_s1", changes))
     before = motion.energy()
     assert motion.advance(6 * motion.turn, 3e-5).status == OK
@@ -159,7 +159,7 @@ def test_energy_that_shaft_and_loads_supply_is_accounted_for(scene, changes):
 
 
 def test_static_load_distribution_as_speed_goes_to_zero(scene):
-    """Ball load against azimuth at 1 r/min against the equilibrium at rest."""
+    """At 1 r/min the balls have the inner loads of the equilibrium at rest."""
     from bearingwear.kernels.equilibrium.race import PACKED, race_equilibrium
 
     s = scene("gyro_s1", {"operation.shaft_speed_rpm": 1.0, "operation.radial_load_N": [0.0, 3.0]})
@@ -169,8 +169,9 @@ def test_static_load_distribution_as_speed_goes_to_zero(scene):
     rows, delta = np.empty((n, PACKED)), np.zeros(3)
     psi = motion.balls[:, 4].copy()
     force = np.array([7.0, 0.0, 3.0])  # preload and radial load [N]
+    # no loads of the balls' own, no tilt, and a race that moves from direction 0 on: all three
     race_equilibrium(
         motion.bearing.g, motion.bearing.D, np.zeros((n, 6)), psi, force, 0.0, 0, delta, rows
     )
-    inner_load = rows[:, 5]
+    inner_load = rows[:, 5]  # of a packed state
     assert_allclose(motion.buffers.balls.Q[:, 0], inner_load, rtol=1e-6)

@@ -34,9 +34,13 @@ TURNS = 40  # of accuracy standard
 
 
 def invented_solution(scene, restart=None, progress=None):
-    """What the solver returns, with any numbers; a run that goes on counts on from the last."""
+    """Returns values and attributes as the dynamic solver does, with random numbers.
+
+    Its final state counts simulated turns, on from those of a restart. It reports progress twice;
+    the first report has a line break within.
+    """
     start = 0.0 if restart is None else restart["time"]
-    count = np.zeros(12) if restart is None else restart["state"]
+    count = np.zeros(12) if restart is None else restart["state"]  # of any length
     if progress is not None:
         progress("turn 10 of 20, simulated 0.02 s\nin 1 s")
         progress("turn 20 of 20")
@@ -71,15 +75,18 @@ def invented_solution(scene, restart=None, progress=None):
 
 @pytest.fixture
 def solver(monkeypatch):
+    """Replaces the dynamic solver by `invented_solution`."""
     monkeypatch.setattr(dynamic_run, "solve_dynamic", invented_solution)
 
 
 def solve(output, *more) -> int:
+    """Runs `bearingwear solve` with the dynamic model, and returns its exit status."""
     return main(["solve", str(S1), "-o", str(output), "--fidelity", "dynamic", *more])
 
 
 @pytest.fixture
 def case(solver, tmp_path):
+    """Returns the file of a case that is "solved" by `invented_solution`."""
     path = tmp_path / "case.nc"
     assert solve(path) == 0
     return path
@@ -98,6 +105,10 @@ def test_python_returns_the_dataset_of_the_command(case):
 
 
 def test_histories_have_their_dimensions_units_and_numbers(case):
+    """Names, dimensions and units that others rely on; values are those of `invented_solution`.
+
+    Histories are single floats, to 1e-6; angles are in degrees in the file.
+    """
     both, each, direction = ("time", "ball", "race"), ("time", "ball"), ("time", "direction")
     contract = {
         "contact_load": (both, "N"), "slip": (both, "m s-1"), "contact_qv": (both, "W"),
@@ -201,6 +212,7 @@ def test_the_remaining_time_follows_the_recent_rate(monkeypatch):
 
 
 def test_a_restart_continues_in_time(case, tmp_path):
+    """Five turns follow the 40 of the case, in time as in the state that counts them."""
     again = tmp_path / "more.nc"
     assert solve(again, "--restart", str(case), "--set", "model.simulated_turns=5") == 0
     continued = load(again)
@@ -216,6 +228,7 @@ def test_a_restart_continues_in_time(case, tmp_path):
 
 
 def refused(capsys, argv) -> str:
+    """Returns the only line of a command that refuses its input with exit status 2."""
     assert main(argv) == 2
     err = only_line(capsys)
     assert "got " in err and "expected" in err and len(err) < 500
@@ -260,6 +273,7 @@ def test_a_restart_by_another_model_is_refused(options, fidelity, case, tmp_path
 
 
 def test_a_restart_of_a_file_that_is_no_dynamic_case_is_refused(solver, tmp_path, capsys):
+    """A steady case, a life, a text and a missing file; each line begins with the file."""
     steady, life, text = tmp_path / "steady.nc", tmp_path / "life.nc", tmp_path / "text.nc"
     assert main(["solve", str(S1), "-o", str(steady)]) == 0
     assert main(["life", str(S1), "-o", str(life)]) == 0
@@ -351,6 +365,7 @@ def test_models_that_cannot_solve_a_scene_are_refused(settings, fidelity, proble
 
 
 def test_limits_of_the_cage_need_its_wear():
+    """Only the dynamic model has it: elsewhere such a limit is left out, or refused if alone."""
     limit = "wear.end_of_life.guide_clearance_mm=0.3"
     scene = load_scene(S1, [limit])
     assert "guide_clearance_mm" in choice_for_life(scene).reasons[-1]
@@ -363,6 +378,7 @@ def test_limits_of_the_cage_need_its_wear():
 
 
 def test_limits_of_slip_need_a_balance_of_friction():
+    """Race control has none: such limits are left out, or refused if there is no other."""
     radial = "operation.radial_load_N=[0, 1]"
     scene = load_scene(S1, [radial])
     last_reason = choice_for_life(scene, "race_control").reasons[-1]
@@ -410,7 +426,7 @@ raise SystemExit(run_program())
 
 
 def test_ctrl_c_ends_a_run_that_would_take_hours(tmp_path):
-    """With its line and exit status, and without a file."""
+    """Its last line is `interrupted`, its exit status 130, and there is no file."""
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic"]
     argv += ["--set", "model.simulated_turns=1000000", "model.history_points_per_turn=0"]
     argv += ["--set", "operation.rotating_load_N=1"]

@@ -75,12 +75,14 @@ def test_race_control_has_no_balance_of_friction():
 
 def test_a_spring_makes_temperature_an_effect_of_second_order():
     at_fixed_position = sizes(HELD)["temperature"]
-    assert at_fixed_position.size > at_fixed_position.limit == 10.0  # % of the preload
+    assert at_fixed_position.limit == 10.0  # % of the preload
+    assert at_fixed_position.size > at_fixed_position.limit
     under_a_spring = sizes("operation.preload_method=constant_force")["temperature"]
     assert under_a_spring.size == "2nd order"
 
 
 def test_check_prints_a_line_for_each_effect(capsys):
+    """The line says whether it is on; as JSON, the table has a row for each, in the same order."""
     assert main(["check", str(S1), "--set", HELD]) == 0
     text = capsys.readouterr().out
     assert all(len(line) < 120 for line in text.split("\n"))

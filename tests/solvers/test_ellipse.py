@@ -35,7 +35,10 @@ WRITTEN_APART = [
 def test_steady_states_agree_with_a_program_written_apart(
     scene, name, changes, loss_um, qv, angles, orbit
 ):
-    """To all of its digits where this one has as many points; QV to 1e-4 for its own six."""
+    """Angles and orbit speed to 1e-6, to which the other program has converged.
+
+    QV to 1e-4: this program places its points across by another rule.
+    """
     accurate = {"model.quadrature": "split", "model.strips": 100, "model.points_across": 32}
     problem = ThrustProblem.of(scene(name, HERTZ | accurate | changes))
     case = problem.solve(problem.g.D0 - 1e-6 * loss_um)
@@ -90,7 +93,7 @@ def test_slow_torque_goes_with_the_power_four_thirds(scene):
         changes = {
             "operation.preload_N": load,
             "operation.shaft_speed_rpm": 10.0,
-            "friction.slip_regularisation_m_s": 1e-7,
+            "friction.slip_regularisation_m_s": 1e-7,  # far below the slip at this speed
         }
         values = solve(scene("bearing218", HERTZ | changes), "steady").values
         assert values["status"] == code.OK
@@ -102,6 +105,6 @@ def test_slow_torque_goes_with_the_power_four_thirds(scene):
     ("method", "hours"), [("constant_force", 1.2101), ("fixed_position", 1.2208)]
 )
 def test_life_with_even_wear_agrees_with_a_program_written_apart(scene, method, hours):
-    """To 0.7 um and to 40 % of the preload, which the other program has to 0.2 %."""
+    """Hours to a loss of 0.7 um, or to 40 % of the preload; the other program has 0.2 %."""
     values = life(scene("gyro_s1", HERTZ | {"operation.preload_method": method})).values
     assert_allclose(values["life"] / 3600.0, hours, rtol=2e-3)

@@ -20,7 +20,7 @@ def covered(rows, name) -> float:
 
 @pytest.mark.long
 def test_estimates_of_random_steady_scenes_cover_the_error():
-    """95 of 100, and half of them are within ten times the error."""
+    """95 of 100 scenes of one seed, and half of the estimates are within ten times the error."""
     rows = benchmark("estimates").steady_rows(100, seed=7)
     for name in (*NUMBERS, "life"):
         assert covered(rows, name) >= 0.95, name
@@ -30,6 +30,7 @@ def test_estimates_of_random_steady_scenes_cover_the_error():
 
 @pytest.mark.long  # of one in periodic motion: test_periodic.py
 def test_estimates_of_marches_cover_the_error():
+    """Of three scenes, so few that with one miss the share would be less."""
     rows = benchmark("estimates").rows_in_time(3, seed=11, turns=25)
     for name in NUMBERS:
         assert covered(rows, name) >= 0.95, name
@@ -84,7 +85,7 @@ def test_presets_become_finer_one_after_the_other():
 
 
 def test_a_required_error_takes_the_coarsest_preset_that_has_it():
-    """Or the finest, if none has."""
+    """If none has it, the finest is taken."""
     assert accuracy_preset(PRESETS[1].error) is PRESETS[1]
     assert accuracy_preset(0.999 * PRESETS[1].error) is PRESETS[2]
     assert accuracy_preset(1.0) is PRESETS[0] and accuracy_preset(1e-9) is PRESETS[-1]

@@ -45,7 +45,7 @@ def test_ellipses_too_large_for_hertz_are_refused(preload, fidelity):
 
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
 def test_a_spring_keeps_its_preload(fidelity):
-    """Under inner control part of the axial force is friction; it counts."""
+    """7 N, of which friction carries a part under inner control."""
     values = solved({}, fidelity).values
     assert_allclose(values["residual_preload"], 7.0, rtol=1e-9)
 
@@ -58,6 +58,7 @@ def test_a_spring_keeps_its_preload(fidelity):
     ],
 )
 def test_worn_balls_under_a_spring_stay_loaded(changes):
+    """A loss of 5 um is more than twice the displacement by 7 N, which the spring follows."""
     result = solved(changes | {"wear.ball_diameter_loss_um": 5.0}, "race_control")
     assert result.status == "ok"
     assert_allclose(result.values["residual_preload"], 7.0, rtol=1e-9)

@@ -48,7 +48,7 @@ def numbers(case):
 
 @pytest.mark.parametrize("case", CASES)
 def test_numbers_are_those_of_the_golden_file(case):
-    """To what solves of other machines differ by, 1e-9."""
+    """They agree to 1e-9, by which solves of other machines differ."""
     golden = json.loads(GOLDEN.read_text())[case]
     computed = numbers(case)
     assert computed.keys() == golden.keys()

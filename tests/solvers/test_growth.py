@@ -38,7 +38,7 @@ SEATED = {"bearing.bore_mm": 4.0, "bearing.outside_diameter_mm": 13.0}
 def static_preload(scene) -> float:
     """Preload [N] of the fixed position at rest, of the parts as they have grown at speed."""
     g = parameters.geometry(scene)
-    load = BallLoad(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    load = BallLoad(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # no orbit, forces or tractions
     place = parameters.static_place(scene)
     _, state = thrust_equilibrium(g, g.D0, load, 0.0, place, False, cold_start())
     return g.n_balls * state.F_ix
@@ -56,9 +56,13 @@ def static_preload(scene) -> float:
     ],
 )  # fmt: skip
 def test_growth_agrees_with_a_program_written_apart(scene, changes, preload, static, angles, qv):
-    """Preload [N] at speed and at rest, angles [deg], QV over that when mounted: to its digits."""
+    """Preload [N] at speed and at rest, angles [deg], QV over that without growth.
+
+    They are texts, whose last decimal sets the tolerance.
+    """
 
     def check_digits(value: float, text: str) -> None:
+        """Asserts that a value rounds to a text, with 2 % of its last decimal to spare."""
         decimals = len(text.partition(".")[2])
         assert value == pytest.approx(float(text), abs=0.51 * 10.0**-decimals, rel=0.0)
 
@@ -67,8 +71,9 @@ def test_growth_agrees_with_a_program_written_apart(scene, changes, preload, sta
     check_digits(values["residual_preload"], preload)
     check_digits(static_preload(grown), static)
     check_digits(values["total_qv"] / mounted["total_qv"], qv)
-    for value, text in zip(np.degrees(values["contact_angle"][0]), angles or (), strict=False):
-        check_digits(value, text)
+    if angles:  # the other program has none for a bearing with rings
+        for value, text in zip(np.degrees(values["contact_angle"][0]), angles, strict=True):
+            check_digits(value, text)
 
 
 def ring(inside=2e-3, outside=3e-3) -> Ring:
@@ -131,7 +136,7 @@ def test_a_tight_ring_on_a_full_shaft_is_a_full_disc(scene):
 
 
 def test_an_outer_ring_in_a_thick_housing(scene):
-    """Of one material the track closes by I a/(2 b)."""
+    """The track closes by I a/(2 b), where ring and housing are of one material."""
     ring = growth_with_fit(scene, housing_interference_um=3.0).outer
     assert_allclose(ring.fit, -1.5e-6 * track_radius(scene, 1.0) / 6.5e-3, rtol=1e-10)
 
@@ -148,6 +153,10 @@ def test_speed_takes_a_fit_away(scene):
 
 
 def test_a_fit_follows_the_warmth_of_shaft_and_housing(scene):
+    """The inner ring has 40 degC: a shaft of 20 degC loosens the fit and one of 50 tightens it.
+
+    Without a temperature of its own the shaft is as warm as the ring, and presses as when cold.
+    """
     base = SEATED | {"fits.shaft_interference_um": 2.0, "temperature.inner_ring_C": 40}
 
     def pressure(**temperatures):
@@ -207,7 +216,7 @@ def test_mass_of_the_balls_is_kept(scene):
 
 @pytest.mark.parametrize("orientation", ["back_to_back", "face_to_face"])
 def test_axial_change_of_a_pair(orientation):
-    """From the distances of the grooves on shaft and in housing; one bearing has no span."""
+    """Shaft and housing expand over the distances of their grooves; one bearing has no span."""
     heat = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=2e-4, housing=5e-5)
     A1, span = 70e-6, 20e-3
     back = orientation == "back_to_back"
@@ -229,7 +238,10 @@ def test_a_hybrid_bearing_that_is_warmed_evenly_loses_preload(scene):
 
 
 def test_growth_at_speed_more_than_doubles_a_turbopump_preload(scene):
-    """Said of fixed position: `turbopump` with the bore of its description."""
+    """That is `turbopump` at fixed position, with the 35 mm bore of its description.
+
+    `change_at_speed` estimates the static preload to 2 %. At speed centrifugal forces take a part.
+    """
     held = scene("turbopump", HELD)
     grown = scene("turbopump", HELD | {"bearing.bore_mm": 35.0})
     assert static_preload_ratio(grown) > 2.0
@@ -238,6 +250,7 @@ def test_growth_at_speed_more_than_doubles_a_turbopump_preload(scene):
 
 
 def static_preload_ratio(scene) -> float:
+    """Returns the preload of the grown parts at rest over that when mounted."""
     return static_preload(scene) / scene.operation.preload_N
 
 
@@ -245,7 +258,7 @@ def static_preload_ratio(scene) -> float:
     ("name", "changes"), [("gyro_s1", {}), ("turbopump", HYBRID), ("bearing218", {})]
 )
 def test_the_estimated_effect_of_a_warm_ring_is_right_within_2_percent(scene, name, changes):
-    """Stated before any solve, of a ring that is 5 K warmer."""
+    """The inner ring is 5 K warmer than when mounted, at 20 degC."""
     warm = scene(name, HELD | changes | {"temperature.inner_ring_C": 25.0})
     estimate = 1.0 + change_by_warm_ring(warm, 5.0)
     assert_allclose(estimate, static_preload_ratio(warm), rtol=0.02)
@@ -290,7 +303,7 @@ def numbers_of_fit(result) -> list[float]:
 
 
 def test_the_warning_of_a_missing_fit_has_the_preload_of_usual_fits(rigid_spindle):
-    """At rest within 2 %, at speed within 5 % of a solve with the fit; loose where a solve is."""
+    """Solves with a fit have it within 2 % at rest and 5 % at speed, and lose the fit as stated."""
     _, _, *numbers = numbers_of_fit(solve(rigid_spindle))
     fits = [numbers[:4], numbers[4:]]
     assert [um for um, *_ in fits] == [5.0, 12.0]
@@ -307,13 +320,20 @@ def test_the_warning_of_a_missing_fit_has_the_preload_of_usual_fits(rigid_spindl
 
 
 def test_every_fit_has_a_line_before_the_solve(rigid_spindle):
+    """Without `fits` its line says that none is assumed; both lines have the fit of 12 um.
+
+    With 12 um the inner ring is loose from 31 000 r/min. A spring needs no line without a fit.
+    """
+
     def lines(changes):
+        """Returns the lines on fits of the choice of a model."""
         reasons = choice(rigid_spindle.with_(changes)).reasons
         return [line for line in reasons if line.startswith("fits: ")]
 
     (none,), (zero,) = lines({"fits": None}), lines({})
     assert "assumed" in none and "assumed" not in zero
-    assert 12.0 in numbers_in(none) == numbers_in(zero)
+    assert 12.0 in numbers_in(none)
+    assert numbers_in(none) == numbers_in(zero)
     (tight,) = lines({"fits.shaft_interference_um": 12.0})
     assert "included" in tight and 31000.0 in numbers_in(tight)
     force = {"operation.preload_method": "constant_force"}
@@ -328,7 +348,7 @@ def test_no_fit_is_wider_than_a_scene_may_have(scene):
 
 
 def test_a_worn_bearing_is_warned_of_its_fit_when_new(rigid_spindle):
-    """Within 15 %: an estimate by the preload at speed, which a solve of the worn state has not."""
+    """The preload at speed is that of the new one within 15 %: a worn solve does not have it."""
     preload_with_fit = 4  # index of that at speed, with the first of the usual fits
     new = numbers_of_fit(solve(rigid_spindle))[preload_with_fit]
     worn = rigid_spindle.with_({"wear.ball_diameter_loss_um": 1.0})

@@ -61,6 +61,7 @@ def scene_and_plain_inputs(plain, scene, name, method, mu, loss, drag):
     ],
 )
 def test_steady_states_agree_with_the_plain_program(plain, scene, name, method, mu, loss, drag):
+    """Loads, angles and orbit to 1e-8; the soft spin axis, QV, heat and torque to 1e-6."""
     s, bearing, operation = scene_and_plain_inputs(plain, scene, name, method, mu, loss, drag)
     problem = ThrustProblem.of(s)
     case = problem.solve(problem.g.D0 - loss * 1e-6)
@@ -113,7 +114,7 @@ def test_a_loaded_bearing_agrees_with_the_plain_program(plain, scene, force, til
     D = np.full(n, g.D0)
     status, _, _ = race_equilibrium(g, D, loads, psi, np.array(force), tilt, 0, delta, rows)
     assert status == code.OK
-    assert_allclose(rows[:, 5:7], load, rtol=1e-6, atol=1e-9)
+    assert_allclose(rows[:, 5:7], load, rtol=1e-6, atol=1e-9)  # Q_i and Q_o of packed states
     assert_allclose(delta, displacement[:3], atol=1e-12)
 
 
@@ -135,6 +136,8 @@ def test_a_fixed_position_under_radial_load_agrees_with_another_program(scene, l
     psi = 2 * np.pi * np.arange(n) / n
     D = np.full(n, g.D0 - loss * 1e-6)
     force = np.array([7.0, 0.0, radial])
+    # the race moves from direction 1 on: across the axis alone
     status, _, _ = race_equilibrium(g, D, loads, psi, force, 0.0, 1, delta, rows)
     assert status == code.OK
-    assert_allclose((rows[:, 5] * np.sin(rows[:, 3])).sum(), axial, rtol=2e-9)
+    inner_load, inner_angle = rows[:, 5], rows[:, 3]
+    assert_allclose((inner_load * np.sin(inner_angle)).sum(), axial, rtol=2e-9)

@@ -77,7 +77,7 @@ def pair():
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
 def test_a_rotor_under_loads_agrees_with_a_program_written_apart(case):
-    """To the seven digits of its file."""
+    """Its file has seven digits."""
     inputs, near = case["inputs"], {"rel": 1e-6, "abs": 1e-9}
     rest = RotorAtRest.of(scene_of(inputs))
     loaded = rest.under(inputs["axial_load_N"], inputs["radial_load_N"])
@@ -115,14 +115,15 @@ def test_random_rotors_by_plain_scipy():
 
 
 def test_a_fixed_angle_opens_at_the_power_of_three_halves(pair):
-    """2^1.5 preloads as the preload goes to nothing, and more as the contact angle opens."""
+    """A gap opens at 2^1.5 preloads as these go to nothing, and at more as the angle opens."""
     ratios = [
         RotorAtRest.of(pair.with_({"operation.preload_N": F})).axial_rotor.opening_force / F
         for F in (1e-6, 1e-3, 75.0)
     ]
     assert ratios[0] == pytest.approx(2.0 * math.sqrt(2.0), rel=1e-5)
     opening_N = CASES[0]["gapping_N"]  # of the program written apart, at 75 N
-    assert ratios[0] < ratios[1] < ratios[2] == pytest.approx(opening_N / 75.0, rel=1e-4)
+    assert ratios[0] < ratios[1] < ratios[2]
+    assert ratios[2] == pytest.approx(opening_N / 75.0, rel=1e-4)
     # as the lift-off of `solve`, whose contacts have the curvature at their own angle
     assert RestingPair.of(pair).lift_off == pytest.approx(75.0 * ratios[2], rel=1e-4)
 
@@ -160,8 +161,10 @@ def test_a_spring_bottoms_on_its_stop(pair):
 
 
 def test_frequencies_are_those_of_the_stiffness_at_rest(pair):
-    """To 0.1 %, and that of tilting to 0.5 %: a stiffness matrix leaves out the turn of tilted
-    ball loads."""
+    """They agree to 0.1 %, and that of tilting to 0.5 %.
+
+    A stiffness matrix leaves out that ball loads turn as the rotor tilts.
+    """
     K = RestingPair.of(pair).bearing.stiffness_matrix(75.0)
     expected = natural_frequencies(pair.arrangement, np.array([K, K]), 2.0 * K[0, 0])
     axial, radial, tilting = RotorAtRest.of(pair).frequencies(pair.arrangement)
@@ -188,7 +191,7 @@ def three_sigma(launch):
 
 
 def test_miles_equation(pair):
-    """Of a random load of no duration, three sigma at the axial frequency."""
+    """A random load of no duration counts as three sigma at the axial frequency."""
     assert miles(0.1, 100.0, 10.0) == pytest.approx(math.sqrt(50.0 * math.pi))
     launch = launch_result(pair.with_(RANDOM))
     assert launch.axial_g == pytest.approx(three_sigma(launch), rel=1e-12)
@@ -207,7 +210,7 @@ def test_a_random_load_that_lasts_has_its_expected_peak(pair):
 
 
 def test_the_expected_peak_of_a_narrow_band_response():
-    """In 120 s at 300 Hz; and the mean of the largest of 400 times 3000 Rayleigh amplitudes."""
+    """It is sqrt(2 ln(f t)) sigma: 120 s at 300 Hz, and drawn Rayleigh amplitudes, 3000 of 10 s."""
     assert expected_peak(300.0, 120.0) == pytest.approx(math.sqrt(2.0 * math.log(36000.0)))
     assert expected_peak(300.0, 0.0) == 0.0 and expected_peak(0.5, 1.0) == 0.0
     draws = np.random.default_rng(7).rayleigh(size=(400, 3000)).max(axis=1)
@@ -242,7 +245,8 @@ def test_a_bearing_pushed_through_its_gap_has_not_kept_contact(pair):
     through = RotorAtRest.of(soft).under(-3000.0)
     first, second = through.bearings
     assert first.axial < 0.0 and first.gap == 0.0 and second.past == 0.0 and not second.is_open
-    assert through.gap == first.past > 100e-6 and first.is_open
+    assert through.gap == first.past and first.is_open
+    assert first.past > 100e-6
     assert launch_values(soft)["launch_gap"] > 100e-6
     heading = launch_document(soft, {"new": launch_result(soft)}).heading
     assert any("passes" in line for line in heading)
@@ -264,7 +268,7 @@ SOFT_AND_SHAKEN = SPRING | {
     ],
 )
 def test_a_soft_pair_that_gaps_is_warned_of_higher_loads(pair, changes, is_warned):
-    """In recommendations as on the sheet."""
+    """The sheet and a recommendation both say so, or neither."""
     scene = pair.with_(changes)
     heading = launch_document(scene, {"new": launch_result(scene)}).heading
     assert (SOFT_PAIR_GAPS in heading) == is_warned
@@ -303,7 +307,10 @@ def test_a_spring_without_a_stop_loses_its_rotor_at_launch(pair):
 
 
 def test_a_launch_is_judged_new_and_worn(pair):
-    """The worse of both, and no more wear than the scene says that there is before a launch."""
+    """Each value is the worse one of new and worn balls.
+
+    With `launch.after_wear_um` 0 the balls are new at launch, whatever wear follows.
+    """
     scene = pair.with_({"launch.axial_g": 100.0})
     worn = launch_result(scene.with_({"wear.ball_diameter_loss_um": 0.5}))
     new = launch_result(scene)
@@ -319,6 +326,10 @@ def test_a_launch_is_judged_new_and_worn(pair):
 
 
 def test_a_launch_is_checked_new_and_worn(pair):
+    """Worn by 0.5 um, the end of its life, whose other limit is met later. Without one, only new.
+
+    The heading names the launch that decides.
+    """
     scene = pair.with_(
         {"launch.axial_g": 100.0, "wear.end_of_life.ball_diameter_loss_um": 0.5,
          "wear.end_of_life.preload_fraction": 0.01}

@@ -48,7 +48,7 @@ def every_instant(scene, windows):
 
 
 def test_largest_and_smallest_loads_are_those_of_all_instants(scene, loaded_case):
-    """Of each ball, against the averages of the shortest intervals, one at a time."""
+    """Those of each ball are compared with the averages of the shortest intervals, one by one."""
     v = loaded_case.values
     windows = round(v["simulated_turns"] / v["evaluated_turns"])
     loads, pressures = every_instant(scene("gyro_s1", LOADED), windows)
@@ -85,6 +85,10 @@ def test_pressure_goes_by_the_cube_root_of_the_load():
 
 
 def test_show_and_tables_take_the_extreme_of_all_balls(loaded_case, tmp_path, capsys):
+    """`show` prints largest pressure and load and least load of all balls, and the mean load.
+
+    The table of a study has the largest pressure and the mean load. Sheets have three digits.
+    """
     write_result(loaded_case, tmp_path / "case.nc")
     assert main(["show", str(tmp_path / "case.nc")]) == 0
     rows = {line[2:30].strip(): line.split() for line in capsys.readouterr().out.splitlines()}

@@ -66,7 +66,7 @@ def test_least_preload_of_gmn_is_a_share_of_the_rating(minimum):
 
 @pytest.mark.parametrize(("suffix", "scatter"), [("AC", 0.05), ("B", 0.10)])
 def test_least_loads_of_skf_need_one_friction(minimum, skf, suffix, scatter):
-    """By angle, within 5 or 10 %, though balls and grooves are assumed from the size alone."""
+    """It scatters by 5 or 10 %, though balls and grooves are assumed from the size alone."""
     friction = minimum.skf_frictions(skf[suffix])
     assert minimum.BETWEEN[0] < minimum.mean(friction) < minimum.BETWEEN[1]
     assert np.std(np.log(friction)) < scatter

@@ -107,7 +107,7 @@ def test_symmetric_pair_is_the_single_bearing(solved, fidelity, single, pair, lo
 
 
 def test_a_pair_seen_from_the_other_end_has_the_same_state(solved):
-    """Which bearing is called the first changes signs alone."""
+    """With the bearings and the force exchanged, the shift changes sign and the rest sides."""
     force = {"arrangement.external_axial_N": 2.0, LOSS: 0.1, "arrangement.second": {LOSS: 0.4}}
     turned = {"arrangement.external_axial_N": -2.0, LOSS: 0.4, "arrangement.second": {LOSS: 0.1}}
     v, v_turned = solved(RIGID | force), solved(RIGID | turned)
@@ -152,7 +152,10 @@ def test_balance_of_the_rotor(solved, scene, fidelity, changes):
 
 @pytest.mark.parametrize("F_ext", [0.0, 3.5, -3.5])
 def test_spring_gives_way_to_both(solved, scene, F_ext):
-    """F_2 = F_s - k_s e, e what both bearings give way; solved here by SciPy's brentq."""
+    """The second bearing has F_2 = F_s - k_s e, where e is how far both bearings give way [m].
+
+    F_s is the 7 N of the spring, k_s its 0.2 N/um. Solved here by SciPy's brentq.
+    """
     k_s = 0.2e6
     changes = SPRING | REST | {
         "arrangement.spring_stiffness_N_um": 0.2,
@@ -168,7 +171,7 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
         offset = worn.place(F_2 + F_ext) + worn.place(F_2) - 2.0 * mounted
         return 7.0 - k_s * offset - F_2
 
-    F_2 = brentq(unbalanced, 3.6, 9.0, xtol=1e-13)
+    F_2 = brentq(unbalanced, 3.6, 9.0, xtol=1e-13)  # [N]; far below what is compared
     assert_allclose(v["residual_preload"], [F_2 + F_ext, F_2], rtol=1e-9)
     assert_allclose(v["rotor_axial_shift"], worn.place(F_2 + F_ext) - mounted, rtol=1e-8)
     assert_allclose(v["spring_travel"], (7.0 - F_2) / k_s, rtol=1e-8)
@@ -184,7 +187,7 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
 
 
 def test_the_rotor_check_rejects_another_place_or_force(scene):
-    """By a millionth."""
+    """A force or a place of the first bearing that is off by a millionth."""
     rigid = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
     pair = solver_of(rigid, "steady", Accuracy.CHECKED).bearings
     state = pair.solve(pair.start)
@@ -200,7 +203,7 @@ def test_the_rotor_check_rejects_another_place_or_force(scene):
 
 
 def test_a_rigid_pair_lifts_off_either_way_beyond_its_force(solved):
-    """20.5774 N, as above."""
+    """The lift-off force is 20.5774 N, as in the first test here."""
 
     def under(F, status="ok"):
         return solved(RIGID | REST | {"arrangement.external_axial_N": F}, status=status)
@@ -211,7 +214,7 @@ def test_a_rigid_pair_lifts_off_either_way_beyond_its_force(solved):
 
 
 def test_a_spring_pair_lifts_off_at_the_force_of_its_spring(solved):
-    """Of 7 N; under 6 N one is left."""
+    """The spring has 7 N: against 6 N of external force, 1 N is left on the first bearing."""
     solved(SPRING | {"arrangement.external_axial_N": -7.0}, status="lifted_off")
     v = solved(SPRING | {"arrangement.external_axial_N": -6.0})
     assert v["residual_preload"][0] == pytest.approx(1.0)
@@ -271,6 +274,10 @@ def test_natural_frequencies_of_a_rod_on_springs():
 
 
 def test_back_to_back_resists_tilting_more(solved):
+    """The stiffness against tilting has 4 l K_23 added back to back, and subtracted face to face.
+
+    l is half of the span of 20 mm, K_23 the coupling of radial force and tilt of a bearing.
+    """
     K = solved(RIGID)["stiffness_matrix"]
     by = {
         way: rotor_stiffness(Arrangement(kind="rigid_pair", span_mm=20.0, orientation=way), K)
@@ -285,6 +292,7 @@ def test_back_to_back_resists_tilting_more(solved):
 
 
 def test_frequencies_need_mass_and_span(solved):
+    """The axial frequency is sqrt(k/m)/(2 pi) of the system."""
     assert "natural_frequency" not in solved(RIGID | {"arrangement.rotor_mass_kg": 0.03})
     both = {"arrangement.rotor_mass_kg": 0.03, "arrangement.span_mm": 20.0}
     v = solved(RIGID | both)

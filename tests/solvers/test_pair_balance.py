@@ -13,17 +13,23 @@ from bearingwear.solvers.bearing.rotor_balance import Nearby, RotorTrial, balanc
 from bearingwear.solvers.condition import Condition, SolvedBearing
 from bearingwear.solvers.solve import solve
 
-HELD = 1e6  # slope that each trial says [N/m]
+HELD = 1e6  # slope of the unbalanced force that each trial states, as at held orbits [N/m]
+SCALE = 10.0  # of the forces that a trial states [N]
 
 
 class Search(NamedTuple):
+    """Where a search for the rotor's place ends [m], its status and its number of trials."""
+
     place: float
     status: int
     trials: int
 
 
 def search(unbalanced_force, start=0.0, nearby=None):
-    """Where a force [N] of the place [m] vanishes; beyond 1 mm a contact is lost."""
+    """Searches for the place [m] where a force [N] vanishes, and returns what it ends with.
+
+    unbalanced_force: function of the place. Beyond 1 mm from the middle a contact is lost.
+    """
     solved, lost = (
         SolvedBearing(status, Condition(0.0), None) for status in (code.OK, code.CONTACT_LOST)
     )
@@ -32,7 +38,7 @@ def search(unbalanced_force, start=0.0, nearby=None):
     def trial(x):
         places.append(x)
         states = (lost if abs(x) > 1e-3 else solved, solved)
-        return RotorTrial(states, unbalanced_force(x), HELD, 10.0)
+        return RotorTrial(states, unbalanced_force(x), HELD, SCALE)
 
     place, result = balanced_place(trial, start, 1e-20, nearby or Nearby())
     status = result if isinstance(result, int) else code.OK
@@ -41,8 +47,10 @@ def search(unbalanced_force, start=0.0, nearby=None):
 
 @pytest.mark.parametrize("steeper", [0.2, 0.9, 1.0, 2.0, 3.5, 40.0])
 def test_balance_where_forces_are_steeper_or_flatter_than_expected(steeper):
-    """In few trials, also where each step by the slope at held orbits leads farther away: from
-    twice as steep on."""
+    """It takes few trials, also where each step by the stated slope leads farther away.
+
+    That is so where the force is more than twice as steep as stated.
+    """
 
     def unbalanced_force(x):
         return steeper * HELD * (x - 2e-6) * (1.0 + 0.1 * math.tanh(1e5 * (x - 2e-6)))
@@ -53,7 +61,7 @@ def test_balance_where_forces_are_steeper_or_flatter_than_expected(steeper):
 
 
 def test_a_force_that_falls_with_the_place_holds_no_rotor():
-    """Though it vanishes somewhere."""
+    """It vanishes at 2 um, but would push the rotor away from there."""
     assert search(lambda x: -0.1 * HELD * (x - 2e-6)).status == code.NO_STEADY_STATE
 
 
@@ -65,12 +73,14 @@ def test_a_rotor_that_runs_away_stops_where_the_force_rises_again():
 
 
 def test_a_force_that_jumps_over_zero_balances_no_rotor():
+    """It jumps from -3 to 3 N at 1 um, where the search ends."""
     result = search(lambda x: HELD * (x - 1e-6) + math.copysign(3.0, x - 1e-6))
     assert result.status == code.NO_STEADY_STATE
     assert_allclose(result.place, 1e-6, rtol=1e-8)
 
 
 def test_a_rotor_whose_balance_lies_beyond_contact_lifts_off():
+    """The force would vanish at 5 mm."""
     assert search(lambda x: HELD * x - 5e3).status == code.LIFTED_OFF
 
 

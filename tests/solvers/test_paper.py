@@ -2,7 +2,7 @@
 
 The tests have the numbers of docs/verification.md. The paper says in words how much: "slightly",
 "clear", "almost zero"; the bounds here are what gyro_s1 has, rounded up. A statement that does not
-hold to the letter is tested for what does hold.
+hold to the letter is tested for what does hold. `values` of tests/conftest.py solves gyro_s1.
 """
 
 import numpy as np
@@ -113,7 +113,7 @@ def test_7_rolling_slip_is_nearly_the_same_for_both_preloads(values):
 
 
 def test_7_departs_above_06_um_where_the_spin_moves_to_the_inner_race(values):
-    """Without drag."""
+    """There is no drag: the ratio of spin to roll inside over outside passes a half."""
     inner_over_outer = [
         np.divide(*values(POSITION, 0.08, loss)["spin_to_roll_ratio"][0]) for loss in (0.5, 0.7)
     ]

@@ -30,7 +30,10 @@ class Histories(NamedTuple):
 
 @pytest.fixture(scope="module")
 def worn(scene):
-    """Function (method, mu) -> Histories of the life of gyro_s1_hertz with its grooves followed."""
+    """Returns a function (method, mu) that returns the Histories of a life of gyro_s1_hertz.
+
+    Its grooves are followed as they wear.
+    """
     histories = {}
 
     def histories_of(method, mu):
@@ -94,7 +97,10 @@ def test_7_does_not_hold(worn):
 
 
 def test_8_constant_force_rises_and_lies_above_fixed_position(worn):
-    """By 30 % up to 0.7 um, and by half as much again at 0.5 um."""
+    """QV under constant force rises by 30 % to 0.7 um, at low friction.
+
+    At 0.5 um, a fixed position has less than 0.65 of it, at low and at high friction.
+    """
     spring = worn(FORCE, 0.02).total_qv
     assert np.all(np.diff(spring) > 0.0) and 1.25 < spring[-1] / spring[0] < 1.35
     for mu in (0.02, 0.08):

@@ -22,7 +22,7 @@ TIGHT = 1e-3  # tolerance of a march that is compared with
 
 @pytest.fixture(scope="module")
 def result_of(scene):
-    """Function (changes) -> the solved result."""
+    """Returns a function (changes, name) that solves a scene without its cage, once for each."""
     kept = {}
 
     def solved(changes, name="gyro_s1"):
@@ -36,7 +36,7 @@ def result_of(scene):
 
 @pytest.mark.parametrize("changes", [RADIAL, ROTATING, TILTED], ids=["radial", "rotating", "tilt"])
 def test_a_periodic_motion_has_the_qv_of_a_settled_march(scene, result_of, changes):
-    """Of both contacts over an orbit after twelve others, mean of the balls.
+    """QV of each contact, the mean of the balls, over an orbit that follows twelve others.
 
     The start leaves the balls of a march unevenly spaced for good, and each with a QV of its own.
     """
@@ -57,7 +57,7 @@ def test_all_balls_have_the_same_periodic_motion(result_of):
     for name in ("qv", "maximum_contact_load", "minimum_contact_load", "orbit_speed"):
         by_ball = values[name]
         assert_allclose(by_ball, np.broadcast_to(by_ball.mean(axis=0), by_ball.shape), rtol=1e-5)
-    # and yet its load changes on the way
+    # and yet the load of a ball changes on its way round
     assert (values["maximum_contact_load"] > 1.2 * values["minimum_contact_load"]).all()
     assert abs(values["qv_drift_per_turn"]) < 1e-6
     assert abs(values["energy_account_error"]) < 1e-5
@@ -90,7 +90,7 @@ def test_scenes_without_a_periodic_motion_are_refused(scene, changes, why):
 
 
 def test_an_undetected_periodic_motion_is_reported_or_marched(scene, monkeypatch):
-    """Not converged where the scene says `periodic`, marched by `auto`."""
+    """The scene with `periodic` has not converged; with the default `auto` it is marched."""
     monkeypatch.setattr(periodic, "ACCEPTED", 0.0)
     monkeypatch.setattr(periodic, "MARCHED", (0.0, 1.0))
     of_scene = solve(scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}).without_cage)
@@ -111,12 +111,12 @@ def test_a_run_continues_from_a_periodic_motion(scene, result_of):
 
 
 def test_dynamic_lives_use_the_periodic_motion(scene):
-    """Stable ones of less than three turns, in which all balls wear alike."""
+    """Each run takes less than three turns, is stable, and wears all balls alike."""
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}, "model.life_steps": 2}
     values = life(scene("gyro_s1", RADIAL | end).without_cage).values
     assert max(values["history_simulated_turns"]) < 3.0
     assert max(values["history_disturbance_growth_per_turn"]) < 0.0
     worn = values["history_worn_diameter"]
     assert_allclose(worn, worn[:, :1].repeat(9, axis=1), rtol=1e-5)
-    # the steady life is that of thrust alone
+    # the steady life is that of thrust alone: the radial load changes it by less than a half
     assert 0.5 < np.nanmax(values["life"]) / values["steady_life"] < 1.5

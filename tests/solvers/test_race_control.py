@@ -25,6 +25,10 @@ CASES = {
 
 
 def solved(g, F, rpm, law):
+    """Returns shaft speed [rad/s], displacement [m], ball state and motion by a law of control.
+
+    F: thrust [N]; rpm: shaft speed [r/min].
+    """
     omega = rpm * math.pi / 30.0
     load = BallLoad(law, 0.0, omega, 0.0, 0.0, 0.0, 0.0, 0.0)
     delta_a, s = thrust_equilibrium(g, g.D0, load, F, 0.0, True, cold_start())
@@ -34,6 +38,7 @@ def solved(g, F, rpm, law):
 
 @pytest.mark.parametrize("name", CASES)
 def test_outer_control_under_thrust_agrees_with_published_bearings(name):
+    """In all of CASES, to 1e-5: the digits on which two programs agree."""
     g, F, rpm, reference = CASES[name]
     omega, delta_a, s, k = solved(g, F, rpm, OUTER_CONTROL)
     m = g.rho * math.pi / 6 * g.D0**3

@@ -1,4 +1,4 @@
-"""What is stored as solved is finite: the one place where results are made looks."""
+"""Results that are stored as solved have finite numbers: `not_finite` checks each of them."""
 
 import math
 
@@ -23,7 +23,7 @@ def test_a_solve_with_a_number_that_is_not_finite_is_not_ok(scene, monkeypatch, 
 
 
 def test_an_unknown_value_of_a_case_is_detected(scene):
-    """One number of an array is enough; a plain number and an array alike."""
+    """NaN as a plain number, or as the last one of an array, is named as not finite."""
     result = solve(scene("gyro_s1", {"bearing.bore_mm": 5.0}), "steady")
     assert result.status == "ok" and not not_finite(result.values, result.scene)
     arrays = {name: np.array(value) for name, value in result.values.items()}
@@ -73,6 +73,7 @@ def test_an_unknown_value_of_a_life_is_detected(scene):
 
 
 def test_a_stiffness_may_be_unknown_between_the_ends_of_a_life(scene):
+    """At the first and the last state it may not."""
     result = life(scene("gyro_s1", FIXED | {"arrangement.kind": "rigid_pair"}))
     for name in ("system_axial_stiffness", "system_quasistatic_axial_stiffness"):
         name = f"history_{name}"

@@ -110,6 +110,7 @@ def test_a_mirrored_radial_load_mirrors_the_balls(tilt):
 
 
 def test_a_load_turned_by_one_ball_pitch_moves_every_value_on_by_one_ball():
+    """2 N turn by 40 degrees from Z towards -Y, the way in which azimuths of balls count."""
     psi = 2.0 * np.pi / 9
     loads = ([0.0, 2.0], [-2.0 * np.sin(psi), 2.0 * np.cos(psi)])
     values = [

@@ -31,8 +31,10 @@ def motion_of(scene):
 
 @pytest.mark.parametrize("largest, others", [(1.02, 0.4), (0.99, 0.4), (1.02, 1.3)])
 def test_growth_rates_tell_the_spacing_from_other_disturbances(largest, others):
-    """Multipliers of the spacing are near the nine roots of 1, one of them exactly there; a pair
-    has the largest modulus. However fast the five others grow, they are not taken for it.
+    """Nine of fourteen multipliers are of the spacing of the balls: near the nine roots of 1.
+
+    One is exactly 1, and a pair has the largest modulus. However fast the five others grow, they
+    are not taken for those. Growth is ln(modulus) over the turns of a passing.
     """
     n, turns = 9, 0.25
     phases = 0.98 * np.exp(2j * np.pi * np.arange(n) / n)
@@ -73,7 +75,10 @@ def test_tangents_are_derivatives(scene):
 
 
 def test_uneven_spacing_grows_in_a_march_as_stated(scene):
-    """First harmonic of what lies between a march from the motion and one from beside it."""
+    """Two marches start from the motion and from beside it; their azimuths differ ever more.
+
+    The first harmonic of this difference over the balls grows as the motion states.
+    """
     system, motion = motion_of(scene("turbine", TURBINE).without_cage)
     n, orbit = len(motion.balls), motion.passing * len(motion.balls)
     begun, wave = (system.packed(), system.time), np.exp(2j * np.pi * np.arange(n) / n)
@@ -113,7 +118,7 @@ def disturbances_grow(monkeypatch):
 
 
 def test_a_motion_that_does_not_last_is_marched(scene, disturbances_grow):
-    """By `auto`, which says why."""
+    """The default `auto` marches, and its attribute `start` says why."""
     marched = solve(scene("gyro_s1", RADIAL | {"model.simulated_turns": 1.0}))
     assert "unstable" in marched.attrs["start"]
     assert 10.0 in numbers_in(marched.attrs["start"])  # turns for growth by a factor of e

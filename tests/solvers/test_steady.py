@@ -1,4 +1,7 @@
-"""The friction-balanced steady state against two independent programs, and its own balances."""
+"""The friction-balanced steady state against two independent programs, and its own balances.
+
+`values` of tests/conftest.py solves gyro_s1 with some keys changed.
+"""
 
 import math
 from dataclasses import replace
@@ -45,7 +48,7 @@ REFERENCE = {
 
 
 def values_of_2_mm_bearing(scene, mu, quadrature, points):
-    """Of the solved case without a cage, which would not fit."""
+    """Returns the values of the solved bearing MM2, without a cage, which would not fit."""
     changes = {"friction.ball_race": mu, "model.quadrature": quadrature, "model.strips": points}
     result = solve(scene("gyro_s1", MM2 | {"cage": None} | changes))
     assert result.status == "ok"
@@ -63,6 +66,7 @@ def values_of_2_mm_bearing(scene, mu, quadrature, points):
 def test_values_agree_with_the_reference_of_the_quadratures(
     scene, mu, quadrature, points, rtol, qv_rtol
 ):
+    """The angular velocity by its size alone, because w_y is small: the next test has it."""
     v, ref = values_of_2_mm_bearing(scene, mu, quadrature, points), REFERENCE[mu]
     assert_allclose(v["contact_load"][0], ref["Q"], rtol=rtol)
     assert_allclose(np.degrees(v["contact_angle"][0]), ref["alpha"], rtol=rtol)
@@ -74,7 +78,7 @@ def test_values_agree_with_the_reference_of_the_quadratures(
 
 @pytest.mark.parametrize("mu", REFERENCE)
 def test_gyroscopic_rotation_and_slip_agree_with_the_reference(scene, mu):
-    """To its digits: four of the slip. w_y, 0.96 rad/s, is what is left of large moments."""
+    """The slip has four digits there. w_y, 0.96 rad/s, is what is left of large moments."""
     v, ref = values_of_2_mm_bearing(scene, mu, "gauss", 50), REFERENCE[mu]
     assert_allclose(v["ball_angular_velocity"][0], ref["w"], rtol=5e-6)
     assert_allclose(np.abs(v["gyroscopic_slip"]).mean(), ref["gyro"], rtol=1e-3)
@@ -117,7 +121,10 @@ def test_balls_settle_from_anywhere(scene, method, loss):
 
 
 def test_a_disturbed_ball_returns_at_the_rate_of_the_slow_eigenvalue(scene):
-    """By e in its time, integrated by SciPy's Radau on the residual."""
+    """A factor of e is left of it after the time of the slowest eigenvalue.
+
+    SciPy's Radau integrates the residual of the balance as an acceleration.
+    """
     problem = ThrustProblem.of(scene("gyro_s1", {"friction.ball_race": 0.08}))
     D = problem.g.D0
     case = problem.solve(D)
@@ -145,7 +152,10 @@ def test_a_disturbed_ball_returns_at_the_rate_of_the_slow_eigenvalue(scene):
 
 
 def converged_rates(few, D, case, within):
-    """Rates [1/s] with 1024 points, which are as with 512, and all below zero."""
+    """Returns the decay rates [1/s] with 1024 points, sorted.
+
+    Checks that all are below zero, and that 512 points have the same, but for a share `within`.
+    """
     rates = {}
     for points in (512, 1024):
         many = replace(few, rule=ellipse_rule("split", points))
@@ -173,7 +183,7 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
     case = few.solve(D)
     slowest = few.decay_rates(D, case).real.max()
     rates = converged_rates(few, D, case, within=0.1)
-    assert 5e-3 * rates.max() < slowest < 0.0  # up to 200 times slower
+    assert 5e-3 * rates.max() < slowest < 0.0  # rates are negative: up to 200 times slower
     assert few.stable(D, case) and solve(few_strips).values["status"] == code.OK
 
 
@@ -181,7 +191,7 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
     ("quadrature", "strips", "v_r"), [("gauss", 8, 1e-7), ("gauss", 4, 1e-8), ("strips", 4, 1e-8)]
 )
 def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, v_r):
-    """Few fixed points with traction: a motion seems to grow, with many all decay."""
+    """With few fixed points and traction a disturbance seems to grow; with many all decay."""
     few_strips = scene(
         "gyro_s1",
         {
@@ -212,7 +222,7 @@ def test_a_bearing_at_rest_has_no_friction_heat(scene):
 
 
 def test_a_bearing_whose_races_turn_together_turns_as_one_body(scene):
-    """No relative motion, no slip."""
+    """Both turn at 30 000 r/min: balls orbit with them, and nothing slips."""
     v = solve(scene("gyro_s1", {"operation.outer_speed_rpm": 30000})).values
     assert v["status"] == code.OK
     omega = 30000 * math.pi / 30

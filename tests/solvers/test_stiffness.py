@@ -28,7 +28,7 @@ ALONG = 1e-5  # step of a difference along the way, where points of a split rule
 
 
 def dynamic_and_quasistatic(values, names=AXIAL):
-    """Both stiffnesses [N/um]."""
+    """Returns both stiffnesses [N/um]; of two bearings the larger one of each."""
     return [N_UM * float(np.max(values[name])) for name in names]
 
 
@@ -62,7 +62,10 @@ def test_stiffness_of_an_instrument_bearing_over_preload(scene, preload, dynamic
 
 
 def slope(problem, D, case, share):
-    """Central difference of the axial force over the place, a share of the deformation apart."""
+    """Returns the central difference of the axial force of a ball over the place [N/m].
+
+    share: step of the place over the axial deformation, force over stiffness.
+    """
     held = problem.preload._replace(constant_force=False)
     h = share * axial_force(case) / case.S_xx
     ends = []
@@ -110,7 +113,7 @@ def test_the_linear_response_is_the_derivative_of_the_balance_and_of_the_inner_f
     u = np.append(case.u, [case.T_i, case.T_o])[:k]
 
     def balance_and_force(column, step):
-        """Of a state with one unknown, or its place, a step further."""
+        """Returns balance (k,) and inner force (2,) with an unknown, or the place, shifted."""
         shifted, place = u.copy(), case.delta_a
         if column < k:
             shifted[column] += step
@@ -142,9 +145,9 @@ def test_the_linear_response_is_the_derivative_of_the_balance_and_of_the_inner_f
     ("force", "dynamic", "quasistatic"), [(0.0, 5.8430, 7.1156), (40.0, 7.5604, 8.8810)]
 )
 def test_system_stiffness_of_a_spindle_on_a_spring(force, dynamic, quasistatic):
-    """That of the tutorial: regression values [N/um], computed with 16 times the points.
+    """The spindle of the tutorial has regression values [N/um], computed with 16 times the points.
 
-    A program written apart has 5.86 and 7.12 without a force.
+    A program written apart has 5.86 and 7.12 without a force. The points of the scene change 3e-4.
     """
     scene = new(
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
@@ -186,6 +189,7 @@ def test_the_stiffness_of_a_pair_is_the_slope_of_force_over_its_shift(scene, cha
 
 @pytest.mark.parametrize("radial", [[0.0, 0.0], [0.3, -0.5]])
 def test_quasistatic_stiffness_of_race_control_is_the_slope_of_further_solves(scene, radial):
+    """Under thrust and with a radial load; the inner race is held a little to either side."""
     pump = scene("turbopump", {"operation.radial_load_N": radial, "model.fidelity": "race_control"})
     problem = RaceControlProblem.of(pump)
     values, _ = solve_race_control(pump, problem)
@@ -205,10 +209,10 @@ def test_quasistatic_stiffness_of_race_control_is_the_slope_of_further_solves(sc
 
 
 def test_dynamic_and_quasistatic_matrices_agree_at_creep(scene):
-    """There the balls have no gyroscopic moment: friction is the same wherever they are.
+    """At 50 r/min balls have no gyroscopic moment, and friction is the same wherever they are.
 
-    To 0.2 %: the Hertz factors follow the angle in one of them; and balls bunch, as section 2 of
-    theory.md says.
+    To 0.2 % of the diagonal, because only the quasi-static one lets the Hertz factors follow the
+    angle, and balls bunch (section 2 of theory.md).
     """
     changes = {"operation.shaft_speed_rpm": 50.0, "friction.slip_regularisation_m_s": 1e-6}
     values = solve(scene("gyro_s1_hertz", changes | {"model.contact": "paper"})).values
@@ -220,7 +224,11 @@ def test_dynamic_and_quasistatic_matrices_agree_at_creep(scene):
 
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
 def test_matrix_is_the_answer_of_motion_in_time(scene, balance):
-    """The place that the inner race takes under a small radial load, and with a small tilt."""
+    """The inner race goes where the quasi-static matrix says, under a radial load or with a tilt.
+
+    The load of 4 mN and the tilt of 1 urad are small, so that the answer is linear. A tilt acts as
+    the radial force -K_.3 tilt.
+    """
     changes = {"operation.preload_N": 4.0, "model.normal_balance": balance}
     steady = solve(scene("gyro_s1_hertz", changes)).values
     K, dynamic = steady["quasistatic_stiffness_matrix"], steady["stiffness_matrix"]

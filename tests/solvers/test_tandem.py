@@ -43,7 +43,7 @@ def test_two_and_two_in_tandem_live_as_the_single_bearing(scene):
 
 @pytest.mark.parametrize("F_ext", [0.0, 4.0, -3.0])
 def test_two_against_one_take_the_place_of_a_plain_balance(scene, F_ext):
-    """At rest, with twice the balls on the first side."""
+    """Balanced at rest by SciPy's brentq, with twice the balls on the first side."""
     two_against_one = scene("gyro_s1", RIGID | REST | {
         "arrangement.tandem": [2, 1], "arrangement.external_axial_N": F_ext,
     })  # fmt: skip
@@ -67,7 +67,7 @@ def test_two_against_one_take_the_place_of_a_plain_balance(scene, F_ext):
 
 
 def test_a_required_preload_fraction_is_one_of_each_bearings_own_share(scene):
-    """Of three against one: a third of 7 N, and 7 N."""
+    """Each of three bearings has a third of 7 N, the fourth 7 N; half of either ends the life."""
     changes = {"arrangement.tandem": [3, 1], "wear.end_of_life": {"preload_fraction": 0.5}}
     result = life(scene("gyro_s1", RIGID | changes))
     F = np.asarray(result.values["history_residual_preload"])[:, -1]
@@ -80,7 +80,7 @@ def test_a_required_preload_fraction_is_one_of_each_bearings_own_share(scene):
     [((1, 1), 1.0), ((2, 1), 1.36), ((3, 1), 1.57), ((2, 2), 2.0), ((3, 2), 2.42)],
 )
 def test_a_set_of_bearings_matched_as_a_pair_has_the_printed_preload(scene, tandem, printed):
-    """Over that of the pair, with two decimals in catalogues.
+    """Its ratio to the preload of the pair has two decimals in catalogues.
 
     To 0.5 % it follows from the same offset at the faces, by exact static displacements.
     """

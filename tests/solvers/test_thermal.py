@@ -29,6 +29,7 @@ HELD = {"operation.preload_method": "fixed_position"}
 
 
 def network(shaft: float, housing: float, ball: float) -> dict[str, float]:
+    """Returns the conductances of a thermal network [W/K], by keys of a scene."""
     names = ("inner_ring_shaft", "outer_ring_housing", "ball_race")
     values = (shaft, housing, ball)
     return {f"thermal.conductance_W_K.{n}": v for n, v in zip(names, values, strict=True)}
@@ -38,13 +39,16 @@ MILD, POOR, SEIZES = network(0.01, 0.1, 0.01), network(1e-3, 0.1, 0.01), network
 
 
 def thermal_network(ball=0.05, shaft_C=30.0, housing_C=30.0) -> Thermal:
-    """0.1 W/K to the shaft, 0.2 W/K to the housing, `ball` from each race to the balls."""
+    """Returns a network with 0.1 W/K to the shaft, 0.2 W/K to the housing, and `ball` [W/K].
+
+    `ball` is from each race to the balls.
+    """
     G = Conductance(inner_ring_shaft=0.1, outer_ring_housing=0.2, ball_race=ball)
     return Thermal(conductance_W_K=G, shaft_C=shaft_C, housing_C=housing_C)
 
 
 def test_drag_heat_leaves_by_the_housing_and_through_the_balls_by_the_shaft():
-    """2 W, by hand."""
+    """2 W of drag heat the outer ring, computed by hand as resistances in series and parallel."""
     t = network_temperatures(thermal_network(), HeatFlow(inner=0.0, outer=0.0, drag=2.0))
     through_balls = 1.0 / (2.0 / 0.05 + 1.0 / 0.1)
     assert_allclose(t.outer_ring_C, 30.0 + 2.0 / (0.2 + through_balls), rtol=1e-13)
@@ -80,7 +84,7 @@ def test_the_heat_flow_check_rejects_other_heats_and_networks():
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
 @pytest.mark.parametrize("changes", [MILD, POOR, {"lubricant.drag_density_kg_m3": 300.0} | POOR])
 def test_heat_flows_balance(scene, fidelity, changes):
-    """Part by part, from the file's values alone."""
+    """The flows of each part are written out here with the stored temperatures and heats [W]."""
     result = solve(scene("gyro_s1", HELD | changes), fidelity)
     v = result.values
     assert result.status == "ok" and v["heat_flow_residual"] < 1e-6
@@ -140,6 +144,10 @@ def least_balance(scene) -> np.ndarray | None:
 
 
 def test_random_networks_have_their_least_balance_or_seize(scene):
+    """24 networks with conductances over two or three decades; some seize, and some do not.
+
+    `least_balance` finds the heats by plain substitution, to 1e-5.
+    """
     random = np.random.default_rng(3)
     seized = 0
     for _ in range(24):
@@ -157,6 +165,7 @@ def test_random_networks_have_their_least_balance_or_seize(scene):
 
 
 def test_warm_seizure_is_named(scene, tmp_path, capsys):
+    """The result has temperatures and no loads; the command ends with 3 and one line."""
     result = solve(scene("gyro_s1", HELD | SEIZES))
     assert result.status == "warm_seizure"
     assert "residual_preload" not in result.values
@@ -179,7 +188,10 @@ def test_warm_seizure_is_named(scene, tmp_path, capsys):
     ],
 )
 def test_a_heat_that_depends_on_where_the_solve_came_from(scene, noise, heat_error, status):
-    """A solve that is balanced already stays where it is: its heat is a little that of before."""
+    """The heat of a solve has noise, because it depends a little on the state it starts from.
+
+    Noise up to a few times the stated error of the heat is no obstacle; more is a status.
+    """
     signs = itertools.cycle((-1.0, 1.0))
 
     def heats(warm):
@@ -200,6 +212,7 @@ def test_a_heat_that_depends_on_where_the_solve_came_from(scene, noise, heat_err
     "G", [(1e-6, 1e-6, 1e-6), (1e6, 1e6, 1e6), (1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)]
 )
 def test_absurd_networks_have_a_status(scene, fidelity, method, G):
+    """None raises an error; which of the four statuses it is depends on the model."""
     changes = network(*G) | {"model.simulated_turns": 1.0, "operation.preload_method": method}
     result = solve(scene("gyro_s1", changes).without_cage, fidelity)
     assert result.status in ("ok", "unverified", "warm_seizure", "no_heat_balance")
@@ -214,7 +227,7 @@ def test_without_friction_nothing_is_warmer_than_its_surroundings(scene):
 
 
 def test_temperatures_follow_a_life(scene):
-    """They fall with the preload, and are those of single cases on the way."""
+    """The inner ring cools as the preload wears off; half way a solve has the same temperatures."""
     end = {"wear.end_of_life.gyroscopic_slip_share": None, "wear.end_of_life.skid_ratio": None}
     base = HELD | end
     cold = life(scene("gyro_s1", base)).values

@@ -58,7 +58,10 @@ FILM = HERTZ | {
     ],
 )
 def test_the_solved_state_satisfies_the_equations_written_as_plain_vectors(scene, name, changes):
-    """Forces, moments and preload, by 2000 points on the line; none of it is the solver's."""
+    """Forces and moments on a ball vanish, and the race has its preload, to 1e-6 of their sizes.
+
+    2000 points on the line are summed here, by nothing of the solver.
+    """
     s = scene(name, LINE | changes)
     g, m = parameters.geometry(s), parameters.operating_point(s)
     case = ThrustProblem.of(s).solve(g.D0)
@@ -112,7 +115,7 @@ def solved_balance(request, scene):
 
 
 def test_jacobian_of_all_six_unknowns_is_their_derivative(solved_balance):
-    """Against central differences, the equilibrium solved at each orbit rate and traction."""
+    """Differences solve the equilibrium of the ball at each orbit rate and traction."""
     p, seat, u = solved_balance
     assert full_jacobian(p, p.bearing.op.v_r, seat, u) == code.OK
     jacobian = p.jacobian.copy()
@@ -162,7 +165,7 @@ def test_response_of_a_ball_is_that_of_its_equilibrium(solved_balance, k, step):
 
 
 def test_ball_and_race_together_have_the_equilibrium_of_the_nested_solver(solved_balance):
-    """By Newton's steps from nearby; from far off the outer race they do not converge."""
+    """Newton's steps lead there from nearby, but not from a ball 10 um off the outer race."""
     p, seat, u = solved_balance
     b, load = p.bearing, orbit_load(u[3] * 1.01, u[4] * 1.1, u[5])
     inputs = b.g, b.D, load, b.preload.F_x, seat.delta_a, b.preload.constant_force
@@ -188,7 +191,7 @@ def test_the_check_rejects_another_traction(solved_balance):
 
 
 def test_newton_converges_in_six_steps_from_nearby(scene):
-    """From the state of balls that have lost 1 nm."""
+    """It starts from the state of balls that have lost 1 nm."""
     problem = ThrustProblem.of(scene("gyro_s1", HERTZ))
     start = problem.solve(problem.g.D0 - 1e-9).u
     assert problem.solve(problem.g.D0, start=start).iterations <= 6
@@ -197,6 +200,7 @@ def test_newton_converges_in_six_steps_from_nearby(scene):
 @pytest.mark.parametrize("name", ["gyro_s1", "turbopump", "bearing218"])
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 def test_balance_of_power_and_of_the_race(scene, name, method):
+    """Residuals, the preload from the contact forces, and shaft power as heat plus drag [W]."""
     s = scene(name, HERTZ | {"operation.preload_method": method})
     problem = ThrustProblem.of(s)
     case, n = problem.solve(problem.g.D0), problem.g.n_balls
@@ -214,7 +218,7 @@ def test_balance_of_power_and_of_the_race(scene, name, method):
 
 
 def test_a_life_has_the_traction_in_its_normal_balance(scene):
-    """It begins at the steady state with traction, and is another than the one without."""
+    """It begins at the steady state with traction, and differs from one without by over 0.1 %."""
     with_traction, frictionless = (
         scene("gyro_s1", HERTZ | HELD | {"model.normal_balance": balance})
         for balance in ("with_traction", "frictionless")
@@ -227,8 +231,10 @@ def test_a_life_has_the_traction_in_its_normal_balance(scene):
 
 @pytest.mark.parametrize("name, most", [("gyro_s1", 1.1), ("turbopump", 2.0), ("bearing218", 1.5)])
 def test_the_gyroscopic_share_before_the_solve_is_an_upper_estimate(scene, name, most):
-    """That of a ball that rolls on the inner race; one that rolls on the outer has less to carry,
-    by so much in these bearings."""
+    """It is that of a ball that rolls on the inner race; on the outer one it has less to carry.
+
+    most: largest factor by which the estimate exceeds the solved share in each bearing.
+    """
     s = scene(name, HERTZ)
     values = solve(s, "steady").values
     axial = s.operation.preload_N / s.bearing.ball_count

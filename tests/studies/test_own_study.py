@@ -107,6 +107,12 @@ def test_fewer_bearings_are_sampled_over_a_duty(scene, phases, samples):
     assert config["uncertain_lives"]["samples"] == samples
 
 
+def test_a_duty_is_studied_at_its_own_friction(scene):
+    """Phases may have friction of their own, so a grid of it means little and costs four times."""
+    config, design = plans(scene.with_({"duty.phases": {"nominal": {"hours": 1.0}}}))
+    assert config["studies"][0]["friction"] == design["small_map"]["friction"] == [0.08]
+
+
 def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
     """Its friction is not a single coefficient: the map has zero for it (`NO_FRICTION`)."""
     film = {"shear_strength_MPa": 30.0, "thickness_um": 1.0, "wear_coefficient": 1e-7}

@@ -9,6 +9,7 @@ from support import numbers_in, scene_file
 
 import bearingwear
 from bearingwear.cli import main
+from bearingwear.studies.typed_points import typed_points
 
 SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
 # options and axes of the commands
@@ -98,6 +99,13 @@ def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
     assert sweep(*options, "--axis", "friction.ball_race=0", "--record-failures") == 0
 
 
+@pytest.mark.parametrize("number", ["1e-5", "2.5E-4", "-1e-5"])
+def test_a_single_number_with_a_negative_exponent_is_an_axis(number):
+    """Its hyphen does not separate two numbers, as that of 5-9, which is refused."""
+    points = typed_points([f"model.tolerance={number}"], None)
+    assert points == {"model.tolerance": [float(number)]}
+
+
 @pytest.mark.parametrize(
     ("words", "line"),
     [
@@ -110,6 +118,7 @@ def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
             "operation.preload_N: got -5, expected a n",
         ),
         (["-n", "--axis", "operation.preload=5"], "operation.preload: got an unknown key; did you"),
+        (["-n", "--axis", "operation.preload_N=5-9"], "--axis operation.preload_N: got 5-9, "),
         (
             ["-n", "--axis", "operation.preload_N=5:6:1"],
             "--axis operation.preload_N: got 5:6:1, ",

@@ -38,7 +38,7 @@ SHOWN = {
         "tests/workflow/test_slurm.py::test_a_study_on_slurm_has_the_same_bytes"
     ),
     r"python3 -m venv": "tests/test_installed.py::installed",
-    r"make venv": "tests/test_set_up.py::test_make_alone_sets_up",
+    r"make venv": "tests/test_set_up.py::test_make_sets_up_the_environment_once",
     r"make study|snakemake -j2( --rerun-incomplete)?$|bearingwear study$": (
         "tests/workflow/test_study.py::test_a_run_makes_everything_and_then_nothing"
     ),

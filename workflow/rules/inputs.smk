@@ -73,6 +73,13 @@ def spread_at_preload(wildcards):
     return expand("results/{scene}/preload/spread.nc", **wildcards) if asked else []
 
 
+def recommendation_of_map(wildcards):
+    """The recommended preload of a scene that has a small map."""
+    if wildcards.scene not in SMALL_MAPS:
+        return []
+    return expand("results/{scene}/preload/recommendation.nc", **wildcards)
+
+
 def map_parts(wildcards):
     """Files that together hold the map of a scene."""
     axes = map_of(wildcards.scene)

@@ -172,9 +172,10 @@ rule warmup:
 
 
 rule duty:
-    """The life of a scene over its duty: the share of each phase, and what ends it."""
+    """The life over a duty, at the recommended preload if there is one: shares of the phases, and what ends it."""
     input:
         scene=ancient("config/scenes/{scene}.yaml"),
+        recommendation=recommendation_of_map,
         compiled=f"logs/compiled/{KERNELS}/worn",
     output:
         "results/{scene}/duty.nc",
@@ -195,7 +196,7 @@ rule duty:
         scene=scene_values(),
     shell:
         "bearingwear step bearingwear.studies.lives.duty_report.duty_report scene={input.scene}"
-        " -o {output} &> {log}"
+        " recommendation={input.recommendation} -o {output} &> {log}"
 
 
 rule running_average:

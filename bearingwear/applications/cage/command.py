@@ -19,7 +19,11 @@ if TYPE_CHECKING:
 
 
 def cage_command(args: argparse.Namespace) -> int:
-    """Runs an ensemble, writes its file and prints its sheet."""
+    """Runs an ensemble, writes its file and prints its sheet.
+
+    Returns SUCCESS if any run succeeded. Otherwise it says so on stderr and returns NOT_SOLVED, or
+    SUCCESS with `--record-failures`.
+    """
     args.output = output_of(args, "-cage.nc")
     scene = given_scene(args)
     from bearingwear.applications.cage.life import cage_results
@@ -37,7 +41,7 @@ def cage_command(args: argparse.Namespace) -> int:
     tell_of_file(args)
     if not args.quiet:
         print_file(args.output, args)
-    if (results["status"] == 0).any():
+    if (results["status"] == 0).any():  # the flag of `ok`
         return SUCCESS
     sys.stderr.write(one_line(f"{args.scene}: none of the cage runs succeeded"))
     return SUCCESS if args.record_failures else NOT_SOLVED
@@ -65,8 +69,10 @@ def cage(
     within : float
         Target relative half-width of the 90 % interval of the mean work per turn.
     seed : int
+        Random seed of the draws.
     life : bool
         Whether to compute the life of the cage as well, from ensembles at successive wear states.
+        The files of these stand beside `path`.
     workers : int
         Number of processes, which affects only the time.
     path : path, optional

@@ -25,23 +25,26 @@ CLOSE = 0.95
 """Share of its clearance within which a cage starts anywhere."""
 
 ASSUMED_CLEARANCE = 0.05
-"""Standard deviation of a clearance over itself where the scene has none."""
+"""Standard deviation of a clearance over its value where the scene has no `cage_uncertainty`."""
 
 WEAR, GRAVITY_ANGLE = "wear_coefficient", "gravity_angle_deg"
 
 
 class CageDraw(NamedTuple):
-    """Input of a run; no scene if the sampled values are impossible."""
+    """Input of a run."""
 
-    scene: Scene | None
+    scene: Scene | None  # with the drawn values; None if they are impossible
     start: CageStart
-    values: dict[str, float]  # drawn, by their names
+    values: dict[str, float]  # drawn, by their names [in the units of these]
 
 
 def cage_spread(scene: Scene) -> tuple[dict[str, Distribution], str]:
     """Returns the distributions of a cage's uncertain values by their names, and a sentence.
 
-    The sentence states distributions that are assumed; it is empty if the scene contains them.
+    The names are keys of `UNCERTAIN_CAGE`. The sentence states distributions that are assumed; it
+    is empty if the scene contains them.
+
+    scene: with a cage.
     """
     if scene.cage_uncertainty is not None:
         return dict(scene.cage_uncertainty), ""
@@ -72,7 +75,10 @@ def cage_spread(scene: Scene) -> tuple[dict[str, Distribution], str]:
 def cage_value(scene: Scene, name: str) -> float:
     """Returns the nominal value of an uncertain value of the cage, in the unit of its name.
 
-    name: a key of `UNCERTAIN_CAGE`. A wear coefficient is relative to that of the scene: it is 1.
+    The angle of gravity counts from the shaft, in either direction: it is 0 to 90 degrees. The wear
+    coefficient is relative to that of the scene, and so is 1.
+
+    name: a key of `UNCERTAIN_CAGE`.
     """
     if name == WEAR:
         return 1.0
@@ -85,7 +91,9 @@ def cage_value(scene: Scene, name: str) -> float:
 def cage_draw(
     scene: Scene, spread: Mapping[str, Distribution], plan: Ensemble, run: int
 ) -> CageDraw:
-    """Returns random input of a run, which depends on the seed of the plan and on `run` alone.
+    """Returns random input of a run, the same for the same scene, plan, spread and number.
+
+    The cage is worn by `worn_um` of the plan. The wear coefficient is not drawn.
 
     spread: distributions of the new cage by their names, from `cage_spread`.
     run: number of the run in its ensemble, from 0.
@@ -115,8 +123,10 @@ def cage_draw(
 def _with_cage(scene: Scene, values: Mapping[str, float], gravity_turn: float) -> Scene:
     """Returns the scene with other values of its cage, and gravity turned about the shaft.
 
-    values: by their names in `UNCERTAIN_CAGE`, in the units of these names.
-    gravity_turn: angle about the shaft [rad], used if the angle of gravity to it is uncertain.
+    values: by their names in `UNCERTAIN_CAGE`, in the units of these names. With an angle, gravity
+        points along the shaft (+X) at 0 degrees.
+    gravity_turn: angle of gravity about the shaft, from Y towards Z [rad]; used only if the angle
+        of gravity to the shaft is among the values.
     """
     parts = {
         block: {name: value for name, value in values.items() if UNCERTAIN_CAGE[name] == block}

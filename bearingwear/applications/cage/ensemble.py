@@ -79,7 +79,10 @@ _SAME_RUNS = ("scene", "spread", "drawn_by", "run_sources")
 def ensemble_scene(scene: Scene) -> Scene:
     """Returns a scene as its runs solve it: with the cage, at known temperatures.
 
-    SceneError: it has no cage, or no temperatures at which its heat is carried away.
+    The model is dynamic, with results of the cage. A thermal network is replaced by the
+    temperatures that it leads to.
+
+    SceneError: the scene has no cage, or no temperatures at which its heat is carried away.
     """
     if scene.cage is None:
         raise SceneError("cage", "got nothing, expected a cage")
@@ -91,14 +94,14 @@ def ensemble_scene(scene: Scene) -> Scene:
 
 
 def work_per_turn(rows: Sequence[RunRow]) -> np.ndarray:
-    """Returns the work at the cage per shaft turn [J] of the runs that were solved (n,)."""
+    """Returns the work at the cage per shaft turn of the runs that were solved (n,) [J]."""
     return np.array([row["work"] for row in rows if "work" in row])
 
 
 def half_interval(values: np.ndarray) -> float:
     """Returns half the width of the 90 % interval of the mean of independent values.
 
-    By Student's t; NaN for fewer than two values.
+    It is that of Student's t, in the unit of the values; NaN for fewer than two of them.
     """
     n = len(values)
     if n < 2:
@@ -107,7 +110,10 @@ def half_interval(values: np.ndarray) -> float:
 
 
 def is_narrow_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
-    """Returns whether the interval of the mean work is as narrow as the plan requires."""
+    """Returns whether the interval of the mean work is as narrow as the plan requires.
+
+    False for fewer than `FEWEST` solved runs.
+    """
     work = work_per_turn(rows)
     if len(work) < FEWEST:
         return False
@@ -115,7 +121,7 @@ def is_narrow_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
 
 
 def share_interval(count: int, total: int) -> tuple[float, float]:
-    """Returns the ends of Wilson's 90 % interval of the share that a count is of a total > 0."""
+    """Returns the ends of Wilson's 90 % interval of the share count/total, for a total > 0."""
     z = float(norm.ppf(INTERVAL[1]))
     p, weight = count / total, z * z / total
     middle = (p + 0.5 * weight) / (1.0 + weight)
@@ -126,9 +132,11 @@ def share_interval(count: int, total: int) -> tuple[float, float]:
 def ensemble_summary(rows: Sequence[RunRow]) -> dict[str, Any]:
     """Returns the shares of motions and the means over runs, by the names of `SUMMARY`.
 
-    Means of a group without runs are NaN.
+    Shares are those of the runs with a motion; a run that failed has none, unless the cage jams.
+    Means are those over all runs, then over those of each motion. Means of a group without runs are
+    NaN.
     """
-    motions = np.array([row.get("motion", -1) for row in rows])
+    motions = np.array([row.get("motion", -1) for row in rows])  # -1: without a motion
     counts = [int((motions == code).sum()) for code in range(len(MOTIONS))]
     classified = max(sum(counts), 1)
     results: dict[str, Any] = {
@@ -148,9 +156,11 @@ def ensemble_summary(rows: Sequence[RunRow]) -> dict[str, Any]:
 
 
 def _mean_interval(values: np.ndarray, mean: float) -> tuple[float, float]:
-    """Returns the ends of the 90 % interval of a mean; NaN for fewer than two values.
+    """Returns the ends of the 90 % interval of a mean; both are NaN for fewer than two values.
 
-    Values that are never negative have no negative end.
+    Where no value is negative, a negative end is replaced by 0.
+
+    mean: of the values.
     """
     half = half_interval(values)
     if math.isnan(half):
@@ -169,7 +179,10 @@ class _Job(NamedTuple):
 
 
 def _run_row(job: _Job) -> RunRow:
-    """Draws the input of a run and returns the results; an impossible draw is not solved."""
+    """Draws the input of a run, solves it and returns its results.
+
+    An impossible draw is not solved: its status is BEYOND_GROOVE, and it has no results.
+    """
     draw: CageDraw = cage_draw(job.scene, job.spread, job.plan, job.run)
     row: RunRow = {"status": BEYOND_GROOVE}
     if draw.scene is not None:
@@ -187,7 +200,8 @@ def cage_ensemble(
 ) -> xr.Dataset:
     """Solves runs of a scene's cage until the required interval is met, or all are solved.
 
-    Returns a dataset with the results along `run` and their summary.
+    Returns a dataset with the results along `run` and their summary. SceneError as
+    `ensemble_scene`; ValueError where a run could not be computed.
 
     workers: number of processes, which affects only the time.
     tell: receives a line of progress every few seconds.
@@ -225,7 +239,13 @@ def _add_runs(
     tell: Tell | None,
     journal: Journal | None,
 ) -> None:
-    """Solves runs and adds them to the rows and to the journal, until these are enough."""
+    """Solves runs and appends them to `rows` and to the journal, until these are enough.
+
+    It ends also with the last job.
+
+    rows: results of earlier runs, which come before those of the jobs.
+    tell: receives a line of progress every `LINE_EVERY` seconds.
+    """
     initial_count = len(rows)
     start_time = line_time = time.monotonic()
     with contextlib.closing(_solved_rows(jobs, workers)) as new_rows:
@@ -246,9 +266,10 @@ def _add_runs(
 
 
 def _solved_rows(jobs: Sequence[_Job], workers: int) -> Generator[RunRow, None, None]:
-    """Yields the results of runs in their order; closing it waits for no other run.
+    """Yields the results of runs in the order of the jobs.
 
-    ValueError: a run could not be computed.
+    Closing the generator waits for no run that is not finished. ValueError: a run could not be
+    computed.
     """
     with Workers(workers, "bearingwear.cage", progress=False) as pool:
         pool.start()
@@ -259,14 +280,21 @@ def _solved_rows(jobs: Sequence[_Job], workers: int) -> Generator[RunRow, None, 
 
 
 def _is_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
-    """Returns whether an ensemble needs no further run; the interval is checked every ten runs."""
+    """Returns whether an ensemble needs no further run.
+
+    It has all runs of the plan, or a whole number of `_CHECKED_EVERY` of them and an interval that
+    is narrow enough.
+    """
     if len(rows) >= plan.runs:
         return True
     return len(rows) % _CHECKED_EVERY == 0 and is_narrow_enough(rows, plan)
 
 
 def _expected_runs(rows: Sequence[RunRow], plan: Ensemble) -> int:
-    """Estimates the number of runs that meet the interval, if all scatter like those so far."""
+    """Estimates the number of runs that meet the interval, if all scatter like those so far.
+
+    It is that of the plan at most, and that where too few runs are solved for an estimate.
+    """
     work = work_per_turn(rows)
     if len(work) < _FEWEST_OF_ESTIMATE or not work.any():
         return plan.runs
@@ -279,7 +307,9 @@ def _expected_runs(rows: Sequence[RunRow], plan: Ensemble) -> int:
 def _dataset(
     rows: Sequence[RunRow], names: Sequence[str], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
-    """Returns runs and their summary as a dataset.
+    """Returns runs and their summary as a dataset, whose attribute `met` is 1 or 0.
+
+    It states whether the interval of the work is narrow enough.
 
     names: names of the sampled values.
     attributes: of the dataset; `ensemble` is the plan as JSON.
@@ -301,9 +331,11 @@ def _dataset(
 
 
 def _rows_to_continue(earlier: xr.Dataset | None, attributes: Mapping[str, Any]) -> list[RunRow]:
-    """Returns the runs of an earlier ensemble; none if its attributes state other runs.
+    """Returns the runs of an earlier ensemble; no runs if any of `_SAME_RUNS` differs.
 
-    A value that is NaN, or has one, is left out of its row.
+    A value that is NaN, or contains NaN, is left out of its row.
+
+    attributes: of the ensemble that continues it.
     """
     if earlier is None or any(earlier.attrs.get(key) != attributes[key] for key in _SAME_RUNS):
         return []
@@ -327,9 +359,10 @@ class Journal:
         self.head = json.dumps([attributes[key] for key in _SAME_RUNS])
 
     def read(self, rows: list[RunRow]) -> None:
-        """Appends the stored runs that follow those in `rows`; starts anew for other runs.
+        """Appends the stored runs that follow those in `rows` to these.
 
-        Removes a last line that was not written to its end.
+        A file of other runs, or none, is replaced by a new one with the first line alone. Removes a
+        last line that was not written to its end.
         """
         lines = self.path.read_text(encoding="utf-8").split("\n") if self.path.is_file() else []
         if lines[:1] != [self.head]:
@@ -354,8 +387,8 @@ def resumed_ensemble(
 ) -> Iterator[xr.Dataset]:
     """Yields an ensemble that continues from its file, or from the journal of a killed process.
 
-    The `with` block must write the file at `path`; the journal is removed after it. Arguments:
-    `cage_ensemble`.
+    The `with` block must write the file at `path`. The journal is removed after it, but stays if
+    the block raises. A file that cannot be read is solved anew. Arguments: `cage_ensemble`.
     """
     earlier = None
     if path.is_file():

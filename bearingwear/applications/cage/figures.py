@@ -34,7 +34,7 @@ _BAR_HEIGHT, _BAR_WIDTH = 0.62, 0.9
 
 
 def cage_figure(motions: Path) -> Figure:
-    """Returns the figure of the map of cages in a file."""
+    """Returns the figure of the map of cages in a file, see `cage_map_figure`."""
     return cage_map_figure(load_with_axes(motions, cage_friction=(), gravity=()))
 
 
@@ -43,6 +43,8 @@ def cage_map_figure(motions: xr.Dataset) -> Figure:
 
     It has a panel for each level of gravity, a row for each design and a column for each friction.
     Quiet cages are framed.
+
+    motions: map of cages, from `gathered_ensembles`, with all its dimensions.
     """
     varied = [axis for axis in DESIGN[:-1] if motions.sizes[axis] > 1]
     designs = list(itertools.product(*(motions[axis].values.tolist() for axis in varied)))
@@ -84,6 +86,7 @@ def cage_map_figure(motions: xr.Dataset) -> Figure:
 def _draw_cage(panel: Any, column: int, row: int, shares: np.ndarray, text: str) -> None:
     """Draws one cage: a bar of the shares of its motions, a frame if it is quiet, and a text.
 
+    column, row: centre of its cell, in the coordinates of the panel.
     shares: of the runs that end in each of `MOTIONS`; NaN where there are no runs.
     """
     corner = column - 0.5 * _BAR_WIDTH, row - 0.5 * _BAR_HEIGHT

@@ -42,8 +42,11 @@ CAGE_AXES = {
         1.0,
     ),
 }
-"""Dimension of a map and its factor to SI, by the key of config/cage.yaml; None for a dimension of
-names, which are stored as codes."""
+"""Variable of a dimension of a map, and the factor from the unit of its key to SI.
+
+By the key of config/cage.yaml. The factor is None for a dimension of names, which are stored as
+codes.
+"""
 
 
 def gathered_ensembles(
@@ -53,6 +56,8 @@ def gathered_ensembles(
     changes: Mapping[str, Any],
 ) -> xr.Dataset:
     """Returns the means and shares of the ensembles of all cages, over the axes of their map.
+
+    `runs` is the number of runs of each ensemble; the runs themselves are left out.
 
     scene: file with all values that are not varied.
     paths: files of the ensembles in the order of `plan.cage_points`.

@@ -48,10 +48,10 @@ LIFE_STEPS = 4
 
 _MOST_STEPS = 4 * LIFE_STEPS
 _UM = 1e-6
-_BEYOND = 1.02  # of a step, so that the last one reaches the end
-_ENDS_WITHIN = 1e-3  # of the depth at which the life ends
+_BEYOND = 1.02  # length of a step over that which leads to the end, so that the last reaches it
+_ENDS_WITHIN = 1e-3  # error of the depth at which the life ends, over that depth
 _SAMPLES = 4096
-"""Samples of K_s and hardness, which scale a life; their quantiles then scatter by a few percent"""
+"""Samples of K_s and hardness, which scale a life: its quantiles then scatter by a few percent."""
 
 PART = Variable("part", ("part",), "", "part of the cage", "i1", flags=WEARING)
 NODE = Variable("node", ("node",), "1", "index of the ensemble", "i8")
@@ -114,8 +114,12 @@ class EnsembleWear(Motion):
     """The wear of a cage by ensembles; balls and races do not wear.
 
     The values of a state are `work`, the mean work per turn in pockets and at the land (2,) [J],
-    `work_error`, the half-width of its interval relative to it (2,), and `share`, that of each
-    motion. Time is in seconds.
+    `work_error`, the half-width of its interval relative to it (2,), `share`, that of the runs that
+    end in each motion, and those of the worn cage. Nodes lie at times [s]; `turn` is the duration
+    of a shaft turn [s].
+
+    ensemble_at: called once for each state that is solved, with numbers from 0 on.
+    progress: receives a line of text at each step.
     """
 
     def __init__(
@@ -128,12 +132,17 @@ class EnsembleWear(Motion):
         self.ensemble_at, self.ensembles, self.steps = ensemble_at, 0, LIFE_STEPS
         self.turn = 60.0 / scene.operation.fastest_rpm
         assert scene.cage is not None
+        # worn volume per second over the work per turn [m3/(J s)]
         self.per_second = wear_per_joule(scene, scene.cage.material) / self.turn
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
-        """Returns the state at worn depths, from a new ensemble there; `near` is not used."""
+        """Returns the state (1,) with some wear, from a new ensemble there; `near` is not used.
+
+        Without a solved run, its status is that of the first run.
+        """
         ensemble = self.ensemble_at(self.ensembles, self.parts.cage_depths(worn))
         self.ensembles += 1
+        # the first of the groups of a mean contains all runs
         work = np.array([float(ensemble[f"mean_{part}_work"][0]) for part in CAGE_PARTS])
         status = OK if np.isfinite(work).all() else int(ensemble["status"].values[0])
         intervals = [ensemble[f"mean_{part}_work_interval"].values[0] for part in CAGE_PARTS]
@@ -143,11 +152,14 @@ class EnsembleWear(Motion):
         return self.with_worn((State(status, values),), worn)
 
     def with_worn(self, states: States, worn: np.ndarray) -> States:
-        """Returns the state with the values of the worn cage: depths, clearances, and films."""
+        """Returns the state (1,) with the values of the worn cage: clearances, and worn films."""
         return (states[0].with_values(self.parts.cage_values(worn)),)
 
     def rates(self, node: Node) -> np.ndarray:
-        """Returns wear rates by the mean work in pockets and at the land."""
+        """Returns the wear per second of all parts, of which only pockets and land are not 0.
+
+        It follows from the mean work; that in all pockets is spread evenly over these.
+        """
         pockets, land = self.per_second * node.states[0]["work"]
         per_pocket = pockets / self.scene.bearing.ball_count
         return self.parts.cage_rates({"pocket_wear_rate": per_pocket, "cage_land_wear_rate": land})
@@ -157,14 +169,18 @@ class EnsembleWear(Motion):
         return bool(self.rates(node).any())
 
     def longest_step(self, node: Node, rates: np.ndarray) -> float:
-        """Returns the length of the next step [s], slightly beyond the share of the way to the end.
+        """Returns the length of the next step, slightly longer than that of a `Motion` [s].
 
-        Otherwise the last step might miss the end by rounding.
+        Otherwise the last step might miss the end by rounding. Infinite where no wear leads to an
+        end.
         """
         return _BEYOND * super().longest_step(node, rates)
 
     def report_progress(self, node: Node, horizon: float) -> None:
-        """Reports the turns so far, those of the expected life, and the wear depths."""
+        """Passes a line with turns, expected turns and wear depths to `progress`, if there is one.
+
+        horizon: the estimated end [s].
+        """
         if self.progress is not None:
             pocket, land = self.parts.cage_depths(node.worn) / _UM
             self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
@@ -183,9 +199,10 @@ class BetweenEnsembles(Trapezoid):
         return node
 
     def node_after(self, x: float) -> Node:
-        """Returns a node at a time [s] after the last one: the end of the step is solved first.
+        """Returns a node at a time after the last one [s].
 
-        Times before this end are interpolated between the ensembles of both ends.
+        The first call of a step is for its end, where an ensemble is solved. Nodes at times before
+        it are interpolated between the ensembles of both ends.
         """
         end = max(self.nodes_by_time.values(), key=lambda node: node.x, default=None)
         if end is None:
@@ -207,7 +224,10 @@ class BetweenEnsembles(Trapezoid):
 def ensemble_life(
     scene: Scene, ensemble_at: WornEnsembles, tell: Callable[[str], None] | None = None
 ) -> Life:
-    """Returns the life of a cage, with an ensemble at each of its nodes.
+    """Returns the life of a cage over time, from new on.
+
+    An ensemble is solved at the ends of steps; nodes where a film goes or the life ends are
+    interpolated. Raises SceneError as `with_cage_end`.
 
     ensemble_at: makes the ensemble with a number along the life, at worn depths.
     tell: receives a line of progress at each step.
@@ -219,6 +239,9 @@ def ensemble_life(
 def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Dataset:
     """Returns the life of a cage by the names of `CAGE_LIFE`, and the nodes along it.
 
+    A life that meets no criterion has no `cage_life`, but its nodes.
+
+    life: from `ensemble_life`.
     with_other_parts: whether to add the steady life of balls and races.
     """
     wearing: EnsembleWear = life.wearing
@@ -233,9 +256,10 @@ def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Datase
         measure, limit = ENDS[criterion], getattr(wearing.end, criterion)
         value, variable = measure.critical(life.states[-1].__getitem__)
         attrs = {"cage_ended_by": measure.criterion_phrase(value, limit, variable)}
-        ending_part = 0 if variable.startswith(CAGE_PARTS[0]) else 1
+        ending_part = 0 if variable.startswith(CAGE_PARTS[0]) else 1  # as in `work_error`
         relative_error = np.array([state["work_error"][ending_part] for state in life.states])
-        # the ensembles of a life have the same draws, so that their errors add
+        # the ensembles of a life have the same draws, so that their errors add; a large wear
+        # coefficient makes the short end of the interval
         half_width = np.trapezoid(relative_error, turns) / turns[-1]
         interval = turns[-1] * np.array([1.0 - half_width, 1.0 + half_width])
         results |= {
@@ -244,7 +268,7 @@ def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Datase
             "cage_life_interval_with_wear": interval / _wear_quantiles(scene)[::-1],
             "cage_hours": life.last.x,
         }
-    film_thickness = parts.coating.new_thickness[0]
+    film_thickness = parts.coating.new_thickness[0]  # the same in pockets and at the land
     results |= {
         "film_gone": [_film_gone_turns(film_thickness, depth, turns) for depth in depths.T],
         "motion_changes": _motion_change_turns(share, turns),
@@ -259,7 +283,9 @@ def cage_life_dataset(life: Life, *, with_other_parts: bool = True) -> xr.Datase
 
 
 def _film_gone_turns(thickness: float, depth: np.ndarray, turns: np.ndarray) -> float:
-    """Returns the turns after which a film is worn through; infinite if it is not, NaN without one.
+    """Returns the turns after which a film is worn through, linear between nodes.
+
+    Infinite if it is not worn through by the last node, NaN without a film.
 
     thickness: of the new film, 0 without one [m].
     depth, turns: wear depths [m] and turns (n,) along the life.
@@ -271,7 +297,10 @@ def _film_gone_turns(thickness: float, depth: np.ndarray, turns: np.ndarray) -> 
 
 
 def _wear_quantiles(scene: Scene) -> np.ndarray:
-    """Returns the 5 % and 95 % quantiles (2,) of the cage's wear coefficient over the scene's."""
+    """Returns the 5 % and 95 % quantiles of the cage's wear coefficient over the scene's (2,) [1].
+
+    That of the film counts if the film has its own. Both are 1 for a coefficient that is certain.
+    """
     spread, _ = cage_spread(scene)
     if WEAR not in spread:
         return np.ones(2)
@@ -289,6 +318,7 @@ def _motion_change_turns(share: np.ndarray, turns: np.ndarray) -> tuple[float, f
     Both are NaN if it stays that of the new cage.
 
     share: of the runs that end in each motion (nodes, motions).
+    turns: of the nodes (nodes,).
     """
     motions = share.argmax(axis=1)
     changed_nodes = np.flatnonzero(motions != motions[0])
@@ -301,7 +331,8 @@ def _motion_change_turns(share: np.ndarray, turns: np.ndarray) -> tuple[float, f
 def _steady_life_values(scene: Scene) -> dict[str, Any]:
     """Returns `other_hours`, its interval and `other_end` from the steady life of balls and races.
 
-    Empty if they have no criterion, or if their life cannot be computed.
+    The life and its interval are in seconds here; the file has hours. The dictionary is empty if
+    balls and races have no criterion, or if their life cannot be computed.
     """
     end = scene.wear.end_of_life
     if end is None or not end.without_cage.criteria:
@@ -333,6 +364,9 @@ def cage_results(
     path: Path | None = None,
 ) -> xr.Dataset:
     """Returns the ensemble of a cage as a dataset, with the variables of `CAGE_LIFE` for a life.
+
+    Writes it to `path`, if there is one. SceneError as `ensemble_scene` and, for a life,
+    `with_cage_end`.
 
     life: whether to compute the life of the cage as well.
     workers: number of processes, which affects only the time.

@@ -34,14 +34,17 @@ class CagePath:
 def cage_path(positions: np.ndarray, turns: float, power: float, ball_ratio: float) -> CagePath:
     """Returns the path of a cage over some time, classified as one of `MOTIONS`.
 
+    A cage without power floats. The other motions are tried in the order hangs, irregular, turns
+    with the balls; what is left whirls. A jam is not among these: the status of a run shows it.
+
     positions: Y + i Z of its centre from the axis of its guide, evenly spaced in time (n,) [m].
     turns: shaft turns from one position to the next.
     power: mean of normal force times slip in pockets and at the land [W].
     ball_ratio: orbit rate of the balls over the speed of the shaft.
     """
     distance = np.abs(positions)
-    # Mean angle from one position to the next. Each is weighted by the distances from the axis, so
-    # that noise near the axis counts little.
+    # Mean angle about the axis from one position to the next. Each is weighted by the distances
+    # from the axis, so that noise near the axis counts little.
     step = np.angle(np.sum(positions[1:] * np.conj(positions[:-1])))
     whirl = float(step / (2.0 * np.pi * turns))
     centre, offset, scatter = (
@@ -64,6 +67,8 @@ def cage_path(positions: np.ndarray, turns: float, power: float, ball_ratio: flo
 
 def is_drifting(values: Sequence[float], tolerance: float) -> bool:
     """Returns whether values rise at every step, or fall at every step, by more than a tolerance.
+
+    Values are the mean of a quantity over one stretch after another.
 
     tolerance: largest change from the first to the last value, relative to the last.
     """

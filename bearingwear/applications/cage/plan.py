@@ -20,7 +20,7 @@ from bearingwear.studies.axis import RisingAxis, check_rising, place_of_errors
 CAGE_FILE = Path("config/cage.yaml")
 
 STRETCH = 10
-"""Shaft turns over which a motion is named."""
+"""Shaft turns over which a motion is classified."""
 
 FEWEST = 20
 """Runs of an ensemble before it may stop."""
@@ -47,7 +47,10 @@ class Ensemble:
     # fmt: on
 
     def __post_init__(self) -> None:
-        """Checks the numbers of turns. Raises SceneError."""
+        """Checks the numbers of turns.
+
+        SceneError: they are no multiples of `STRETCH`, or the least is above the most.
+        """
         for name in ("least_turns", "most_turns"):
             if (turns := getattr(self, name)) % STRETCH:
                 raise SceneError(name, f"got {turns}, expected a multiple of {STRETCH}")
@@ -69,7 +72,7 @@ class CagePoint(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Returns the name of its file, which states all values."""
+        """Returns the name of its file without suffix, which states all values."""
         return (
             f"g{self.gravity_m_s2:g}-{self.guiding_race}-imbalance{self.imbalance_um:g}"
             f"-pocket{self.pocket_clearance_mm:g}-guide{self.guide_clearance_mm:g}"
@@ -104,9 +107,9 @@ def cage_axes(cage: Mapping[str, Any]) -> dict[str, list[Any]]:
 
 
 def cage_points(cage: Mapping[str, Any]) -> dict[str, CagePoint]:
-    """Returns the cages of the map by the names of their files; none without a scene.
+    """Returns the cages of the map by the names of their files; empty if the map has no `scene`.
 
-    cage: content of config/cage.yaml.
+    cage: content of config/cage.yaml. ValueError as `cage_axes`.
     """
     if "scene" not in cage:
         return {}
@@ -115,9 +118,11 @@ def cage_points(cage: Mapping[str, Any]) -> dict[str, CagePoint]:
 
 
 def check_cage(cage: Mapping[str, Any], path: Path = CAGE_FILE) -> None:
-    """Checks the ensemble and the scene of every cage of a map. Raises ValueError.
+    """Raises ValueError for a map with an invalid ensemble, axis or scene of any cage.
 
-    cage: content of the file at `path`, which errors name.
+    The error names the file and the cage.
+
+    cage: content of the file at `path`. Its scene lies in the folder `scenes` beside that file.
     """
     with place_of_errors(str(path)):
         record(Ensemble, cage["ensemble"], "ensemble")

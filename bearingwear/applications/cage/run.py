@@ -69,8 +69,8 @@ POINTS = 20  # instants a turn
 def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) -> dict[str, Any]:
     """Returns the results of a run from one start, by the names of `CAGE_RUN`.
 
-    A run that failed has its status but no results. One whose energy balance does not close is
-    repeated with a tighter tolerance.
+    A run that failed has its status but no results; see `_single_run`. One that is UNVERIFIED is
+    repeated with a tighter tolerance, until that is below `TIGHTEST_RUN`.
 
     scene: with a cage and without a thermal network.
     least_turns, most_turns: shaft turns after which a run may end and must end, multiples of
@@ -93,9 +93,16 @@ def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) 
 def _single_run(
     scene: Scene, start: CageStart, least_turns: int, tolerance: float
 ) -> dict[str, Any]:
-    """Returns the results of a run, which ends when its motion has settled.
+    """Returns the results of a run by the names of `CAGE_RUN`; its status says how it ended.
 
-    The status is UNVERIFIED if the energy balance or a force balance does not close.
+    OK: the motion has settled after `least_turns`, or the simulated turns of the model have passed,
+    settled or not; all results are there.
+    UNVERIFIED: over the last stretch, the error of the energy balance is above `LARGEST_ACCOUNT` of
+    the dissipated energy, or the forces on a ball or on the inner race leave a component above
+    `LARGEST_UNBALANCED` of the contact load; only `energy_account_error` is there.
+    Any other: the run failed; no result is there, but `motion` where the cage has jammed.
+
+    tolerance: of the steps, in place of that of the model.
     """
     system = DynamicSystem.of(scene, start_of(scene).u)
     system.start_cage(start)
@@ -105,7 +112,7 @@ def _single_run(
         return _failed_run(status)
     with Interrupt():
         run = TimeRun(scene, system, None, tolerance)
-        # to compile the kernels, TimeRun has advanced the system
+        # TimeRun has advanced the system to compile the kernels: back to the start
         system.unpack(start_vector, start_time)
         stretches: list[_Stretch] = []
         for length in run.grid.windows:
@@ -113,6 +120,7 @@ def _single_run(
             if status != OK:
                 return _failed_run(system.diagnose(status))
             stretches.append(_stretch(run, length))
+            # else the loop ends with the last window, which counts as solved, too
             if run.turns >= least_turns and _is_settled(stretches):
                 break
     values = window_values(scene, run)
@@ -123,7 +131,7 @@ def _single_run(
 
 
 def _failed_run(status: int) -> dict[str, Any]:
-    """Returns the results of a run that failed: its status, and the motion if the cage jams."""
+    """Returns the results of a run that failed: its status, and `motion` if the cage has jammed."""
     row = {"status": int(status)}
     if status == CAGE_JAMMED:
         row["motion"] = JAMS
@@ -139,9 +147,13 @@ class _Stretch(NamedTuple):
 
 
 def _stretch(run: TimeRun, length: int) -> _Stretch:
-    """Returns motion, work and torque over the last `length` recorded instants of a run."""
+    """Returns motion, work and torque over the last window of a run.
+
+    length: number of recorded instants of the window.
+    """
     last = slice(run.done - length, run.done)
     trend, history = run.trend, run.recorder.history
+    # over the turns of the window: their number, and sums of the torque and of its square
     torques = np.array(
         [trend.sums[0], trend.values[0, TREND_OF_TORQUE], trend.values[2, TREND_OF_TORQUE]]
     )
@@ -160,7 +172,10 @@ def _path(run: TimeRun, stretch: slice, power: float) -> CagePath:
 
 
 def _is_settled(stretches: list[_Stretch]) -> bool:
-    """Returns whether the last stretches have one motion, and neither work nor place drift."""
+    """Returns whether the last `ALIKE` stretches have one motion, and neither work nor place drift.
+
+    The place is the mean distance of the cage's centre from the axis. False for fewer stretches.
+    """
     last = stretches[-ALIKE:]
     return (
         len(last) == ALIKE
@@ -171,7 +186,10 @@ def _is_settled(stretches: list[_Stretch]) -> bool:
 
 
 def _run_values(run: TimeRun, stretches: list[_Stretch]) -> dict[str, Any]:
-    """Returns the results over the last stretches of a solved run, by the names of `CAGE_RUN`."""
+    """Returns the results of a solved run by the names of `CAGE_RUN`, without the energy balance.
+
+    They are those over its last `EVALUATED` stretches, but `turns` of the whole run.
+    """
     history, seconds_per_turn = run.recorder.history, run.system.turn
     last = slice(run.done - EVALUATED * STRETCH * POINTS, run.done)
     pocket_power = float(history.pocket_power[last].sum(axis=1).mean())
@@ -192,6 +210,7 @@ def _run_values(run: TimeRun, stretches: list[_Stretch]) -> dict[str, Any]:
         "land_force": float(land_force.mean()),
         "land_force_99": float(np.quantile(land_force, 0.99)),
         "shaft_torque": float(torque),
+        # rounding may make the variance of a steady torque negative
         "torque_noise": math.sqrt(max(squares / count - torque**2, 0.0) * count / (count - 1.0)),
         "whirl_ratio": path.whirl,
         "ball_ratio": run.system.ball_ratio,

@@ -52,7 +52,9 @@ _ROWS = (
 def shares_in_words(shares: Any) -> str:
     """Lists the motions with the share of the runs that end in each, most frequent first.
 
-    shares: of each of `MOTIONS`. Empty if all are zero or NaN.
+    Motions without runs are left out; the text is empty if all shares are zero or NaN.
+
+    shares: of each of `MOTIONS`.
     """
     by_frequency = np.argsort(-np.asarray(shares), kind="stable").tolist()
     return ", ".join(
@@ -81,7 +83,10 @@ def ensemble_sheet(file: Any) -> Document:
 
 
 def _unsolved_line(file: Any) -> str:
-    """Counts the runs of each status but `ok`, and those without a motion; empty if none."""
+    """Returns a sentence on the runs that were not solved; empty if all were.
+
+    It counts them by status, and those of them without a motion: all but the jammed cages.
+    """
     status = variable_values(file, "status").astype(int)
     unsolved = Counter(STATUS_NAMES[code] for code in status if code != OK)
     if not unsolved:
@@ -129,7 +134,7 @@ def _interval(file: Any, name: str, group: int, factor: float) -> Interval:
 
 
 def _motion_block(file: Any) -> Block:
-    """Returns a row for each motion that occurs: share, work and whirl rate."""
+    """Returns a block with a row for each motion that occurs: share, work and whirl rate."""
     share, ends = variable_values(file, "share"), variable_values(file, "share_interval")
     work = [variable_values(file, f"mean_{name}") for name in ("pocket_work", "land_work")]
     unit = display("J", *work)
@@ -138,7 +143,7 @@ def _motion_block(file: Any) -> Block:
     for k, motion in enumerate(MOTIONS):
         if share[k] > 0.0:
             interval = Interval(*(100.0 * ends[k]).tolist())
-            works = (float(unit.of(mean[k + 1])) for mean in work)
+            works = (float(unit.of(mean[k + 1])) for mean in work)  # 0 is the mean of all runs
             cells = (f"{100.0 * share[k]:.0f} %", interval, *works, float(whirl[k + 1]))
             rows.append(Row(name_in_words(motion), "", cells, motion))
     columns = ("of runs", "between, %", f"pockets, {unit.unit}", f"land, {unit.unit}", "whirl")
@@ -146,7 +151,7 @@ def _motion_block(file: Any) -> Block:
 
 
 def _mean_block(file: Any) -> Block:
-    """Returns a row for each mean over all runs, with its interval."""
+    """Returns a block with a row for each of `_ROWS`: the mean over all runs, and its interval."""
     rows = []
     for name, label in _ROWS:
         units = str(file[f"mean_{name}"].units)
@@ -158,7 +163,7 @@ def _mean_block(file: Any) -> Block:
 
 
 def _life_blocks(file: Any) -> Iterator[Block]:
-    """Yields the block of the cage's life, if that was computed."""
+    """Yields the block of the cage's life; nothing if no life was computed."""
     if "cage_end" not in file.variables:
         return
     life, hours = (float(variable_values(file, f"cage_{name}")) for name in ("life", "hours"))
@@ -189,7 +194,7 @@ def _life_blocks(file: Any) -> Iterator[Block]:
 
 
 def _film_lines(file: Any) -> Iterator[str]:
-    """States when each film of the cage is worn through."""
+    """Yields a sentence for each film of the cage: when it is worn through, or that it is not."""
     for part, turns in zip(WEARING, variable_values(file, "film_gone").tolist(), strict=True):
         if math.isfinite(turns):
             yield f"film on the {part}: worn through after {turns:.3g} turns"
@@ -198,7 +203,10 @@ def _film_lines(file: Any) -> Iterator[str]:
 
 
 def _other_life_line(file: Any, cage_hours: float) -> str:
-    """Compares the life of balls and races with that of the cage."""
+    """Returns a sentence that compares the life of balls and races with that of the cage.
+
+    cage_hours: NaN where the cage meets no criterion; it then lasts longer.
+    """
     hours = float(variable_values(file, "other_hours"))
     interval = Interval(*variable_values(file, "other_hours_interval").tolist())
     criterion = key_in_words(CRITERIA[int(variable_values(file, "other_end"))])[0]
@@ -238,6 +246,8 @@ def ensemble_figure(ensemble: xr.Dataset) -> Figure:
 def _draw_runs(panel: Any, ensemble: xr.Dataset, units: Mapping[str, Display]) -> None:
     """Draws two variables of every run against each other, in the colour of its motion.
 
+    Runs without a motion, which were not solved, are left out.
+
     units: of the variable of the abscissa, then of that of the ordinate, by their names.
     """
     x_name, y_name = units
@@ -250,7 +260,7 @@ def _draw_runs(panel: Any, ensemble: xr.Dataset, units: Mapping[str, Display]) -
 
 
 def _draw_life(panel: Any, ensemble: xr.Dataset) -> None:
-    """Draws the wear depths along the life of a cage."""
+    """Draws the wear depths of pockets and land against the turns along the life of a cage."""
     turns = ensemble["node_turns"].values
     for k, (part, dashes) in enumerate(zip(WEARING, ("-", "--"), strict=True)):
         depth_um = 1e6 * ensemble["node_depth"].values[:, k]
@@ -263,7 +273,8 @@ def _draw_life(panel: Any, ensemble: xr.Dataset) -> None:
 def mean_with_interval(mean: float, ends: Any, unit: Any) -> str:
     """Returns a mean and its interval in a unit as text, `1.5 (1.2 to 1.8)`.
 
-    mean, ends: in the unit of files.
+    mean, ends: in the unit of files; NaN where it is not known.
+    unit: in which the text states them, with the digits that the interval makes significant.
     """
     low, high = (float(unit.of(float(end))) for end in ends)
     half_width = 0.5 * (high - low)

@@ -62,7 +62,10 @@ def cage_document(path: Path) -> Document:
 
 
 def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
-    """Returns a row for each property of the cages of a map, with a cell for each cage."""
+    """Returns a row for each property of the cages of a map, with a cell for each cage.
+
+    The first rows are the values along its dimensions; means are those over all runs.
+    """
     axes = [axis.name for axis, _ in CAGE_AXES.values()]
     index_ranges = [range(motions.sizes[axis]) for axis in axes]
     cages = [
@@ -79,7 +82,7 @@ def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
         return Row(label, unit, tuple(texts))
 
     def means(name: str, unit: object) -> list[str]:
-        """Returns the mean of a variable over the runs of each cage, with its interval."""
+        """Returns the mean of a variable over all runs of each cage, with its interval, as text."""
         return [
             mean_with_interval(
                 float(cage[f"mean_{name}"][0]), cage[f"mean_{name}_interval"].values[0], unit
@@ -122,20 +125,20 @@ DESIGN = ("guide", "imbalance", "pocket_clearance", "guide_clearance", "cage_fri
 
 
 class MappedCage(NamedTuple):
-    """A cage of a map, the worst of all gravities, by the names of `DESIGN`."""
+    """A cage of a map under the gravity at which its work is largest."""
 
-    design: dict[str, float]
+    design: dict[str, float]  # by the names of `DESIGN` [SI]; a guide by its index
     work: float  # mean per turn, pockets and land [J]
     low: float  # lower end of the interval of the work [J]
     high: float  # upper end [J]
-    quiet: float  # least share of quiet runs at any gravity
+    quiet: float  # share of quiet runs, at the gravity where it is least
     shares: np.ndarray  # of the runs that end in each motion
 
 
 def mapped_cages(motions: xr.Dataset) -> list[MappedCage]:
-    """Returns every cage of a map under the gravity at which it wears most.
+    """Returns every cage of a map under the gravity at which its work per turn is largest.
 
-    A cage without a solved run is left out.
+    A cage without a solved run at any gravity is left out.
     """
     cages = []
     for values in itertools.product(*(motions[axis].values.tolist() for axis in DESIGN)):
@@ -212,7 +215,11 @@ def in_design_words(axis: str, value: float) -> str:
 
 
 def quiet_region(motions: xr.Dataset) -> str:
-    """Describes the region of quiet cages in a sentence."""
+    """Describes the region of quiet cages in a sentence without a full stop.
+
+    It lists the quiet frictions of each design, or says that all cages are quiet, or that no cage
+    is.
+    """
     cages = mapped_cages(motions)
     quiet = [cage for cage in cages if cage.quiet >= MOSTLY]
     gravity = " at every level of gravity" if motions.sizes["gravity"] > 1 else ""
@@ -240,7 +247,9 @@ def quiet_region(motions: xr.Dataset) -> str:
 
 
 def _friction_range(quiet: list[float], mapped: list[float]) -> str:
-    """Lists the friction coefficients of quiet cages; `up to 0.2` if all mapped ones are quiet.
+    """Lists the friction coefficients of quiet cages.
+
+    The text is `up to 0.2` if these are all mapped ones up to that, and several.
 
     quiet, mapped: in rising order, the former a part of the latter.
     """
@@ -250,7 +259,11 @@ def _friction_range(quiet: list[float], mapped: list[float]) -> str:
 
 
 def cage_choice_sentence(motions: xr.Dataset) -> str:
-    """States which cage of a map to choose, in words."""
+    """States which cage of a map to choose, in words, without a full stop.
+
+    That is the one with the lowest upper end of its work: among the quiet ones, or among all if no
+    cage is quiet. The present cage stays unless that end is below the lower end of its own work.
+    """
     cages = mapped_cages(motions)
     present = present_cage(motions, cages)
     if present is None:
@@ -290,9 +303,9 @@ def _design_value(axis: str, value: float) -> str:
 
 
 def mapped_wear(motions: xr.Dataset) -> dict[str, Any]:
-    """Returns the wear rates [m3/s] of `pocket` and `land` over the axes of a map.
+    """Returns the wear rates of `pocket` and `land` by these names, over the axes of a map [m3/s].
 
-    By K_s/H of the cage material of the scene, without a film.
+    They follow from the mean work of all runs and K_s/H of the cage material, without a film.
     """
     scene = scene_from_dict(plain_scene(motions))
     assert scene.cage is not None

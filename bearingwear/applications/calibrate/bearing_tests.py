@@ -24,15 +24,15 @@ TEST_COLUMNS = (*SEEN, _AFTER, _COUNT, _ERROR)
 
 @dataclass(frozen=True, kw_only=True)
 class BearingTest:
-    """One row of the file."""
+    """A test of one or several bearings with one result: a row of the file."""
 
-    row: int  # its line in the file
+    row: int  # number of its line in the file, from 1
     scene: Scene  # under the conditions of the test
     seen: str  # kind of result, one of `SEEN`
     value: float  # result, in the unit of its column
     after: float  # time of the result; equal to `value` except for a loss or a preload [h]
     count: int  # number of bearings with this result
-    error: float  # standard error of the measurement, relative
+    error: float  # standard error of the measurement, relative to the result [1]
 
 
 def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
@@ -41,7 +41,7 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     Commas, semicolons or tabs separate its columns; with semicolons or tabs, numbers may have
     decimal commas, as Excel writes them in Europe. The first line names the columns: keys of the
     scene (an empty cell leaves the scene's value) and those of `TEST_COLUMNS`. A row fills one of
-    `SEEN`.
+    `SEEN`. Empty lines are left out.
 
     CaseFileError: names file, row and column, what was given and what is allowed.
     """
@@ -60,6 +60,7 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
             raise CaseFileError(
                 f"{path}: row {number}: got {len(cells)} cells, expected {len(names.cells)}"
             )
+        # a row may end before its last columns, whose cells are empty then
         filled_cells = {name: cell for name, cell in zip(names.cells, cells, strict=False) if cell}
         tests.append(_Row(str(path), number, filled_cells).test(scene))
     return tests
@@ -164,8 +165,10 @@ class _Row:
     def under_conditions(self, scene: Scene, seen: str, value: float) -> Scene:
         """Returns the scene of the test; a loss or a residual preload is the end of its life.
 
+        For any other result it has the end of life of the scene.
+
         seen, value: kind of result, one of `SEEN`, and its number in the unit of its column.
-        CaseFileError: a cell is invalid in the scene.
+        CaseFileError: a cell is invalid in the scene, or such an end is not possible in it.
         """
         changes = {
             key: data_of(text, self.path)

@@ -59,27 +59,29 @@ from bearingwear.studies.sampling import scene_with_values, with_wear
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
 _NODES, _CHECKED = 9, 4
-"""Points over ln mu at which lives are solved: for the interpolation, and to check its error."""
+"""Numbers of points over ln mu where lives are solved: to interpolate, and to check the error."""
 
 _CHECKED_UP_TO = 0.4
 """Distance of the outer checked points from the middle, as a share of `_SPAN`."""
 
 _SPAN = 3.0
-"""Half the width of the range of these points, in standard deviations of the prior of ln mu."""
+"""Half the width of the range of the points over ln mu, in standard deviations of its prior."""
 
 _SAMPLES = 32
 """Number of lives in the sample for their scatter within a batch."""
 
-_CLOSEST = 0.99999  # largest correlation that is carried
+_CLOSEST = 0.99999  # largest magnitude of a correlation in a calibrated scene
 
 IMPOSSIBLE = 1e-6
 """Probability of tests below which they are refused."""
 
 _LIKE_A_UNIT = 0.2
-"""Largest distance of the logarithm of a factor to base 1000 from 1 at which a unit is suspected:
-for factors from 250 to 4000, or one over these."""
+"""Largest distance of |log(factor)|, to base 1000, from 1 at which a wrong unit is suspected.
 
-_LOG_OF_ZERO = -60.0  # stands for the logarithm of a life that is over when new
+That is for factors from 250 to 4000, or one over these.
+"""
+
+_LOG_OF_ZERO = -60.0  # stands for ln(life / 1 h) of a bearing that is at its end when new
 
 _SIGNIFICANT = 0.1
 """Share of a standard deviation below which rounding of a median does not matter."""
@@ -100,7 +102,10 @@ class Calibration:
         self.scene, self.data = scene, data
 
     def write(self, path: Path) -> None:
-        """Writes the scene to a new file, and the data beside it. Raises OutputError."""
+        """Writes the scene to a new file, and the data beside it with the suffix .nc.
+
+        Raises OutputError as `data_file`, or where a file cannot be written.
+        """
         bearingwear.save(self.data, data_file(path))
         bearingwear.save(self.scene, path)
 
@@ -123,8 +128,8 @@ def data_file(path: Path) -> Path:
 class Curve:
     """The logarithm of a life [h] or a torque [N m] as a function of ln mu."""
 
-    model: LogModel  # mean over the bearings of a batch
-    error: float  # largest error of the interpolation, where it was checked
+    model: LogModel  # mean of the logarithm over the bearings of a batch
+    error: float  # largest error of the interpolation, where it was checked; NaN if nowhere
     scatter: float  # standard deviation of the logarithm between the bearings of a batch
 
 
@@ -195,7 +200,7 @@ def _refuse_unusable_tests(
 ) -> None:
     """Raises CaseFileError for tests that cannot calibrate a scene.
 
-    They have calibrated it already, or are torques although its friction is not uncertain.
+    Such tests have calibrated it already, or are torques although its friction is not uncertain.
 
     friction: name of the uncertain friction, empty without one.
     digest: SHA-256 of the file of the tests.
@@ -215,6 +220,8 @@ def _refuse_unusable_tests(
 
 def _uncertain_friction(scene: Scene) -> str:
     """Returns the name in `uncertainty` of a friction that tests can determine; empty without one.
+
+    It is one that is the same for all bearings of a batch.
 
     SceneError: the scene lacks an uncertain wear coefficient, or a value that scatters.
     """
@@ -241,7 +248,11 @@ def _uncertain_friction(scene: Scene) -> str:
 
 
 def _improbable_shifts(prior: Prior, after: Posterior) -> list[str]:
-    """States by which factor tests shift friction and K_s/H, if that is improbable in the scene."""
+    """Returns a sentence for friction and for K_s/H if tests shift it improbably in the scene.
+
+    The probability of such a shift of the mean, in either direction, is below `IMPOSSIBLE`. The
+    sentence states the factor.
+    """
     normals = (("friction", prior.x, after.normal("x")), ("K_s/H", prior.y, after.normal("y")))
     sentences = []
     for words, before, now in normals:
@@ -252,7 +263,10 @@ def _improbable_shifts(prior: Prior, after: Posterior) -> list[str]:
 
 
 def _improbable_tests(tests: Sequence[BearingTest], conformity: Sequence[Conformity]) -> list[str]:
-    """Describes each test whose probability is below `IMPOSSIBLE`."""
+    """Returns a description of each test whose probability is below `IMPOSSIBLE`.
+
+    conformity: of each test.
+    """
     return [
         _deviation_words(test, agreement)
         for test, agreement in zip(tests, conformity, strict=True)
@@ -261,7 +275,7 @@ def _improbable_tests(tests: Sequence[BearingTest], conformity: Sequence[Conform
 
 
 def _deviation_words(test: BearingTest, agreement: Conformity) -> str:
-    """States how far a test is from the expected value, and whether a unit may be the reason."""
+    """States by which factor a test is off the expected value, and whether a unit may be why."""
     words, unit, _ = SEEN_AS[test.seen]
     has_time = test.seen in (SEEN_LOSS, SEEN_PRELOAD)
     suffix = " in time" if has_time else ""
@@ -278,20 +292,20 @@ def _prior(scene: Scene, friction: str) -> Prior:
 
     friction: name of the uncertain friction; if empty, friction is known.
     """
-    x = Normal(0.0, 0.0)
+    x = Normal(0.0, 0.0)  # without a coefficient of friction, on which no curve depends then
     if friction:
         x = _log_normal(scene, friction)
     elif scene.friction.ball_race:
         x = Normal(math.log(scene.friction.ball_race), 0.0)
     y = _log_wear(scene, _wear_names_of_batch(scene))
     _, rho = friction_correlation(scene.uncertainty or {})
-    # y contains the hardness, which is not correlated with friction
+    # y contains the hardness, which is not correlated with friction; it is uncertain, as K_s is
     wear_share = _log_normal(scene, "wear_coefficient").deviation / y.deviation
     return Prior(x, y, rho * wear_share if friction else 0.0)
 
 
 def _wear_names_of_batch(scene: Scene) -> list[str]:
-    """Returns the uncertain values of wear and hardness that are the same for all of a batch."""
+    """Returns the names of the uncertain values of `WORN` that are the same for all of a batch."""
     uncertainty = scene.uncertainty or {}
     return [
         name for name in WORN if name in uncertainty and is_same_for_batch(name, uncertainty[name])
@@ -299,7 +313,11 @@ def _wear_names_of_batch(scene: Scene) -> list[str]:
 
 
 def _log_normal(scene: Scene, name: str) -> Normal:
-    """Returns mean and standard deviation of the logarithm of an uncertain value."""
+    """Returns mean and standard deviation of the natural logarithm of an uncertain value.
+
+    The value is in the unit of its name. Of a distribution that is not lognormal, they are those of
+    values at evenly spaced probabilities.
+    """
     distribution = (scene.uncertainty or {})[name]
     if distribution.distribution == "lognormal":
         median = scene.nominal(name) if distribution.median is None else distribution.median
@@ -309,9 +327,9 @@ def _log_normal(scene: Scene, name: str) -> Normal:
 
 
 def _log_wear(scene: Scene, names: Sequence[str]) -> Normal:
-    """Returns the distribution of ln K_s/H less that of the scene, due to some uncertain values.
+    """Returns mean and standard deviation of ln K_s/H less that of the scene.
 
-    names: of `WORN`.
+    names: those of `WORN` that are uncertain; the others are as in the scene.
     """
     mean = variance = 0.0
     for name in names:
@@ -325,7 +343,10 @@ def _log_wear(scene: Scene, names: Sequence[str]) -> Normal:
 def _curve_at(
     place: str, curve_of: Callable[[Scene, _Result], Curve], scene: Scene, result: _Result
 ) -> Curve:
-    """Returns the curve of a result; a CaseFileError starts with a place, such as a file's row."""
+    """Returns the curve of a result; its CaseFileError begins with a place.
+
+    place: what the error is about, such as a row of a file.
+    """
     try:
         return curve_of(scene, result)
     except CaseFileError as error:
@@ -334,6 +355,8 @@ def _curve_at(
 
 def _observation(test: BearingTest, curve: Curve, row: str) -> Observation:
     """Returns the logarithm of a test's result, with its model and its scatter.
+
+    The result is a torque [N m], or a time [h]: that of a loss or a preload is the result, too.
 
     row: file and row, which an error names. CaseFileError: nothing of the test scatters.
     """
@@ -361,7 +384,11 @@ def _curve(
     workers: int,
     tell: Callable[[str], None] | None,
 ) -> Curve:
-    """Computes lives or torques of a scene over the possible friction, and their scatter.
+    """Returns the logarithm of the life or torque of a scene over ln mu, and its scatter.
+
+    Solves the results at `_NODES` Chebyshev points over `_SPAN`, interpolates between those that
+    have one, and checks the interpolation at further points. If friction is known, the curve is
+    constant, of one result.
 
     x: prior of ln mu.
     friction: name of the uncertain friction; if empty, friction is known.
@@ -394,7 +421,10 @@ def _curve(
 
 
 def _existing_log(log: float) -> float:
-    """Returns the logarithm of a life or torque. CaseFileError: it is of zero, or NaN."""
+    """Returns the logarithm of a life or torque as it is.
+
+    CaseFileError: it is NaN, or at most `_LOG_OF_ZERO`, as of a life of zero.
+    """
     if not log > _LOG_OF_ZERO:
         problem = "got no life from the model: it is zero or could not be computed"
         raise CaseFileError(f"{problem}; `bearingwear life` reports the reason")
@@ -422,6 +452,8 @@ def _log_lives(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: in
 def _log_torques(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: int) -> np.ndarray:
     """Returns logarithms of torques [N m] (n,); NaN where not solved.
 
+    CaseFileError: a torque could not be computed for another reason.
+
     names: of the uncertain values that differ from the scene's.
     rows: these values for each torque (n, names).
     """
@@ -434,7 +466,9 @@ def _log_torques(scene: Scene, names: Sequence[str], rows: np.ndarray, workers: 
 
 
 def torque_answer(scene: Scene, names: Sequence[str], row: Sequence[float]) -> dict[str, float]:
-    """Returns `log_torque`, the logarithm of the torque [N m]; NaN where not solved.
+    """Returns `log_torque`, the logarithm of the magnitude of the torque [N m]; NaN if not solved.
+
+    The torque is that of all bearings, by the steady model.
 
     names, row: uncertain values that differ from the scene's. Those of wear change no torque.
     """
@@ -459,7 +493,11 @@ _TORQUE = _Result("torque", _log_torques, depends_on_wear=False)
 
 
 def _batch_scatter(scene: Scene, result: _Result, log_median: float, workers: int) -> Normal:
-    """Returns the distribution within a batch of the logarithm of a result, less `log_median`.
+    """Returns mean and deviation within a batch of the logarithm of a result, less `log_median`.
+
+    Values that scatter within a batch vary: those of wear by their distribution, others by
+    `_SAMPLES` results. Results that are zero or not solved are left out; if all are, wear varies
+    alone.
 
     log_median: logarithm of the result of the median bearing.
     """
@@ -507,6 +545,7 @@ def _calibrated_scene(
     if friction:
         rho = max(-_CLOSEST, min(_CLOSEST, _rounded(after.correlation())))
     spread["wear_coefficient"] = _lognormal(y.deviation, rho)
+    # exp(y) is a factor on K_s/H of the scene, as `with_wear` takes it
     calibrated = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
     if friction:
         spread[friction] = _lognormal(x.deviation)
@@ -517,7 +556,7 @@ def _calibrated_scene(
 
 
 def _lognormal(deviation: float, rho: float | None = None) -> Distribution:
-    """Returns a lognormal distribution about the value of its scene.
+    """Returns a lognormal distribution whose median is the value in its scene.
 
     deviation: standard deviation of the logarithm.
     rho: correlation with friction; None without one.
@@ -527,7 +566,9 @@ def _lognormal(deviation: float, rho: float | None = None) -> Distribution:
 
 
 def _median_friction(x: Normal) -> float:
-    """Returns the median friction, with the three decimals of a study if that changes little.
+    """Returns the median friction, with three decimals if that changes it little.
+
+    Studies have frictions with three decimals. Otherwise it has five significant digits.
 
     x: distribution of ln mu.
     """
@@ -543,7 +584,7 @@ def _rounded(value: float) -> float:
 
 
 def _wear_over_hardness(scene: Scene) -> float:
-    """Returns K_s/H of the rubbing surfaces while the races are new [m2/N]."""
+    """Returns K_s/H of new races [m2/N]: of their film if they have one."""
     race = Films.of(scene).race
     archard = race.substrate if race.film is None else race.film
     return archard.factor

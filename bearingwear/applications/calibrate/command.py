@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 
 def calibrate_command(args: argparse.Namespace) -> int:
-    """Calibrates a scene, writes scene and data, prints their sheet, and returns an exit status."""
+    """Calibrates a scene, writes scene and data, and prints their sheet.
+
+    Returns SUCCESS. All that is wrong is raised: OutputError, SceneError, CaseFileError.
+    """
     from bearingwear.applications.calibrate.calibration import calibration_by_tests, data_file
     from bearingwear.atomic import check_output
     from bearingwear.studies.sampling import usable_cores

@@ -32,8 +32,11 @@ _POINTS = 161
 """Number of points of each curve."""
 
 _LIFE_MARGIN, _DRAWN_DEVIATIONS = 3.0, 3.5
-"""A curve reaches beyond the quantiles of a life by this factor, or from the mean of a normal
-distribution by so many standard deviations, where it is close to zero."""
+"""Where drawn curves end, as they are close to zero there.
+
+A curve reaches beyond the quantiles of a life by the first as a factor. That of a normal
+distribution reaches from its mean by the second in standard deviations.
+"""
 
 _STAGE = Variable("stage", ("stage",), "", "before or after the tests", "i1", flags=STAGES)
 _LIFE_PROBABILITY = Variable(
@@ -98,10 +101,12 @@ def calibration_dataset(
 ) -> xr.Dataset:
     """Returns a calibration as a dataset.
 
+    scene: calibrated by the tests.
     wear_over_hardness: K_s/H of the scene before the tests [m2/N].
     stages: the distribution of friction and K_s/H before and after the tests.
+    life: logarithm of the life [h] over ln mu.
     scatter, error: standard deviation of the log life of the scene within a batch, and the largest
-        error of its interpolation.
+        error of its interpolation and those for the tests.
     observations, probabilities: what the posterior uses of each test, and its probability given
         the others.
     """
@@ -141,7 +146,10 @@ def calibration_dataset(
 
 
 def _shift(before: Normal, after: Normal) -> float:
-    """Returns the shift of a mean in standard deviations before the tests; 0 for a known value."""
+    """Returns the shift of a mean in standard deviations before the tests [1]; 0 for a known value.
+
+    It is positive for a value that the tests increase.
+    """
     return (after.mean - before.mean) / before.deviation if before.deviation else 0.0
 
 
@@ -213,13 +221,16 @@ def _test_values(
 
 
 def _life_axis(results: Mapping[str, Any]) -> np.ndarray:
-    """Returns lives [h] around the quantiles before the tests, at which curves are drawn."""
+    """Returns `_POINTS` lives [h] at which curves are drawn, around the quantiles before the tests.
+
+    results: with `life_quantile` [h].
+    """
     low, *_, high = results["life_quantile"][0]
     return np.geomspace(low / _LIFE_MARGIN, high * _LIFE_MARGIN, _POINTS)
 
 
 def _spanning_points(normals: Sequence[Normal]) -> np.ndarray:
-    """Returns evenly spaced points that span several distributions."""
+    """Returns `_POINTS` evenly spaced points that span several distributions."""
     low = min(normal.mean - _DRAWN_DEVIATIONS * normal.deviation for normal in normals)
     high = max(normal.mean + _DRAWN_DEVIATIONS * normal.deviation for normal in normals)
     return np.linspace(low, high, _POINTS)
@@ -228,7 +239,9 @@ def _spanning_points(normals: Sequence[Normal]) -> np.ndarray:
 def _density_at(grid: np.ndarray, shares: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Returns the density of one axis at some points; zero for a known value.
 
-    shares: of probability at the evenly spaced points of a grid.
+    grid: evenly spaced points; a single one for a known value.
+    shares: of probability at the points of the grid; their sum is 1.
+    points: at which the density is wanted; it is zero beyond the grid.
     """
     if len(grid) == 1:
         return np.zeros(len(points))

@@ -73,8 +73,8 @@ class Prior(NamedTuple):
 class Observation:
     """The logarithm of the result of one or several bearings."""
 
-    seen: float
-    model: LogModel
+    seen: float  # of the result [h] or [N m]
+    model: LogModel  # of the same result
     scatter: float  # standard deviation between bearings, with that of the measurement
     depends_on_wear: bool = True  # a life, or the time to a loss; otherwise a torque
     censored: bool = False  # the run had not ended at the time `seen`
@@ -86,13 +86,19 @@ class Observation:
         return (self.seen - self.model(x)[:, None] + wear[None, :]) / self.scatter
 
     def log_likelihood(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Returns the log likelihood of one such bearing (x, y)."""
+        """Returns the log likelihood of one such bearing on a grid (x, y), up to a constant.
+
+        That of a run that had not ended is the probability of a longer life.
+        """
         z = self.deviate(x, y)
         return log_ndtr(-z) if self.censored else -0.5 * z * z
 
 
 def _predicted(model: LogModel, x: np.ndarray, y: np.ndarray, depends_on_wear: bool) -> np.ndarray:
-    """Returns the logarithm of the median bearing's life or torque on a grid (x, y)."""
+    """Returns the logarithm of the median bearing's life or torque on a grid (x, y).
+
+    depends_on_wear: false for a torque.
+    """
     wear = y if depends_on_wear else np.zeros_like(y)
     return model(x)[:, None] - wear[None, :]
 
@@ -117,18 +123,24 @@ class Posterior:
         return self.density * step
 
     def expectation(self, values: np.ndarray) -> float:
-        """Returns the expectation of a function on the grid, (n, 1), (1, m) or (n, m)."""
+        """Returns the expectation of a function of x and y.
+
+        values: of the function on the grid, (n, 1), (1, m) or (n, m).
+        """
         return float((self.shares * values).sum())
 
     def normal(self, axis: str) -> Normal:
-        """Returns mean and standard deviation of `x` or `y`."""
+        """Returns mean and standard deviation of the axis `x` or `y`."""
         axis_values = self.x[:, None] if axis == "x" else self.y[None, :]
         mean = self.expectation(axis_values)
         variance = max(self.expectation((axis_values - mean) ** 2), 0.0)
         return Normal(mean, math.sqrt(variance))
 
     def axis_quantiles(self, axis: str, probabilities: Sequence[float]) -> list[float]:
-        """Returns the quantiles of `x` or `y` at some probabilities."""
+        """Returns the quantiles of the axis `x` or `y` at some probabilities.
+
+        All are the value itself if it is known.
+        """
         grid = self.x if axis == "x" else self.y
         if len(grid) == 1:
             return [float(grid[0])] * len(probabilities)
@@ -140,6 +152,7 @@ class Posterior:
             """Returns the value below which a share of the distribution lies."""
 
             def excess(value: float) -> float:
+                """Returns the distribution at a value, less the wanted share of its total."""
                 return float(distribution(value)) - probability * total
 
             return float(brentq(excess, grid[0], grid[-1], xtol=_TOLERANCE))
@@ -155,7 +168,12 @@ class Posterior:
         return self.expectation(product) / (x.deviation * y.deviation)
 
     def share_of_medians_below(self, model: LogModel, value: float) -> float:
-        """Returns the probability that the median bearing's life, m(x) - y, is below exp(value)."""
+        """Returns the probability that the median life of a batch is below exp(value).
+
+        Its logarithm is m(x) - y, so y has to be above m(x) - value.
+
+        model: m(x).
+        """
         lower_limit = np.clip(model(self.x) - value, self.y[0], self.y[-1])
         spline = self._integral
         # each row of the grid is integrated up to a limit of its own, by Horner's method
@@ -169,6 +187,8 @@ class Posterior:
     def median_quantile(self, model: LogModel, probability: float, deviates: float = 0.0) -> float:
         """Returns a quantile over batches of a quantile over their bearings.
 
+        The life is in the unit of the model.
+
         probability: of a batch with a lower life.
         deviates: logarithm of the quantile over the bearings, less that of their median.
         """
@@ -177,6 +197,7 @@ class Posterior:
         high = float(log_medians.max() - self.y[0]) + _BRACKET_MARGIN
 
         def excess(value: float) -> float:
+            """Returns the share of batches with a lower log life, less the wanted one."""
             return self.share_of_medians_below(model, value) - probability
 
         return float(np.exp(brentq(excess, low, high, xtol=_TOLERANCE) + deviates))
@@ -186,13 +207,16 @@ class Posterior:
     ) -> float:
         """Returns a quantile of a bearing's life or torque, over batches and their scatter.
 
-        scatter: standard deviation of the logarithm within a batch.
+        It is in the unit of the model.
+
+        scatter: standard deviation of the logarithm within a batch, above 0.
         depends_on_wear: false for a torque.
         """
         medians = _predicted(model, self.x, self.y, depends_on_wear)
         reach = _CERTAIN * scatter + _BRACKET_MARGIN
 
         def excess(value: float) -> float:
+            """Returns the share of bearings with a lower logarithm, less the wanted one."""
             return float((self.shares * ndtr((value - medians) / scatter)).sum()) - probability
 
         low, high = float(medians.min()) - reach, float(medians.max()) + reach
@@ -201,13 +225,19 @@ class Posterior:
     def failed_share(self, model: LogModel, life: float, scatter: float) -> float:
         """Returns the share of bearings with a shorter life, over batches and their scatter.
 
-        scatter: standard deviation of the logarithm within a batch.
+        life: in the unit of the model.
+        scatter: standard deviation of the logarithm within a batch, above 0.
         """
         medians = _predicted(model, self.x, self.y, depends_on_wear=True)
         return float((self.shares * ndtr((math.log(life) - medians) / scatter)).sum())
 
     def conformity(self, test: Observation) -> Conformity:
-        """Returns how well a test agrees with this distribution, to which it must not belong."""
+        """Returns how well a test agrees with this distribution.
+
+        The probability is two-sided; of a run that had not ended, it is that of a longer life.
+
+        test: one that this posterior does not use.
+        """
         z = test.deviate(self.x, self.y)
         share_above = float((self.shares * ndtr(-z)).sum())
         if test.censored:
@@ -218,9 +248,10 @@ class Posterior:
 
 
 def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
-    """Returns the posterior of x and y, which are normal before the tests.
+    """Returns the posterior of x and y; without tests it is the prior.
 
-    The first grid spans the prior, the second one the posterior on the first.
+    Its grid spans the part of a wider one on which the density is not negligible. The latter spans
+    the prior, with points that are close enough for the scatter of the tests.
     """
     wear_points = _WEARS
     if tests and prior.y.deviation:
@@ -238,7 +269,7 @@ def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
 def _posterior_on_grid(
     prior: Prior, tests: Sequence[Observation], x: np.ndarray, y: np.ndarray
 ) -> Posterior:
-    """Returns the posterior on a grid, y with at least two points."""
+    """Returns the posterior on a grid of x (n,) and y (m,), m at least 2."""
     log = prior.log_density(x, y)
     for test in tests:
         log = log + test.count * test.log_likelihood(x, y)
@@ -249,7 +280,7 @@ def _posterior_on_grid(
 def conformities(prior: Prior, tests: Sequence[Observation]) -> list[Conformity]:
     """Returns how well each test agrees with the prior and the other tests.
 
-    Of several bearings with one result, the others are among these tests.
+    Of several bearings with one result, all but one are among the other tests.
     """
     results = []
     for k, test in enumerate(tests):

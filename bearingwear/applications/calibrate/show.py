@@ -33,7 +33,8 @@ _UNLIKELY = 0.01
 """Probability below which a test and the model are said to disagree."""
 
 _FAR = 2.58
-"""Shift of a mean, in standard deviations before the tests, with a probability of 0.01."""
+"""Shift of a mean, in standard deviations before the tests, beyond which a two-sided probability is
+below 0.01."""
 
 _COLOURS = dict(zip(STAGES, ("0.6", "black"), strict=True))
 
@@ -47,8 +48,8 @@ _WEAR_INTERVAL = "wear_over_hardness_interval"
 class _Curve(NamedTuple):
     """The curves of a panel before and after the tests: two variables and their labels."""
 
-    axis: str
-    name: str
+    axis: str  # name of the variable of the abscissa
+    name: str  # name of the variable of the ordinate
     x_label: str
     y_label: str
 
@@ -124,7 +125,11 @@ def _summary_sentences(file: Any, scene: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def conflicts(file: Any) -> list[str]:
-    """Returns a sentence for each disagreement of tests and model that chance hardly explains."""
+    """Returns a sentence for each disagreement of tests and model that chance hardly explains.
+
+    That is a test with a probability below `_UNLIKELY`, or a mean of K_s/H or friction that the
+    tests shift by more than `_FAR` standard deviations.
+    """
     sentences = []
     probabilities = variable_values(file, "probability_of_test")
     for label, probability in zip(_test_labels(file), probabilities, strict=True):
@@ -143,7 +148,7 @@ def conflicts(file: Any) -> list[str]:
 
 
 def _test_labels(file: Any) -> list[str]:
-    """Returns row and kind of result of each test as text: `row 2, torque`."""
+    """Returns line in the file and kind of result of each test as text: `row 2, torque`."""
     names = [SEEN[int(code)] for code in variable_values(file, "seen")]
     return [
         f"row {int(row)}, {SEEN_AS[name].words}"
@@ -182,12 +187,15 @@ def _stage_intervals(file: Any, name: str) -> tuple[Interval, ...]:
 
 
 def _interval(ends: np.ndarray) -> Interval:
-    """Returns the interval between two ends (2,)."""
+    """Returns the interval with a lower and an upper end (2,)."""
     return Interval(*map(float, ends))
 
 
 def calibration_figure(calibration: xr.Dataset) -> Figure:
-    """Returns a figure of friction, K_s/H and life, before and after the tests."""
+    """Returns a figure of friction, K_s/H and life, before and after the tests.
+
+    A known friction has no panel. Lives and run-outs of the tests are marked on the axis of life.
+    """
     scene = plain_scene(calibration)
     curves = [_Curve("wear_over_hardness", "wear_density", "K_s/H (m²/N)", _DENSITY)]
     if "friction_density" in calibration:

@@ -40,7 +40,8 @@ def export_options(sub: argparse.ArgumentParser) -> None:
 def _speeds(text: str) -> list[float]:
     """Returns shaft speeds [r/min], written as LOW:HIGH:COUNT or as numbers with commas.
 
-    Eight speeds without a COUNT. ArgumentTypeError: the text is neither.
+    Without a COUNT, LOW:HIGH has eight speeds. ArgumentTypeError: the text is neither form, LOW is
+    not below HIGH, or COUNT is not from 2 to 1000. Whether a list rises is checked later.
     """
     import argparse
     import math

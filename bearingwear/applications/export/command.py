@@ -12,7 +12,11 @@ from bearingwear.printing import tell_of_new_folder
 
 
 def export_command(args: argparse.Namespace) -> int:
-    """Writes the stiffness over speed as CSV or as TOML for ROSS, and returns an exit status."""
+    """Writes the stiffness over speed as CSV or as TOML for ROSS, and returns an exit status.
+
+    NOT_SOLVED: the scene has no stiffness at a speed; stderr says why, and nothing is written.
+    UsageError: the file has another suffix.
+    """
     from bearingwear.applications.export.stiffness import NotExported, StiffnessOverSpeed
     from bearingwear.atomic import write_text
 
@@ -28,7 +32,7 @@ def export_command(args: argparse.Namespace) -> int:
         text = stiffness.csv
     else:
         text = stiffness.toml(
-            re.sub(r"[^A-Za-z0-9_-]", "_", path.stem),
+            re.sub(r"[^A-Za-z0-9_-]", "_", path.stem),  # what a bare key of TOML may contain
             bearing=args.bearing,
             tilt=args.tilt,
             damping=args.damping,

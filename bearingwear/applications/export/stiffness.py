@@ -32,7 +32,7 @@ FEWEST_SPEEDS = 5
 _NEGLIGIBLE_SHARE = 1e-14
 """Share of the largest stiffness below which one is only rounding, as balls in a circle cancel."""
 
-_FROM_ROSS = (1, 2, 0)  # places in this program's X, Y, Z of ROSS's x, y and z
+_FROM_ROSS = (1, 2, 0)  # indices among this program's X, Y, Z of ROSS's x, y and z
 _RPM = math.pi / 30.0  # [rad/s]
 
 
@@ -42,10 +42,11 @@ class NotExported(ValueError):
 
 @dataclass(frozen=True)
 class StiffnessOverSpeed:
-    """Dynamic stiffness of the bearings of a scene.
+    """Dynamic stiffness of the bearings of a scene over the speed of the shaft.
 
-    matrices: (speeds, bearings, 5, 5), over X, Y, Z [m] and tilts about Y and Z [rad] of the frame
-        of each bearing [N/m, N, N m]. Bearings in tandem count as one.
+    matrices: (speeds, bearings, 5, 5), derivatives of forces along X, Y, Z [N] and moments about Y
+        and Z [N m] by shifts along X, Y, Z [m] and tilts about Y and Z [rad], in the frame of each
+        bearing. Bearings in tandem count as one.
     """
 
     scene: Scene
@@ -56,7 +57,10 @@ class StiffnessOverSpeed:
     def of(cls, source: Source, speeds_rpm: Sequence[float]) -> StiffnessOverSpeed:
         """Returns the stiffness of a scene, solved at each speed of the shaft [r/min].
 
-        SceneError: the speeds do not rise. NotExported: the scene has no stiffness at a speed.
+        A lowest speed of the scene above a speed is lowered to it.
+
+        SceneError: the speeds do not rise. NotExported: the scene has no stiffness at a speed, or
+        needs the dynamic model, which has none.
         """
         from bearingwear.solvers.effects.choice import choice
         from bearingwear.solvers.solve import solve
@@ -85,6 +89,8 @@ class StiffnessOverSpeed:
     def ross_matrices(self, bearing: int = 1, tilt: str = "held") -> np.ndarray:
         """Returns the stiffness (speeds, 3, 3) of a bearing along ROSS's x, y and z [N/m].
 
+        Elements that are only rounding are 0.
+
         bearing: number of the bearing, from 1. tilt: one of `TILTS`.
         SceneError: an argument has none of these values.
         """
@@ -107,9 +113,10 @@ class StiffnessOverSpeed:
     ) -> dict[str, list[float]]:
         """Returns the coefficients of a bearing at each speed, by their names in ROSS.
 
-        They are stiffness `kxx` and so on [N/m], and damping `cxx`, `cyy`, `czz` [N s/m].
+        They are stiffness `kxx`, `kxy`, `kyx`, `kyy`, `kzz` [N/m], and damping `cxx`, `cyy`, `czz`
+        [N s/m]. ROSS has none between z and the other axes.
 
-        SceneError: there are too few speeds for ROSS.
+        SceneError: there are too few speeds for ROSS, or as `ross_matrices`.
         """
         if len(self.speeds_rpm) < FEWEST_SPEEDS:
             problem = f"got {len(self.speeds_rpm)}, expected at least {FEWEST_SPEEDS} for ROSS"
@@ -130,7 +137,10 @@ class StiffnessOverSpeed:
 
     @property
     def csv(self) -> str:
-        """Returns CSV with a line for each speed and bearing, which has the 25 stiffnesses."""
+        """Returns CSV: a header, then for each speed and bearing a line with 25 stiffnesses.
+
+        Their units are those of `matrices`. Bearings count from 1.
+        """
         text = io.StringIO()
         table = csv.writer(text, lineterminator="\n")
         names = [f"k_{row}_{column}" for row in DOFS for column in DOFS]
@@ -150,6 +160,8 @@ class StiffnessOverSpeed:
         ross: int = 2,
     ) -> str:
         """Returns a bearing as TOML that `ross.BearingElement.load` reads.
+
+        Speeds are in rad/s, as in ROSS. SceneError as `coefficients`.
 
         name: of the table and tag. damping: in x, y and z [N s/m]; None counts as 0, assumed.
         node: of the rotor. ross: major version of ROSS, a key of `ROSS_NAMES`.

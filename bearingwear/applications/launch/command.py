@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 
 def launch_command(args: argparse.Namespace) -> int:
-    """Prints the sheet of the bearings of a rotor at launch, and returns an exit status."""
+    """Prints the sheet of the bearings of a rotor at launch, and returns SUCCESS.
+
+    That is so also if they gap or dent. SceneError: the scene lacks what a launch requires.
+    """
     from bearingwear.applications.launch.sheet import launch_document
     from bearingwear.lives.margin import launched_by_wear
     from bearingwear.solvers.bearing.launch import check_launch

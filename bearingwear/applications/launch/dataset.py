@@ -52,7 +52,8 @@ LAUNCH = table(
 def launch_dataset(scene: Scene, states: Mapping[str, LaunchResult]) -> xr.Dataset:
     """Returns loads and gaps at launch as a dataset over state of wear, load and bearing.
 
-    states: results by the name of the state of wear, from `lives.margin.launched_by_wear`.
+    states: results by the name of the state of wear, from `lives.margin.launched_by_wear`; all have
+        the same loads.
     """
     loads = [load.name for load in next(iter(states.values())).loads]
     axes: dict[Any, Any] = {WEAR_STATE: list(states), LAUNCH_LOAD: loads, EACH_BEARING: (1, 2)}
@@ -68,7 +69,10 @@ def launch_dataset(scene: Scene, states: Mapping[str, LaunchResult]) -> xr.Datas
 
 
 def _launch_row(state: LaunchResult) -> dict[str, Any]:
-    """Returns the values of one state of wear by the names of `LAUNCH`, lists for its loads."""
+    """Returns the values of one state of wear by the names of `LAUNCH` [SI].
+
+    Those of a load are lists (loads,), those of a bearing lists of lists (loads, 2).
+    """
     row: dict[str, Any] = {
         "axial_acceleration": GRAVITY * state.axial_g,
         "radial_acceleration": GRAVITY * state.radial_g,
@@ -85,9 +89,9 @@ def _launch_row(state: LaunchResult) -> dict[str, Any]:
 
 
 def _rotor_row(load: LaunchLoad) -> dict[str, Any]:
-    """Returns the values of rotor and bearings under one load by the names of `LAUNCH`.
+    """Returns the values of rotor and bearings under one load by the names of `LAUNCH` [SI].
 
-    They are NaN where the spring does not support the rotor.
+    Those of bearings are lists (2,). All are NaN where the spring does not support the rotor.
     """
     rotor = load.rotor
     if rotor is None:

@@ -24,7 +24,7 @@ from bearingwear.solvers.bearing.launch import LaunchLoad, LaunchResult, Resting
 
 _UM, _MM, _GPA = 1e6, 1e3, 1e-9
 _ROUNDING = 1e-9
-"""Size of a number below which it is nothing but rounding, in each unit of these tables."""
+"""Magnitude below which a number is only rounding, in each unit of these tables."""
 _NEW_ONLY = "new bearings only: without an end of life that can be computed, wear is not known"
 
 _BEARING_ROWS: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...] = (
@@ -69,7 +69,9 @@ def launch_document(scene: Scene, states: Mapping[str, LaunchResult]) -> Documen
 def _load_blocks(loads: Sequence[LaunchLoad], suffix: str) -> list[Block]:
     """Returns blocks of the rotor and of both bearings, with a column for each load.
 
-    suffix: of the titles, which names the state of wear. Empty without loads.
+    Without loads there are no blocks.
+
+    suffix: of the titles, which names the state of wear.
     """
     if not loads:
         return []
@@ -95,7 +97,10 @@ def _states_with_load_blocks(states: Mapping[str, LaunchResult]) -> list[str]:
 
 
 def _vibration_lines(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
-    """Describes rotor and accelerations, and how random vibration was converted to the latter."""
+    """Returns lines on rotor and accelerations, and on how random vibration became the latter.
+
+    One says so where only new bearings were computed.
+    """
     arrangement, launch = scene.arrangement, scene.launch or Launch()
     assert arrangement is not None
     phrases = [f"at rest, rotor mass {arrangement.rotor_mass_kg:g} kg"]
@@ -108,7 +113,7 @@ def _vibration_lines(scene: Scene, states: Mapping[str, LaunchResult]) -> list[s
     if any(radial_g):
         phrases.append(f"{span(radial_g)} g radial")
     lines = [", ".join(phrases)]
-    if len(states) == len(scene.in_cases):
+    if len(states) == len(scene.in_cases):  # no case has a worn state besides the new one
         lines.append(_NEW_ONLY)
     if launch.axial_density_g2_Hz is not None or launch.radial_density_g2_Hz is not None:
         frequencies = _natural_frequencies(states.values())
@@ -124,9 +129,9 @@ def _vibration_lines(scene: Scene, states: Mapping[str, LaunchResult]) -> list[s
 
 
 def _natural_frequencies(states: Iterable[LaunchResult]) -> list[np.ndarray]:
-    """Returns axial, radial and conical natural frequency (3,) [Hz] of each state.
+    """Returns the axial, radial and conical natural frequency of each state (3,) [Hz].
 
-    Empty if the scene does not contain the distance of the bearings.
+    The list is empty if the scene does not contain the distance of the bearings.
     """
     return [state.frequencies for state in states if state.frequencies is not None]
 
@@ -134,7 +139,7 @@ def _natural_frequencies(states: Iterable[LaunchResult]) -> list[np.ndarray]:
 def _acceleration_limit_rows(states: Collection[LaunchResult]) -> tuple[Row, ...]:
     """Returns rows of the accelerations at which gapping and denting start, and of frequencies.
 
-    Each has a value for each state.
+    Each has a value for each state. Frequencies that are not known have no rows.
     """
     rows = [
         Row("gapping starts at", "g", tuple(state.opening_g for state in states), "opening_g"),
@@ -151,7 +156,7 @@ def _acceleration_limit_rows(states: Collection[LaunchResult]) -> tuple[Row, ...
 def _random_rows(states: Sequence[LaunchResult]) -> tuple[Row, ...]:
     """Returns rows of the largest accelerations expected, their ratios to rms, and three sigma.
 
-    Each has a value for each state.
+    There are three rows for each direction, and each has a value for each state.
     """
     rows = []
     for direction in states[0].random:
@@ -168,7 +173,11 @@ def _random_rows(states: Sequence[LaunchResult]) -> tuple[Row, ...]:
 
 
 def _rotor_rows(loads: Sequence[LaunchLoad]) -> list[Row]:
-    """Returns rows of forces and shifts of the rotor; NaN where the spring does not support it."""
+    """Returns rows of forces and shifts of the rotor, with a value for each load.
+
+    A shift is NaN where the spring does not support the rotor. Rows of the spring are left out if
+    all their values are 0.
+    """
     rows = [
         Row("axial force", "N", tuple(load.axial for load in loads), "axial_force"),
         Row("radial force", "N", tuple(load.radial for load in loads), "radial_force"),
@@ -205,5 +214,8 @@ def _bearing_rows(loads: Sequence[LaunchLoad], k: int) -> list[Row]:
 
 
 def _without_rounding(value: float) -> float:
-    """Returns a value, or 0 if it is only rounding, as where forces cancel in a circle of balls."""
+    """Returns a value, or 0 if its magnitude is below `_ROUNDING`.
+
+    Forces that cancel in a circle of balls leave as much.
+    """
     return 0.0 if abs(value) < _ROUNDING else value

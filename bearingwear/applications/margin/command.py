@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 def margin_command(args: argparse.Namespace) -> int:
     """Prints the sheet of a torque margin, and returns an exit status.
 
-    INFEASIBLE: the margin is negative. NOT_SOLVED: a corner has no torque.
+    INFEASIBLE: the least margin is negative. NOT_SOLVED: it is not, but a corner has no torque.
+    SUCCESS otherwise.
     """
     from bearingwear.applications.margin.sheet import margin_document
     from bearingwear.document.margin import is_missing, worst_corner

@@ -12,7 +12,10 @@ from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 
 
 def margin_document(scene: Scene, corners: Sequence[Corner]) -> Document:
-    """Returns the report on the torque margin of a scene with a drive, in all corners."""
+    """Returns the report on the torque margin of a scene with a drive, in all corners.
+
+    Its heading states the worst corner; a table has all of them.
+    """
     worst = worst_corner(corners)
     heading = (
         f"{scene.name}: torque margin at a preload of {scene.operation.preload_N:g} N",

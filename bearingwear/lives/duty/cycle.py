@@ -18,14 +18,17 @@ from bearingwear.scene.slip import (
 )
 
 NO_FORCE_N = 1e-9
-"""External force that solves both bearings of a pair that is alike in one phase and not in another.
+"""External force that makes both bearings of a symmetric pair be solved.
 
-It is too small to change their states.
+It is needed where the pair is alike in one phase and not in another. It is too small to change
+their states.
 """
 
 
 def ramp_points(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the speeds over the full one and the weights of the wear rates at n points of a ramp.
+    """Returns n speeds over the full one, and weights of the wear rates there, of a linear ramp.
+
+    The weights give the mean rate over a ramp from rest to full speed; the first is at full speed.
 
     A wear rate is the speed times a smooth function of its square, because of the centrifugal
     effects: the mean over a ramp is half the integral of rate over speed over that square. Gauss
@@ -53,8 +56,9 @@ class Cycle:
     cases: tuple[str, ...]
     scenes: tuple[Scene, ...]  # of the conditions
     case_of_phase: tuple[int, ...]
-    running: np.ndarray  # (phases, conditions) shares of the time of a cycle
-    starting: np.ndarray  # weights of the rates on the way to the state of each phase and back
+    running: np.ndarray  # shares of the time of a cycle (phases, conditions)
+    # weights of the rates on the way to the state of each phase and back (phases, conditions)
+    starting: np.ndarray
     points: int  # of each ramp
 
     @property
@@ -69,14 +73,17 @@ class Cycle:
 
     @property
     def shares(self) -> np.ndarray:
-        """Returns the weights (conditions,) of the rates in the mean over a cycle."""
+        """Returns the weights of the conditions in the mean rate over a cycle (conditions,)."""
         of_conditions = np.concatenate([self.running, self.starting]).T
         # an exact sum does not depend on the order of the phases
         return np.array([math.fsum(shares) for shares in of_conditions])
 
 
 def cycle_of(scene: Scene, points: int = 2) -> Cycle:
-    """Returns the cycle of a scene's duty, with a number of points of each ramp."""
+    """Returns the cycle of a scene's duty, with a number of points of each ramp.
+
+    Raises NotAvailable for a duty that warms up, where a start does not become steady.
+    """
     duty = scene.duty
     assert duty is not None
     scene_of_case = _solved_alike(phase_cases(scene))
@@ -109,7 +116,10 @@ def cycle_of(scene: Scene, points: int = 2) -> Cycle:
 
 
 def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
-    """Returns the cycle with the instants of its starts, which warm the bearings."""
+    """Returns the cycle with the instants of its starts, which warm the bearings.
+
+    The time that a start takes to warm up is taken off the running time of its phase.
+    """
     from bearingwear.lives.duty.warm import warm_start  # loads slowly; few lives need it
 
     scenes = [*cycle.scenes]
@@ -127,7 +137,7 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
         case, phase = phases[k]
         if not phase.starts:
             continue
-        longest = duty.running_s(phase) / phase.starts
+        longest = duty.running_s(phase) / phase.starts  # time at speed after each start [s]
         start = warm_start(cycle.scenes[case], duty.start_s, longest, cycle.points)
         running[k, case] -= phase.starts * start.warming_s / duty.cycle_s
         scenes += start.scenes
@@ -140,7 +150,8 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
 def at_speed(scene: Scene, share: float) -> Scene:
     """Returns the scene with both races at a share of their speeds.
 
-    A regularisation that the scene gives is scaled alike: its error depends on it over the slip.
+    A regularisation of the slip that the scene gives is scaled alike, as its error depends on its
+    ratio to the slip. It is `LEAST_REGULARISATION` at least.
     """
     slower = at_speed_share(scene, share)
     if not regularisation_is_given(scene):

@@ -29,6 +29,8 @@ def duty_errors(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, f
     """Returns result variables of the errors of a life over a duty.
 
     They are a bound on the error by steps [s], and relative errors by all settings and by ramps.
+    A life without an end has only the error of its steps. The estimate is left out where it is not
+    known, as by another fidelity than `steady`. That by the ramps is 1 where it is not known.
     """
     life, cycle = over_duty.life, over_duty.cycle
     length = life.last.time
@@ -57,7 +59,11 @@ def duty_errors(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, f
 
 
 def _groove_errors(cycle: Cycle, life: Life) -> tuple[float, float]:
-    """Returns a bound on the error of the steps [s], and the relative error of steps and cells."""
+    """Returns a bound on the error of the steps [s], and the relative error of steps and cells [1].
+
+    They come from lives with longer steps, and with fewer cells as well. A figure is NaN where a
+    life that it needs ends otherwise.
+    """
 
     def length(mode: GrooveMode) -> float:
         """Returns the length of the life in a mode [s]; NaN if it ends otherwise."""
@@ -71,7 +77,10 @@ def _groove_errors(cycle: Cycle, life: Life) -> tuple[float, float]:
 
 
 def _accuracy_error(cycle: Cycle, life: Life) -> float:
-    """Returns the relative error of a life by v_r and by points [1]; NaN where it is not known."""
+    """Returns the relative error of a life by v_r and by points [1]; NaN where it is not known.
+
+    It is the weighted sum of the changes by each accuracy of `WEIGHTS`.
+    """
     total = 0.0
     for accuracy, weight in WEIGHTS.items():
         solvers = [solver_of(scene, "steady", accuracy) for scene in cycle.scenes]
@@ -86,7 +95,9 @@ def _accuracy_error(cycle: Cycle, life: Life) -> float:
 
 
 def _change_by_wearing(life: Life, wearing: DutySurfaces, cycle: Cycle) -> float:
-    """Returns the relative change of a life by other states along it [1]; NaN if not known.
+    """Returns the magnitude of the relative change of a life by other states along it [1].
+
+    NaN where a state is not solved, or another criterion ends the life.
 
     wearing: way to wear with the other states.
     """

@@ -27,7 +27,7 @@ from bearingwear.solvers.compose import WELL_BALANCED, Remembered, solver_of
 from bearingwear.solvers.condition import Accuracy
 
 MOST_RAMP_POINTS = 5
-_MET = 1e-9  # margin of a criterion that counts as met
+_MET = 1e-9  # largest margin of a criterion that counts as met
 RAMP_ENOUGH = 1e-3  # error of the mean wear rate by the points of the ramps
 
 
@@ -37,8 +37,8 @@ class DutyLife:
 
     cycle: Cycle
     life: Life
-    grooves: str = ""  # whether they are followed, and why
-    is_worn: bool = False
+    grooves: str = ""  # sentence on whether they are followed, and why
+    is_worn: bool = False  # whether they are followed
 
     @property
     def by_case(self) -> dict[str, Life]:
@@ -55,14 +55,15 @@ class DutyLife:
 
     @property
     def ends_in_all_cases(self) -> bool:
-        """Returns whether its criterion is met in all cases at once, as that of an even loss."""
+        """Returns whether its criterion is met in all cases at once, as a limit of the loss is."""
         return self.life.status == code.OK and max(self._final_margins()) <= _MET
 
     @property
     def ending_case_index(self) -> int:
         """Returns the index of the case that ends the life: it meets the criterion, or fails.
 
-        A life without an end of its own has the first case.
+        Where a condition on the way to a speed fails, it is the case of its phase. Where no
+        criterion is met and nothing fails, it is 0.
         """
         cycle, life = self.cycle, self.life
         if life.status == code.OK and life.criterion < NO_CRITERION:
@@ -88,7 +89,10 @@ def duty_life(
     quick: bool = False,
     kind: type[Grooves] = StiffGrooves,
 ) -> DutyLife:
-    """Returns the life of a scene over its duty; its grooves wear where any phase requires it.
+    """Returns the life of a scene over its duty; its grooves are followed if any phase requires it.
+
+    They are not needed where the new bearings meet a criterion, even if their grooves cannot be
+    solved.
 
     quick: whether steps are longer and, along grooves, cells are fewer.
     kind: of grooves. States of the kind `Grooves` have no stiffness unless the life ends by it,
@@ -116,7 +120,11 @@ def _even_duty_life(cycle: Cycle, fidelity: str, quick: bool) -> Life:
 
 
 def lives_alone(over_duty: DutyLife, fidelity: str = "steady") -> dict[str, Life]:
-    """Returns the life of each case of a duty alone, without starts, with the same contacts."""
+    """Returns the life of each case of a duty alone, without starts, by the names of the cases.
+
+    Contacts wear as over the duty, with grooves that are followed or not. A duty of one condition
+    has its life over the duty.
+    """
     cycle = over_duty.cycle
     if len(cycle.scenes) == 1:
         return over_duty.by_case
@@ -169,7 +177,7 @@ def worn_duty_life(
 def loss_rates(cycle: Cycle, losses: Sequence[float], fidelity: str = "steady") -> np.ndarray:
     """Returns the rate of loss (conditions,) in each condition of a cycle [m/s].
 
-    It is NaN in all from the first on that is not solved.
+    Rates of the bearings are added. From the first condition that is not solved on, all are NaN.
 
     losses: even loss of each bearing [m].
     """
@@ -189,7 +197,8 @@ def ramp_error(
 ) -> float:
     """Returns the relative error of the mean rate of loss by a number of points of each ramp [1].
 
-    More points show it. It is NaN where a condition is not solved.
+    It is the magnitude of the difference from the rate by `MOST_RAMP_POINTS`. It is 0 without
+    starts, and NaN where a condition is not solved or nothing wears.
 
     losses: of each bearing, if not those of the scene [m].
     """
@@ -206,7 +215,7 @@ def ramp_error(
 
 
 def present_losses(cycle: Cycle) -> list[float]:
-    """Returns the loss of each bearing at the start of a life [m]."""
+    """Returns the loss of each bearing that is solved, at the start of a life [m]."""
     bearings = cycle.scenes[0].symmetric_half.sides
     return [side.wear.ball_diameter_loss_um[0] * UM for side in bearings]
 
@@ -214,7 +223,8 @@ def present_losses(cycle: Cycle) -> list[float]:
 def cycle_with_enough_points(scene: Scene, fidelity: str = "steady") -> Cycle:
     """Returns the cycle of a scene's duty with the ramp points that its wear needs when new.
 
-    They are two where the ramps wear so little that their whole wear may be wrong.
+    Points suffice from an error up to `RAMP_ENOUGH` on; there are `MOST_RAMP_POINTS` at most. They
+    are two where the whole wear of the ramps is a smaller share, or where the error is not known.
     """
     points = 2
     cycle = cycle_of(scene, points)

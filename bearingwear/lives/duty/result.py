@@ -24,7 +24,9 @@ from kerneljit.interrupt import Interrupt
 def choices_of_phases(scene: Scene, fidelity: str | None = None) -> dict[str, Choice]:
     """Returns the choice of the model by the names of the cases of a duty.
 
-    Raises NotAvailable where one has no steady state, or where they need different models.
+    Raises NotAvailable where one requires the dynamic model, or where they need different models.
+
+    fidelity: model in place of that of the scene.
     """
     scenes = phase_cases(scene)
     choices = {case: choice_for_life(scenes[case], fidelity) for case in scenes}
@@ -46,7 +48,8 @@ def choices_of_phases(scene: Scene, fidelity: str | None = None) -> dict[str, Ch
 def life_over_duty(scene: Scene, fidelity: str | None = None) -> Result:
     """Returns the wear life of a scene over its duty, from its present loss of ball diameter on.
 
-    Histories are those of the phase that ends the life. NotAvailable as `choices_of_phases`.
+    Histories are those of the case that ends the life. Raises NotAvailable as `choices_of_phases`,
+    and where a start of a duty that warms up does not become steady.
     """
     assert scene.duty is not None
     choices = choices_of_phases(scene, fidelity)
@@ -83,9 +86,10 @@ def life_over_duty(scene: Scene, fidelity: str | None = None) -> Result:
 
 
 def _values_by_case(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, dict]:
-    """Returns the result variables of the bearings by the names of the cases that are solved.
+    """Returns the result variables of the bearings by the names of the cases.
 
-    Those of the case that ends the life have also the errors and the shares of the phases.
+    Those of the case that ends the life have also the errors and the shares of the phases. If the
+    start is not solved, that case alone is there, with the status and the criterion.
     """
     assert scene.duty is not None
     cycle, life = over_duty.cycle, over_duty.life

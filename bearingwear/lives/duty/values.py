@@ -20,14 +20,15 @@ from bearingwear.scene.duty import Duty
 from bearingwear.solvers.effects.warnings import LARGEST_EXCESS
 from bearingwear.solvers.state import State
 
-LARGEST_ACCELERATION = 0.1  # share of the friction that accelerates the balls
-LARGEST_CYCLE = 0.1  # of a step of the integration
+LARGEST_ACCELERATION = 0.1  # share of the friction that may accelerate the balls, else a warning
+LARGEST_CYCLE = 0.1  # time of a cycle over a step of the integration, else a warning
 
 
 def duty_values(duty: Duty, over_duty: DutyLife, alone: Mapping[str, Life]) -> dict[str, Any]:
     """Returns the result variables that only a life over a duty has.
 
-    alone: life of each case alone.
+    over_duty: a life longer than 0.
+    alone: life of each case alone, by its name.
     """
     cycle, life = over_duty.cycle, over_duty.life
     phases = [duty.phases[name] for name in cycle.phases]
@@ -62,7 +63,7 @@ def palmgren_miner_life(shares: np.ndarray, lives: np.ndarray) -> float:
     """Returns the life by the linear rule of Palmgren and Miner, in the unit of the lives.
 
     The inverse life is the sum of the share of each phase over its life. The life is NaN where that
-    of a phase with a share is not known.
+    of a phase with a share is not known, and where that sum is 0.
 
     shares, lives: share of the time of each phase, and life in it alone (phases,).
     """
@@ -74,7 +75,8 @@ def palmgren_miner_life(shares: np.ndarray, lives: np.ndarray) -> float:
 def worst_by_case(over_duty: DutyLife) -> dict[str, np.ndarray]:
     """Returns result variables: the worst of each measure (cases,), and preloads (nodes, cases).
 
-    A measure that a case does not know is left out.
+    The worst is that along the life, of the worse bearing. A measure is left out unless all cases
+    know it.
     """
     states_of_cases = [
         worse_states(life, scene)
@@ -95,13 +97,18 @@ def worst_by_case(over_duty: DutyLife) -> dict[str, np.ndarray]:
 
 
 def _worst_along_life(measure: Measure, extremes: Sequence[float]) -> float:
-    """Returns the worst extreme of a life. Between its ends, NaN is left out: not known."""
+    """Returns the worst extreme of a life; NaN if that at its start or at its end is NaN.
+
+    NaN between the ends, where the measure was not computed, is left out.
+
+    extremes: of the nodes of the life.
+    """
     between = [extreme for extreme in extremes[1:-1] if not math.isnan(extreme)]
     return measure.extreme(np.array([extremes[0], *between, extremes[-1]]))
 
 
 def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
-    """Returns the volumes (nodes, conditions, surfaces) worn off bearing k [m3].
+    """Returns the volumes worn off bearing k (nodes, conditions, surfaces) [m3].
 
     They are those from the start of the life to each of its nodes, off inner race, outer race and
     all balls, as if each condition took all the time.
@@ -119,11 +126,13 @@ def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
 
 
 def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """Returns the integrals of rates (nodes, ...) over times (nodes,) up to each node.
+    """Returns the integrals of rates over times up to each node, of the shape of the rates.
 
-    They are those of monotone cubics.
+    They are those of monotone cubics. Two nodes have the same time where a film is worn through,
+    and a new cubic starts there.
 
-    Two nodes have the same time where a film is worn through. A new cubic starts there.
+    times: of the nodes (nodes,) [s].
+    rates: at the nodes, per second (nodes, ...).
     """
     from scipy.interpolate import PchipInterpolator  # loads slowly; few lives are over a duty
 
@@ -140,7 +149,10 @@ def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
 def wear_shares(cycle: Cycle, worn: np.ndarray) -> dict[str, np.ndarray]:
     """Returns result variables of the shares of the wear [1].
 
-    They are those by phase and surface, of starts and stops alone, and by phase over time.
+    They are the shares of the phases in the wear of inner race, outer race, balls and all these
+    together (phases, 4), and likewise those of starts and stops alone. The history has the wear of
+    each phase up to each node over all wear at the end (nodes, phases). A surface that does not
+    wear has NaN.
 
     worn: as of `worn_volumes` (nodes, conditions, surfaces) [m3].
     """
@@ -157,10 +169,11 @@ def wear_shares(cycle: Cycle, worn: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def acceleration_values(duty: Duty, over_duty: DutyLife, k: int) -> dict[str, np.ndarray]:
-    """Returns the result variable of the friction that accelerates the balls of bearing k.
+    """Returns the result variable of the friction that accelerates the balls of bearing k [1].
 
-    It is the share of the friction in each phase, 0 in a phase without starts. The dictionary is
-    empty where a share is not known.
+    It is the share of the available friction in each phase (phases,): the larger one of start and
+    end of the life, in the shorter ramp. It is 0 in a phase without starts. The dictionary is empty
+    where a share is not known, or without any friction.
     """
     cycle = over_duty.cycle
     ramps = [seconds for seconds in (duty.start_s, duty.stop_s) if seconds > 0.0]
@@ -178,14 +191,17 @@ def acceleration_values(duty: Duty, over_duty: DutyLife, k: int) -> dict[str, np
 
 
 def acceleration_share(state: State, ramp_s: float) -> float:
-    """Returns the share of the friction on a ball that brings it to speed in a time [s].
+    """Returns the share of the friction available to a ball that brings it to speed in a time [1].
 
-    It accelerates the spin and the orbit. NaN where the model has no balance of friction.
+    The force accelerates the spin and the orbit, evenly over the time. NaN where the model has no
+    balance of friction; infinite where no friction is available.
+
+    ramp_s: time from rest to the full speed [s].
     """
     solution = state.answer
     if solution is None or not hasattr(solution.answer, "u"):
         return math.nan
-    motion = solution.answer.u
+    motion = solution.answer.u  # (three components of the spin, orbit, ...) [rad/s]
     g = solution.problem.g
     D = g.D0 - state.loss
     m = ball_mass(g.rho, D)
@@ -203,7 +219,7 @@ def duty_warnings(
 ) -> list[dict[str, Any]]:
     """Returns the warnings of a duty: balls that take much friction to accelerate, long cycles.
 
-    They have the form of `warnings_of`.
+    They have the form of `warnings_of`. The list is empty where neither is above its limit.
 
     values: result variables of the life.
     """
@@ -241,7 +257,10 @@ def duty_warnings(
 
 
 def _warning(id: str, sentence: str, advice: str, excess: float) -> dict[str, Any]:
-    """Returns a warning with its value over the limit, in the form of `warnings_of`."""
+    """Returns a warning in the form of `warnings_of`.
+
+    excess: its value over the limit, of which three digits are kept.
+    """
     excess = float(f"{min(excess, LARGEST_EXCESS):.3g}")
     return {
         "id": id,
@@ -257,7 +276,8 @@ def warnings_over_cases(
 ) -> list[dict[str, Any]]:
     """Returns the warnings of the cases of a duty, each once and at its worst.
 
-    A sentence begins with the case of the warning unless all cases say the same.
+    A sentence begins with the case of the warning unless all cases say the same. A warning is at
+    its worst where its excess is largest; one without an excess counts as 0.
     """
     by_id: dict[str, list[tuple[str, dict[str, Any]]]] = {}
     for case, warnings in warnings_by_case.items():

@@ -16,18 +16,18 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.duty.cycle import at_speed
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.warmup.transient import WarmUp, network_at, ramp, warm_up
+from bearingwear.solvers.warmup.transient import NoState, WarmUp, network_at, ramp, warm_up
 
-LATER_POINTS = 2  # more points of the time at speed than of the ramp
-_EARLY_POWER = 3  # of the even points of the time at speed, so that most are early
+LATER_POINTS = 2  # number of points of the time at speed, less that of the ramp
+_EARLY_POWER = 3  # exponent of the share of the time at speed, so that most points are early
 
 
 class WarmStart(NamedTuple):
     """One start from the mounting temperature: scenes on the way, and times they stand for [s]."""
 
     scenes: Sequence[Scene]
-    weights: np.ndarray
-    warming_s: float  # from the end of the ramp to the steady state
+    weights: np.ndarray  # time that each scene stands for (scenes,) [s]
+    warming_s: float  # from the end of the ramp to the steady state, or to the stop
 
 
 @functools.lru_cache(maxsize=32)
@@ -36,7 +36,13 @@ def _steady_warm_up(scene: Scene, start_s: float) -> WarmUp:
 
     start_s: time from rest to the full speed [s].
     """
-    warmup = warm_up(scene, ramp(start_s))
+    try:
+        warmup = warm_up(scene, ramp(start_s))
+    except NoState as unsolved:
+        raise NotAvailable(
+            f"{scene.name}: duty.warmup: got bearings without a state as mounted "
+            f"({code.STATUS_NAMES[unsolved.status]}), expected starts that warm up"
+        ) from None
     if warmup.status != code.OK:
         end = warmup.instants[-1].time
         ending = "runaway" if warmup.runs_away else "no state"
@@ -50,11 +56,12 @@ def _steady_warm_up(scene: Scene, start_s: float) -> WarmUp:
 def warm_start(scene: Scene, start_s: float, longest_s: float, points: int) -> WarmStart:
     """Returns a start of a scene from its mounting temperature.
 
-    Temperatures are those of the bearings as the scene describes them.
+    Temperatures are those of the bearings with the wear that the scene states, also later in a
+    life. Raises NotAvailable where the start does not become steady.
 
     start_s: time from rest to the full speed [s].
+    longest_s: time at speed after which the bearings stop, warm or not [s].
     points: number of Gauss and Legendre's points of the ramp; `LATER_POINTS` more are at speed.
-    longest_s: time at speed after which the bearings stop, warm or not.
     """
     instants = _steady_warm_up(scene, start_s).instants
     temperatures = PchipInterpolator(
@@ -70,7 +77,7 @@ def warm_start(scene: Scene, start_s: float, longest_s: float, points: int) -> W
     later_weights = warming_s * w * _EARLY_POWER * x ** (_EARLY_POWER - 1)
     times = np.append(ramp_times, later_times)
     weights = np.append(ramp_weights, later_weights)
-    has_weight = weights > 0.0
+    has_weight = weights > 0.0  # false for a ramp of no time, or a stop at its end
     speed = ramp(start_s)
     scenes = [
         _scene_at(scene, speed.at(time), time, temperatures(time))
@@ -80,9 +87,11 @@ def warm_start(scene: Scene, start_s: float, longest_s: float, points: int) -> W
 
 
 def _scene_at(scene: Scene, share: float, time: float, temperatures: np.ndarray) -> Scene:
-    """Returns the scene at an instant: a share of its speed, and temperatures [degC].
+    """Returns the scene at an instant, with given temperatures in place of its thermal network.
 
-    temperatures (bearing, part): of one bearing or of two.
+    share: of the full speed.
+    time: since the start [s].
+    temperatures: of the nodes of the network (bearings, nodes) [degC], of one bearing or of two.
     """
     sides = scene.symmetric_half.sides
     parts = []

@@ -27,13 +27,16 @@ class DutyCriteria(Criteria):
         self.criteria = [Criteria(scene) for scene in cycle.case_scenes]
 
     def margins(self, states: Sequence[Any]) -> np.ndarray:
-        """Returns the margins of the nearest phase to each criterion; ramps have none."""
+        """Returns the margin of the nearest case to each criterion; ramps have none (n,).
+
+        states: of the bearings, in each condition of the cycle one after the other.
+        """
         margins: np.ndarray = np.min(self.margins_by_case(states), axis=0)
         return margins
 
     def margins_by_case(self, states: Sequence[Any]) -> list[np.ndarray]:
         """Returns the margins to each criterion in each case, as `Criteria.margins`."""
-        n = len(self.criteria[0].preloads_N)
+        n = len(self.criteria[0].preloads_N)  # of bearings in each condition
         return [
             criteria.margins(states[k * n : (k + 1) * n])
             for k, criteria in enumerate(self.criteria)
@@ -58,14 +61,14 @@ class _DutyWear:
     ways: Sequence[Any]
 
     def nodes(self, node: Node) -> list[Node]:
-        """Returns a node for each condition, which has its states alone."""
+        """Returns a node for each condition, with the states of this condition alone."""
         n = self.cycle.bearings
         return [
             node._replace(states=node.states[k * n : (k + 1) * n]) for k in range(len(self.ways))
         ]
 
     def states_by(self, solve: Callable[[Any], States]) -> States:
-        """Returns the states of the conditions, up to the first that is not solved.
+        """Returns the states of all conditions in one sequence, up to the first that is not solved.
 
         solve: returns the states of one condition by its way to wear.
         """
@@ -101,7 +104,7 @@ class DutySurfaces(_DutyWear):
         self.start, self.origin, self.range = first.start, first.origin, first.range
 
     def state(self, worn: np.ndarray) -> States:
-        """Returns the bearings with some wear in all conditions."""
+        """Returns the states with some wear in all conditions, see `states_by`."""
         return self.states_by(lambda way: way.state(worn))
 
     def rates(self, node: Node) -> np.ndarray:
@@ -111,7 +114,7 @@ class DutySurfaces(_DutyWear):
         return rates
 
     def loss_rate(self, node: Node) -> float:
-        """Returns the rate of loss of all bearings, the mean over a cycle [m/s]."""
+        """Returns the sum of the rates of loss of all bearings, as the mean over a cycle [m/s]."""
         conditions = self.weighted(node)
         return float(sum(part.share * part.way.loss_rate(part.node) for part in conditions))
 
@@ -123,7 +126,10 @@ class DutySurfaces(_DutyWear):
         return bool(np.sum(rates, axis=0).min() > 0.0)
 
     def events(self, node: Node) -> np.ndarray:
-        """Returns the shares left of the largest loss and of films, which all conditions share."""
+        """Returns the shares left of the largest loss and of films, as `Surfaces.events` [1].
+
+        They are those of the first condition, as wear and films are the same in all.
+        """
         events: np.ndarray = self.ways[0].events(self.nodes(node)[0])
         return events
 
@@ -159,7 +165,7 @@ class DutyGrooves(_DutyWear, Grooves):
 
     @property
     def solves(self) -> int:  # type: ignore[override]
-        """Returns the number of solves in all conditions."""
+        """Returns the number of solves of all conditions together."""
         return sum(way.solves for way in self.ways)
 
     def nodes(self, node: Node) -> list[Node]:
@@ -173,7 +179,10 @@ class DutyGrooves(_DutyWear, Grooves):
         ]
 
     def state(self, worn: Wears) -> States:
-        """Returns the bearings with some wear in all conditions, or why they are not solved."""
+        """Returns the states with some wear in all conditions; their status says if they fail.
+
+        They end with those of the first condition that is not solved.
+        """
         if self.status != code.OK:
             return self.states_by(lambda way: way.unsolved_states())
         return self.states_by(lambda way: way.state(worn))
@@ -195,7 +204,7 @@ class DutyGrooves(_DutyWear, Grooves):
         return node._replace(states=tuple(states))
 
     def rates(self, node: Node) -> Wears:
-        """Returns the mean wear per second of a cycle, of each bearing."""
+        """Returns the wear per second of each bearing, as the mean over a cycle [m/s]."""
         mean = [WornDepths(0.0, np.zeros_like(wear.grooves)) for wear in self.start]
         for weighted in self.weighted(node):
             rates = weighted.way.rates(weighted.node)
@@ -204,7 +213,7 @@ class DutyGrooves(_DutyWear, Grooves):
         return tuple(mean)
 
     def start_ahead(self, before: Node, now: Node, share: float) -> None:
-        """Starts the next solves of all conditions ahead, see `Grooves.start_ahead`."""
+        """Sets where the next solves of all conditions start, see `Grooves.start_ahead`."""
         for way, earlier, last in zip(self.ways, self.nodes(before), self.nodes(now), strict=True):
             way.start_ahead(earlier, last, share)
 
@@ -214,7 +223,10 @@ class DutyGrooves(_DutyWear, Grooves):
         return min(way.longest_step(part, rates) for way, part in pairs)
 
     def bares(self, before: Node, now: Node) -> bool:
-        """Returns whether a film begins to leave its deepest place, which all conditions share."""
+        """Returns whether any contact has lost more of its film, see `Grooves.bares`.
+
+        The first condition tells, as the wear is the same in all.
+        """
         return bool(self.ways[0].bares(before, now))
 
     def wears(self, node: Node) -> bool:

@@ -39,7 +39,10 @@ _LARGEST = 1.7976931348623157e308  # a whole number of YAML may be larger
 
 
 def record(record_type: type[R], data: Any, source: str = "scene") -> R:
-    """Checks plain nested data, which it does not change, and builds the record of it."""
+    """Checks plain nested data, which it does not change, and builds the record of it.
+
+    SceneError: it begins with the source, and names the gravest fault.
+    """
     try:
         return build_record(record_type, checked_data(record_type, data))
     except SceneError as error:
@@ -47,7 +50,10 @@ def record(record_type: type[R], data: Any, source: str = "scene") -> R:
 
 
 def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
-    """Reads a YAML file, in which anchors are allowed, and builds the record of it."""
+    """Reads a YAML file, in which anchors are allowed, and builds the record of it.
+
+    SceneError: the file cannot be read, is no block of keys, or does not fit the record.
+    """
     from bearingwear.scene.checking.strict_yaml import data_of, text_of
 
     source = os.fspath(path)
@@ -279,7 +285,14 @@ FORMER_KEYS = {
 
 
 def _block_faults(values: Mapping[str, Any], block: Part, path: str, file: Part) -> Iterator[Fault]:
-    """Yields unknown and missing keys of a block, and what is wrong with its values."""
+    """Yields unknown and missing keys of a block, and what is wrong with its values.
+
+    A missing key is not reported beside an unknown one, which may be it mistyped.
+
+    values: those of the block, by its keys.
+    path: of the block in the file.
+    file: record of the whole file, as of `_faults`.
+    """
     unknown = [name for name in values if name not in block.below]
     for name in unknown:
         problem = f"got an unknown key; {_advice(name, values, block, file)}"
@@ -321,7 +334,10 @@ def _advice(unknown: str, values: Mapping[str, Any], block: Part, file: Part) ->
 
 
 def _similar_keys(unknown: str, file: Part) -> list[str]:
-    """Returns the whole keys of a file whose last part is most like an unknown key."""
+    """Returns the whole keys of a file whose last part is most like an unknown key.
+
+    Of several with the same last part, they are those in the fewest blocks. Empty if none is alike.
+    """
     paths_by_name: dict[str, list[str]] = {}
     for path, part in keys(file):
         if part.kind != "block" and ".NAME" not in path and "[]" not in path:
@@ -370,11 +386,14 @@ def _is_name(name: str, mapping: Part) -> bool:
 
 
 def _has_kind(value: Any, part: Part) -> bool:
-    """Whether a value has the type of a part."""
+    """Whether a value has the type of a part; whether it is permitted is another question.
+
+    A choice is of any type, because only a permitted value is one.
+    """
     if part.kind in ("choice", "choice_or_number"):
         return True
     if part.kind == "integer":
-        return _is_number(value) and value == value // 1
+        return _is_number(value) and value == value // 1  # a whole number, also as 3.0
     if part.kind == "number" or (part.kind == "list" and part.key.single):
         return _is_number(value)
     if part.kind == "boolean":
@@ -441,7 +460,11 @@ def build_record(record_type: type[R], plain: Mapping[str, Any], path: str = "")
 
 
 def _call_maker(path: str, make: Callable[..., Any], *values: Any, **fields: Any) -> Any:
-    """Returns what the maker of a record makes; its errors name the path of the block."""
+    """Returns what the maker of a record makes; a SceneError or ValueError names the block.
+
+    path: of the block, with which the key of the SceneError begins.
+    make: class of the record, or its `from_plain`, which is called with values and fields.
+    """
     try:
         return make(*values, **fields)
     except SceneError as error:

@@ -142,7 +142,11 @@ def _unit_hint(number: float, typed: str, unit: str) -> str:
 
 
 def check_thousands(path: str, text: str, source: str = "scene") -> None:
-    """Refuses a speed such as 18.000, which may be 18 or 18000 r/min."""
+    """Raises SceneError for a speed such as 18.000, which may be 18 or 18000 r/min.
+
+    path: of the key; "" where the source names it.
+    source: file or option in which the text stands.
+    """
     if re.fullmatch(r"[-+]?\d{1,3}\.000", text):
         units, thousands = text.partition(".")[0], text.replace(".", "")
         problem = f"got {text}, which may be a thousand times more, expected {thousands} or {units}"
@@ -197,7 +201,10 @@ def synonym(typed: str, choices: Iterable[str]) -> str | None:
 
 
 def did_you_mean(typed: Any, choices: Iterable[str]) -> str:
-    """Returns advice on a text that is none of the choices, after a semicolon; "" without any."""
+    """Returns advice on a text that is none of the choices: `; did you mean spring`.
+
+    It is "" if no choice is similar. A synonym comes before choices that are spelt alike.
+    """
     by_lower_case = {choice.lower(): choice for choice in choices}
     plain_text = re.sub(r"[\s-]+", "_", str(typed).strip().lower())
     for text in (plain_text, plain_text.replace("_", "")):

@@ -63,7 +63,7 @@ class Key:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Returns the least and largest number."""
+        """Returns the least and largest number; an end without a bound is infinite."""
         low, high = map(float, (self.within[1:-1] or "-inf, inf").split(","))
         return low, high
 
@@ -88,7 +88,10 @@ COMPARISONS: Mapping[str, tuple[Callable[[Any, float], bool], str]] = {
 
 
 def setting(meaning: str, unit: str = "", within: str = "", **more: Any) -> Any:
-    """Returns a field with its `Key`; `default` or `default_factory` make it optional."""
+    """Returns a field of a dataclass with its `Key`.
+
+    **more: further fields of `Key`; and `default` or `default_factory`, which make it optional.
+    """
     default = {name: more.pop(name) for name in ("default", "default_factory") if name in more}
     return field(**default, metadata={"key": Key(meaning, unit, within, **more)})
 
@@ -158,7 +161,10 @@ class Part:
 
 
 def optional_numbers(keys: Mapping[str, Key]) -> Any:
-    """Makes a base class of records whose fields are numbers, or None if omitted."""
+    """Makes a frozen dataclass, to derive a record from, whose fields are numbers or None.
+
+    keys: by the names of the fields, all of which are None if omitted.
+    """
     named: list[Any] = [
         (name, float | None, field(default=None, metadata={"key": key}))
         for name, key in keys.items()
@@ -171,7 +177,10 @@ _KINDS = {int: "integer", float: "number", bool: "boolean", str: "text", Any: "a
 
 @functools.cache
 def parts(record_type: Any) -> Mapping[str, Part]:
-    """Returns the parts of a record, by the names of their keys."""
+    """Returns the parts of a record, a dataclass, by the names of their keys; it is read-only.
+
+    A part of a required key has the default None.
+    """
     resolved = {}
     hints = get_type_hints(record_type)
     for field_ in fields(record_type):
@@ -179,7 +188,7 @@ def parts(record_type: Any) -> Mapping[str, Part]:
         optional = field_.default is not MISSING or field_.default_factory is not MISSING
         default = field_.default
         if default is MISSING:
-            default = {} if optional else None
+            default = {} if optional else None  # what `default_factory` makes is a block
         part = _part_of_hint(hint, key, field=field_.name, required=not optional, default=default)
         resolved[key.name or field_.name] = part
     return types.MappingProxyType(resolved)

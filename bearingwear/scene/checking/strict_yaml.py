@@ -90,7 +90,8 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
 
     anchors: whether anchors, aliases and merge keys are allowed; a scene has none.
 
-    SceneError: not YAML, or YAML that is refused (see above); its message names the source.
+    SceneError: not YAML, or YAML with a key given twice, a tag, a second document, too many values
+    or blocks, or a speed such as 18.000; its message names the source.
     """
     try:
         _check_events(text, anchors)

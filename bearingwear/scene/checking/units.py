@@ -92,7 +92,10 @@ def converted(value: float, typed: str, unit: str) -> float | None:
 
 
 def _degrees_celsius(value: float, typed: str) -> float:
-    """Converts a temperature to degrees Celsius."""
+    """Converts a temperature to degrees Celsius.
+
+    typed: unit of the value: K, or one of Fahrenheit or Celsius.
+    """
     if typed == "K":
         return value - 273.15
     return (value - 32.0) / 1.8 if "F" in typed else value

@@ -130,9 +130,12 @@ def size_of(
 ) -> Designation:
     """Returns the size of a bearing by its designation or by its diameters [mm].
 
+    maker: whose catalogue has the designation; if None, the maker that the designation names, if
+        any.
     angle: contact angle [degree], which tells apart catalogue bearings of one designation.
 
-    SceneError where both or neither are given, or the diameters leave no room.
+    SceneError where both or neither are given, the diameters leave no room, the designation is not
+    known, or words in it are what an option states.
     """
     if designation is None:
         if maker is not None:
@@ -202,6 +205,9 @@ def numbers_of(
         given.
     given: values of the user by key of the scene, in its units.
     clearance: group of radial clearance, or the clearance itself [um], of a deep groove bearing.
+    preload_class: of `PRELOAD_CLASSES`, or of the maker; if None, that of a letter in the
+        designation, else `light` or the maker's L.
+    preload_method: of the scene; a fixed position reduces a maker's speed limit.
     has_film: whether a sputtered film lubricates, for which a low speed is assumed.
 
     SceneError where numbers leave no room, or contradict each other.
@@ -214,6 +220,7 @@ def numbers_of(
     preload = _usual_preload(size, given, preload_class, area)
     dm = numbers["bearing.pitch_diameter_mm"].value
     speed = _usual_speed(size.entry, dm, preload_method, preload.value, has_film)
+    # `coefficients.ASSUMED_FRICTION`
     friction = Origin(0.08, "starved or solid-lubricated steel")
     return numbers | {
         _PRELOAD: preload,
@@ -285,8 +292,10 @@ def _usual_preload(
 ) -> Origin:
     """Returns the preload [N] that is given, else that of a class.
 
-    The class is the option's, that of a letter in the designation, or the lightest.
+    The class is the option's, that of a letter in the designation, or that of `_class_preload`.
 
+    given: values of the user by key of the scene.
+    preload_class: that of the option; None without it.
     area: that of `_class_area` [mm2].
     """
     if _PRELOAD in given:
@@ -329,8 +338,11 @@ def _given_preload(preload: float, area: float) -> Origin:
 def _class_preload(
     entry: CatalogueBearing | None, preload_class: str | None, area: float
 ) -> Origin:
-    """Returns the preload [N] of a class, by default the lightest.
+    """Returns the preload [N] of a class; if None, of a maker's class L, or of `light`.
 
+    SceneError: a class that the bearing does not have.
+
+    entry: bearing of a catalogue; if that prints no preloads, or without one, a rule gives it.
     area: balls x diameter^2 x sin(angle) [mm2].
     """
     if entry is not None and entry.preloads:
@@ -422,6 +434,7 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> Origin:
     """Returns the assumed number of balls of diameter D on a pitch circle dm [mm]."""
     half_angle = math.asin(D / dm)  # of the arc that a ball takes on the pitch circle
     if deep_groove:
+        # the arc lies between the centres of the first and the last ball
         balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half_angle)
         rule = f"the balls fill {CONRAD_FILL_DEG:g} degrees (Conrad assembly)"
     else:
@@ -431,7 +444,10 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> Origin:
 
 
 def _angle(size: Designation) -> Origin:
-    """Returns the free contact angle [degree] of an angular contact bearing."""
+    """Returns the free contact angle [degree] of an angular contact bearing.
+
+    It is that of the designation, else 15 degrees.
+    """
     if size.angle is not None:
         return Origin(size.angle, size.angle_rule)
     return Origin(15.0, "typical of high-speed bearings")
@@ -465,13 +481,19 @@ def _clearance_angle(size: Designation, distance: float, clearance: str | float 
 
 
 def seat_interference(bore: float) -> tuple[float, float] | None:
-    """Returns least and largest interference [um] of `SEAT_CLASS` in a bore [mm] of class P4."""
+    """Returns least and largest interference [um] of `SEAT_CLASS` in a bore [mm] of class P4.
+
+    A least one below 0 is a clearance. None for a bore above the table.
+    """
     seat = _seat(bore)
     return None if seat is None else (-0.5 * seat.it4, 0.5 * seat.it4 + seat.bore)
 
 
 def housing_clearance(outside: float) -> float | None:
-    """Returns the mean clearance [um] of an outside diameter [mm], class P4, in `HOUSING_CLASS`."""
+    """Returns the mean clearance [um] of an outside diameter [mm], class P4, in `HOUSING_CLASS`.
+
+    None for a diameter above the table.
+    """
     seat = _seat(outside)
     return None if seat is None else 0.5 * (seat.it4 + seat.outside)
 
@@ -482,7 +504,10 @@ def _seat(diameter: float) -> SeatTolerance | None:
 
 
 def refused_option(option: str, value: float | str, allowed: str) -> SceneError:
-    """Returns the error of an option of `bearingwear new`, with the allowed values."""
+    """Returns the error of an option of `bearingwear new`, to be raised, with the allowed values.
+
+    allowed: words such as `a number > 0`, or a sentence that begins with `only`.
+    """
     got = value if isinstance(value, str) else f"{value:g}"
     expected = f"; {allowed}" if allowed.startswith("only") else f", expected {allowed}"
     return SceneError("", f"got {got}{expected}", source=option)

@@ -100,8 +100,12 @@ class CatalogueBearing(NamedTuple):
     def speed_factor(self, method: str, preload: float) -> tuple[float, str]:
         """Returns the allowed speed over that under a light spring, and the class of preload.
 
+        Under a spring, they are 1 and "".
+
         In a fixed position the lightest class of at least that preload counts; above all classes,
         or where no class is printed, the heaviest.
+
+        method, preload: of a scene [N].
         """
         if method != "fixed_position":
             return 1.0, ""
@@ -118,7 +122,7 @@ class CatalogueBearing(NamedTuple):
 
 @functools.cache
 def bearings() -> tuple[CatalogueBearing, ...]:
-    """Reads every bearing of the catalogues."""
+    """Reads every bearing of the catalogues, in the order of catalogue.csv; once in a process."""
     with Path(__file__).with_name("catalogue.csv").open(encoding="utf-8", newline="") as file:
         return tuple(_entry(row) for row in csv.DictReader(file))
 
@@ -130,6 +134,7 @@ def _entry(row: Mapping[str, str]) -> CatalogueBearing:
         return float(row[column]) if row[column] else None
 
     maker = row["maker"]
+    # not strict: a bearing without printed preloads has an empty cell
     preload_texts = zip(MAKERS[maker].classes, row["preload_N"].split("/"), strict=False)
     inner, outer = number_or_none("inner_groove"), number_or_none("outer_groove")
     return CatalogueBearing(
@@ -156,8 +161,10 @@ def entry_of(
 ) -> tuple[CatalogueBearing, str]:
     """Returns a bearing by its maker's designation, and the suffixes that are not used.
 
-    angle: contact angle [degree], where several bearings have the designation; if None, the
-        smallest.
+    SceneError: the catalogue lacks it.
+
+    angle: contact angle [degree], where several bearings have the designation; if None, that of a
+        code of SNFA in the suffixes, or the smallest.
     """
     entries, ignored = _entries_of(maker, designation)
     if not entries:
@@ -165,7 +172,7 @@ def entry_of(
     if angle is None and maker == "SNFA":
         angle = _snfa_angle(designation, ignored, entries)
     if angle is None:
-        return entries[0], ignored
+        return entries[0], ignored  # the catalogue lists the smallest angle first
     return min(entries, key=lambda entry: abs(entry.angle - angle)), ignored
 
 
@@ -200,7 +207,10 @@ def _snfa_angle(
 
 
 def nearest_names(maker: str, designation: str) -> list[str]:
-    """Returns up to six designations of a maker that begin most like an unknown one."""
+    """Returns up to six designations of a maker that begin most like an unknown one.
+
+    They share the most characters at the beginning; the list is empty if none shares two.
+    """
     plain, entries_by_name = _plain(designation), _entries_by_name(maker)
     for length in range(len(plain), 1, -1):
         similar = [
@@ -215,7 +225,8 @@ def nearest_names(maker: str, designation: str) -> list[str]:
 
 def has_bearing(maker: str, designation: str) -> bool:
     """Whether a maker's catalogue has a bearing of a designation."""
-    return bool(_entries_of(maker, designation)[0])
+    entries, _ = _entries_of(maker, designation)
+    return bool(entries)
 
 
 def makers_with(designation: str) -> list[str]:
@@ -234,7 +245,10 @@ def _entries_by_name(maker: str) -> dict[str, list[CatalogueBearing]]:
 
 
 def _entries_of(maker: str, designation: str) -> tuple[list[CatalogueBearing], str]:
-    """Returns a maker's bearings of a designation, and the suffixes that are not used."""
+    """Returns a maker's bearings of a designation, and its suffixes that are not used as a text.
+
+    They are an empty list and "" if the catalogue has none. Several differ in the contact angle.
+    """
     words = [word for word in re.split(r"[\s/_.-]+", designation.upper()) if word]
     if words and maker == "NSK":
         words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
@@ -248,7 +262,10 @@ def _longest_match(
 ) -> tuple[list[CatalogueBearing], str]:
     """Returns the bearings of the longest name that a designation begins with, and the rest of it.
 
-    Names that end with a word of the designation come first.
+    Names that end with a word of the designation come first. Without any, no bearings and "".
+
+    words: of the designation, in capitals.
+    entries_by_name: bearings of a maker by their designations without separators.
     """
     for count in range(len(words), 0, -1):
         if entries := entries_by_name.get("".join(words[:count])):
@@ -277,6 +294,8 @@ def same_size(bore: float, outside: float, angle: float) -> list[CatalogueBearin
 
 def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
     """Returns the catalogue's bearing of the maker and designation in a scene; None without them.
+
+    Of several, it is the one with the nearest contact angle.
 
     bearing: block of a scene as plain data.
     """

@@ -147,7 +147,12 @@ class _Parts(NamedTuple):
 
 
 def designation_of(text: str) -> Designation:
-    """Reads a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S."""
+    """Reads a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S.
+
+    Only bearings of GMN may come from a catalogue.
+
+    SceneError: a designation that is not known, with what is allowed.
+    """
     upper_text = text.strip().upper()
     if len(upper_text) > LONGEST_DESIGNATION:
         raise _unknown(text, ALLOWED)
@@ -186,7 +191,9 @@ def designation_of(text: str) -> Designation:
 
 
 def _check_letters(text: str, parts: _Parts, similar_spindles: str) -> None:
-    """Refuses letters before a number that no maker uses, and a second number after it.
+    """Raises SceneError for letters before a number that no maker uses, or a second number.
+
+    Also for S or SS before the number of a deep groove bearing, which may mean one of GMN instead.
 
     similar_spindles: names of GMN's bearings of that prefix; "" if it is none of its series.
     """
@@ -277,6 +284,7 @@ def _nsk_robust(designation: str) -> Designation | None:
     if match is None:
         return None
     bore = int(match["bore"])
+    # from 20 mm on, the code of a bore is a fifth of it
     code = next((code for code, small in _SMALL_BORES.items() if small == bore), bore // 5)
     size = _size({"10": "70", "19": "719"}[match["series"]], f"{code:02d}")
     if size is None or size.bore != bore:
@@ -368,7 +376,7 @@ _INCH_ROUNDING_MM = 0.3  # of a size typed in inches to two decimals, with a mar
 
 
 def metric_size(bore: float, outside: float) -> str:
-    """Returns bore and outside diameter as options in mm of a size typed in inches; "" for others.
+    """Returns the options in mm for a size that was typed in inches; "" for any other size.
 
     A size is taken as typed in inches where it is then in the table of sizes.
     """

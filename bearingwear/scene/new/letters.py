@@ -223,7 +223,9 @@ def gmn_parts(designation: str) -> GmnParts | None:
 
 
 def maker_of(designation: str, makers: tuple[str, ...]) -> tuple[str, str]:
-    """Returns the maker's name at the beginning of a designation, or "", and the text after it.
+    """Returns the maker's name, in capitals, that a designation begins with, and the text after it.
+
+    If it begins with none, the name is "", and the text is the whole designation.
 
     makers: names that count, besides `OTHER_MAKERS`.
     """

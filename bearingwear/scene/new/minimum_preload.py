@@ -92,9 +92,10 @@ def minimum_preload_words(scenes: Iterable[Mapping[str, Any]]) -> str:
 
 
 def minimum_preload_lines(scene: Mapping[str, Any]) -> list[str]:
-    """Returns a line that compares the maker's least preload with that of a scene.
+    """Returns a line that compares the maker's least preload with that of a scene, in a list.
 
-    The list is empty if no maker publishes one.
+    For a bearing of SKF whose factor is not known, the line says so. The list is empty if no maker
+    publishes a least preload.
 
     scene: plain data.
     """

@@ -214,7 +214,12 @@ def _method_of_pair(pair: str | None, preload_method: str | None, letters: str) 
 def _rubbing(
     lubrication: str | None, given: Mapping[str, float], ball_material: str | None
 ) -> Rubbing:
-    """Returns the coefficients of a lubrication; refuses one for which no source has any."""
+    """Returns the coefficients of a lubrication.
+
+    SceneError: no source has any for the ball material, or a film with a given friction.
+
+    given: values of the user by key of the scene.
+    """
     if lubrication == "mos2" and _BALL_RACE in given:
         raise refused_option(
             "--friction", given[_BALL_RACE], f"only allowed without --lubrication {lubrication}"
@@ -227,7 +232,7 @@ def _rubbing(
 
 
 def _check_room(numbers: Mapping[str, Origin]) -> None:
-    """Refuses more balls than there is room for."""
+    """Raises SceneError for more balls than fit on the pitch circle."""
     D, dm, Z = _balls(numbers)
     if Z > (limit := most_balls(D, dm)):
         allowed = f"at most {limit} of {D:g} mm on a pitch circle of {dm:g} mm"
@@ -235,15 +240,18 @@ def _check_room(numbers: Mapping[str, Origin]) -> None:
 
 
 def _assumption_lines(scene: _NewScene) -> list[str]:
-    """Returns a line for each value that was not given, and for each bearing of the size."""
+    """Returns the lines on assumptions that `new` prints.
+
+    They are on diameters that may be in inches, on letters of the designation, and on each value
+    that was not given. Of a bearing that is from no catalogue, a line compares it with each
+    catalogue bearing of the same size and contact angle.
+    """
     size, numbers = scene.size, scene.numbers
     lines = []
     if inches := metric_size(size.bore, size.outside):
         lines.append(f"--bore, --outside: taken as mm; if they are in inches, write {inches}")
     if notes := _designation_notes(scene):
         lines.append(f"designation: interpreted as {size.name}; {'; '.join(notes)}")
-    if inches := metric_size(size.bore, size.outside):
-        lines.append(f"--bore, --outside: taken as mm; if they are in inches, write {inches}")
     for key, origin in numbers.items():
         if origin.rule:
             lines.append(f"{key}: {origin.value:g}, {origin.rule}")
@@ -329,7 +337,7 @@ def usual_limits(scene: Scene) -> UsualLimits:
 
     The axial stiffness is that of one steel bearing, by the approach 0.00044
     (Q^2/D)^(1/3)/sin(alpha) of the rings [N, mm], as makers' catalogues have it (NSK, Rolling
-    Bearings). It is 1 N/um for a bearing without preload or contact angle.
+    Bearings), rounded to one digit. It is 1 N/um for a bearing without preload or contact angle.
     """
     pressure = FILM_PRESSURE_GPA if scene.friction.film else USUAL_PRESSURE_GPA
     bearing, preload = scene.bearing, scene.operation.preload_N
@@ -371,7 +379,8 @@ def _filled_template(name: str, scene: _NewScene) -> str:
         heat=heat_capacities(numbers, size, scene.ball_material),
         groove_ends=SMALL_GROOVES if grooves_vary(size) else None,
         speed=numbers["operation.shaft_speed_rpm"],
-        # pockets that leave half of the cage between balls, rounded down to three decimals
+        # assumed pocket clearance [mm]: 5 % of the ball diameter, but at most half of the gap
+        # between balls, which leaves the other half for the cage; rounded down to three decimals
         pocket=yaml_number(math.floor(1e3 * min(0.05 * D, 0.5 * gap)) / 1e3),
         ball_material=scene.ball_material,
         ball_note=_ball_note(scene.given_ball_material, size),
@@ -459,7 +468,7 @@ def _line(key: str, origin: Origin) -> str:
 def checked_scene(text: str, note: str = "") -> Scene:
     """Returns the checked scene of a text from `scene_text`, with a note after its description.
 
-    SceneError: one line that names the option.
+    SceneError: one line that names the option which sets the key at fault, or `--bore, --outside`.
     """
     from bearingwear.scene.checking.strict_yaml import data_of
     from bearingwear.scene.read import scene_from_dict

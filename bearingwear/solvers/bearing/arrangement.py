@@ -25,10 +25,13 @@ _PLANE = 2, 3  # displacement along Z and tilt about Y
 def rotor_stiffness(a: Arrangement, sides: np.ndarray) -> np.ndarray:
     """Returns the stiffness (5, 5) of the rotor about the midpoint of its bearings [N/m, N, N m].
 
-    sides: stiffness of each bearing in its own frame (2, 5, 5).
+    Rows and columns: displacements along X, Y and Z, tilts about Y and Z. The rotor has a span.
+
+    sides: stiffness of each bearing in its own frame (2, 5, 5), all of a tandem together.
     """
     assert a.span_mm is not None
-    # Contact lines of the first bearing meet the axis on its -X side.
+    # Side of the midpoint on which the first bearing sits, -1 towards -X. Its contact lines meet
+    # the axis on its -X side.
     outwards = -1.0 if a.orientation == "back_to_back" else 1.0
     K = np.zeros((5, 5))
     for K_side, mirror, end in zip(sides, (np.eye(5), MIRROR), (outwards, -outwards), strict=True):
@@ -42,8 +45,9 @@ def rotor_stiffness(a: Arrangement, sides: np.ndarray) -> np.ndarray:
 def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.ndarray | None:
     """Returns axial, radial and conical frequency (3,) of a rotor that is not turning [Hz].
 
-    None without mass or span. Gyroscopic moments of the rotor and its bending are left out. Of the
-    two motions in a plane, the one with more translation is called radial, the other conical.
+    None without mass or span, or where a stiffness across the axis is not finite. Gyroscopic
+    moments of the rotor and its bending are left out. Of the two motions in a plane, the one with
+    more translation is called radial, the other conical.
 
     sides: stiffness of each bearing in its own frame (2, 5, 5).
     axial: stiffness of the arrangement, including its spring [N/m].
@@ -59,10 +63,11 @@ def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.n
 def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray:
     """Returns axial, radial and conical frequency (3,) of a rotor that is not turning [Hz].
 
-    The rotor of the arrangement has mass and span. See `natural_frequencies`.
+    The rotor of the arrangement has mass and span. The motion with more kinetic energy of
+    translation is called radial. 0 for a motion whose stiffness is not positive.
 
     axial: stiffness of the arrangement [N/m].
-    K: stiffness against displacement along Z and tilt about the middle (2, 2) [N/m, N, N m].
+    K: stiffness against displacement along Z and tilt about Y, of the middle (2, 2) [N/m, N, N m].
     """
     assert a.rotor_mass_kg is not None and a.span_mm is not None
     m = a.rotor_mass_kg
@@ -84,9 +89,11 @@ def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray
 def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
     """Returns the lowest natural frequency of the rotor in a state of a life [Hz].
 
-    NaN without mass and span. A single bearing is half of a symmetric pair, and there are two
-    states. The stiffness in other directions is in proportion to the axial one, which may be that
-    of worn grooves, as it is with Hertz' contacts (assumed).
+    NaN without mass or span, or where the stiffness is not known. The axial stiffness is that of
+    the states, maybe with worn grooves; the others follow from it by the ratios of Hertz' contacts
+    without friction (assumed).
+
+    states: of both bearings, also where the scene has one, as half of a symmetric pair.
     """
     a = scene.arrangement
     if a is None or a.rotor_mass_kg is None or a.span_mm is None:
@@ -99,6 +106,7 @@ def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
         load = state["contact_load"]
         angle = state["contact_angle"]
         K = stiffness_of_loads(g, D, load, angle)
+        # n bearings in tandem, scaled to the axial stiffness of the state
         sides.append(n * state["axial_stiffness"] / K[0, 0] * K)
     frequencies = natural_frequencies(a, np.array(sides), states[0]["system_axial_stiffness"])
     return math.nan if frequencies is None else float(frequencies.min())
@@ -107,10 +115,11 @@ def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
 def rotor_balance(
     scene: Scene, mounted: Sequence[float], sides: Sequence[Mapping[str, Any]]
 ) -> float:
-    """Returns the residual of the rotor's balance over the larger force of a bearing [1].
+    """Returns the residual of the rotor's axial balance over the larger force of a side [1].
 
-    It is computed from the results of both bearings alone: the unbalanced force on the rotor, and
-    the error of the bearings' distance, or of the spring's extension, times the stiffness.
+    It is computed from the results of both bearings alone, as the larger of two, without sign: the
+    unbalanced force on the rotor; and the error of the bearings' distance times the larger
+    stiffness (rigid pair), or that of the second side's force by the spring's extension.
 
     mounted: axial displacements of both bearings at mounting [m].
     sides: result variables of both bearings.
@@ -133,7 +142,7 @@ def rotor_balance(
 def stacked_sides(sides: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Returns the result variables of both bearings, stacked along a first dimension.
 
-    Where one has fewer values, NaN fills its floats and -1 its whole numbers.
+    Where one has fewer values, or lacks a variable, NaN fills its floats and -1 its whole numbers.
 
     sides: result variables of each bearing; the status is left out.
     """
@@ -158,7 +167,9 @@ def _stacked(values: Sequence[Any]) -> np.ndarray:
 
 
 def joined_attributes(sides: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Returns the attributes of a pair: sentences joined, counts added, in the order of names.
+    """Returns the attributes of a pair: sentences joined, numbers added, sorted by their names.
+
+    A bearing that lacks an attribute is left out of its sentence or sum.
 
     sides: attributes of each bearing.
     """

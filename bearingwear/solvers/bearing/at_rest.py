@@ -18,7 +18,10 @@ _SLIDE_ROUNDING = {"xtol": 1e-18, "rtol": 1e-14}
 
 
 def race_displacement(g: Geometry, length: Any) -> Any:
-    """Returns the axial displacement of the inner race at which the groove centres are apart [m].
+    """Returns the axial displacement of the inner race at a distance of the groove centres [m].
+
+    It counts from where the contact angle is the free one. A length below the radial distance of
+    the centres, which no displacement gives, counts as that distance.
 
     length: distance of the groove centres [m], a number or an array.
     """
@@ -39,12 +42,12 @@ class Mechanics(NamedTuple):
         return thrust_equilibrium(self.g, self.D, load, F_x, self.touch, True, cold_start())
 
     def force(self, delta_a: float) -> float:
-        """Returns the axial force at an axial displacement [m], 0 where the balls are loose [N]."""
+        """Returns the axial force [N] at an axial displacement [m]; 0 where the balls are loose."""
         force, _ = self.force_and_stiffness(delta_a)
         return force
 
     def force_and_stiffness(self, delta_a: float) -> tuple[float, float]:
-        """Returns the axial force [N] and its slope [N/m] at an axial displacement [m]."""
+        """Returns the axial force of all balls [N] and its slope [N/m] at a displacement [m]."""
         load = orbit_load(self.Omega, 0.0, 0.0)
         _, ball = thrust_equilibrium(self.g, self.D, load, 0.0, delta_a, False, cold_start())
         return self.g.n_balls * ball.F_ix, self.g.n_balls * ball.S_xx
@@ -55,9 +58,9 @@ class Mechanics(NamedTuple):
         return displacement
 
     def stiffness_matrix(self, F_x: float) -> np.ndarray:
-        """Returns the stiffness (5, 5) under an axial force [N], by displacements and tilts.
+        """Returns the stiffness (5, 5) under an axial force [N], in units [N/m, N, N m].
 
-        They are axial, along Y and Z, and about Y and Z [N/m, N, N m].
+        Rows and columns: displacements along X, Y and Z, tilts about Y and Z.
         """
         _, ball = self._equilibrium(F_x)
         load, angle = np.array([ball.Q_i, ball.Q_o]), np.array([ball.alpha_i, ball.alpha_o])
@@ -89,12 +92,16 @@ class RestingPair(NamedTuple):
 
     @property
     def lift_off(self) -> float:
-        """Returns the axial force on the shaft that takes the load off one bearing [N]."""
+        """Returns the least axial force on the shaft that takes the load off one bearing [N]."""
         mounted = self.bearing.place(self.preload)
         return AxialRotor((self.bearing, self.bearing), (mounted, mounted)).opening_force
 
     def clearance(self, measuring_load: float) -> float:
-        """Returns the axial clearance under a measuring load [N], negative under preload [m]."""
+        """Returns the axial clearance of the pair, as makers give it by a measuring load [N] [m].
+
+        It is that load's displacement less the preload's, of both bearings: negative where the
+        preload is the larger one.
+        """
         return 2.0 * (self.bearing.place(measuring_load) - self.bearing.place(self.preload))
 
 
@@ -119,7 +126,7 @@ class AxialRotor(NamedTuple):
     def external(self, k: int, delta_a: float) -> float:
         """Returns the axial force on the rotor, towards +X, at a displacement of one side [N].
 
-        Infinite where no force gives that displacement.
+        Infinite where no force gives that displacement, because the spring has no stiffness.
 
         k: number of the side, 0 or 1.
         delta_a: its axial displacement [m].
@@ -160,7 +167,10 @@ class AxialRotor(NamedTuple):
 
     @property
     def opening_force(self) -> float:
-        """Returns the least axial force, in either direction, that unloads a side [N]."""
+        """Returns the least axial force, in either direction, that unloads a side [N].
+
+        0 if a side is loose already, infinite if no force unloads one.
+        """
         first, second = self.sides
         opens_first = -self.external(0, first.touch)
         opens_second = self.external(1, second.touch)

@@ -76,7 +76,10 @@ class WearTable:
 
     @classmethod
     def of(cls, rows: Sequence[FilmLife]) -> "WearTable":
-        """Returns the table of rows from a scene, one of which has the relative life 1."""
+        """Returns the table of rows from a scene, one of which has the relative life 1.
+
+        The rows fill a grid of pressures and temperatures, as the check of the scene requires.
+        """
         (reference,) = (row for row in rows if row.relative_life == 1.0)
         life = {(row.pressure_MPa, row.temperature_C): row.relative_life for row in rows}
         pressures, temperatures = (sorted(set(column)) for column in zip(*life, strict=True))
@@ -97,7 +100,8 @@ class WearTable:
     def factor(self, pressure: Any, temperature: Any) -> np.ndarray:
         """Returns K_s relative to the reference row at peak pressures [Pa], temperatures [degC].
 
-        It is bilinear in the logarithm. Beyond the rows the nearest row holds, as in Archard's law.
+        Its logarithm is linear in that of the pressure and in temperature. Beyond the rows the
+        nearest row holds. NaN as a temperature stands for that of the reference row.
         """
         T = np.where(np.isnan(temperature), self.reference, temperature)
         with np.errstate(divide="ignore"):  # no load, no pressure
@@ -185,7 +189,9 @@ class Films:
         return np.array([race, race, self.ball.thickness])
 
     def bare(self, cover: Sequence[bool] | np.ndarray) -> Bare:
-        """Returns which contacts have no film left.
+        """Returns which contacts, inner and outer, have no film left on either body.
+
+        Always `COVERED` where no film can wear through, also if there is none from the start.
 
         cover: whether inner race, outer race and balls still have their film.
         """
@@ -195,7 +201,7 @@ class Films:
         return not (inner or ball), not (outer or ball)
 
     def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, table_factor=1.0):
-        """Returns K_s/H of a ball and of a race [1/Pa].
+        """Returns K_s/H of a ball and of a race [1/Pa], numbers or arrays as the arguments are.
 
         on_ball, on_race: shares that their films cover, or whether they do.
         ball_depth, race_depths: worn off them [m].
@@ -243,6 +249,7 @@ def _surface(
         K_s, hardness = material.film.wear_coefficient, material.film.brinell_hardness_GPa
         if common is not None:
             K_s, hardness = K_s or common.wear_coefficient, hardness or common.brinell_hardness_GPa
+        # the check of the scene requires a coefficient; without a hardness, that of the material
         film = Archard(K_s or 0.0, hardness * GPA if hardness else H)
     elif friction_film is not None and friction_film.wear_coefficient is not None:
         thickness = (
@@ -265,7 +272,9 @@ def _surface(
 
 
 def contact_temperatures(scene: Scene, parts: Sequence[float] | None = None) -> np.ndarray:
-    """Returns the mean of ring and balls in both contacts (2,) [degC]; NaN without temperatures.
+    """Returns the mean of ring and ball temperature in inner and outer contact (2,) [degC].
+
+    NaN if the scene has neither temperatures nor a thermal network.
 
     parts: temperatures in the order of `part_temperatures`, in place of those of the scene.
     """
@@ -278,7 +287,8 @@ def contact_temperatures(scene: Scene, parts: Sequence[float] | None = None) -> 
 def _semi_axis_factors(scene: Scene) -> np.ndarray:
     """Returns semi-axes over the cube root of the load (2, 2) [m/N^(1/3)], by fitted factors.
 
-    The first row are the major axes of the inner and the outer contact, the second the minor ones.
+    The first row is c_a (major axis) of the inner and the outer contact, the second c_b (minor).
+    They are those of the unworn bearing as mounted, at its free contact angle.
     """
     g = mounted_geometry(scene)
     races = (INNER_RACE, OUTER_RACE)

@@ -73,7 +73,8 @@ def fitted_preload(g: Geometry, A1: float) -> float:
 def fitted_displacement(g: Geometry, F_x: float) -> float:
     """Returns the axial displacement of the unworn bearing at rest under its preload alone [m].
 
-    The contact angle is found by secants, and by halves where one leaves its bracket.
+    The contact angle is found by secants, and by halves where one leaves its bracket: to rounding,
+    or as far as `_MOST_SECANTS` steps lead. Below the free angle the bearing has no thrust.
     """
     radial = g.BD * math.cos(g.alpha0)
 

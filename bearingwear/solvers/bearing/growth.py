@@ -158,7 +158,8 @@ def inner_growth(
 ) -> RingGrowth:
     """Returns the growth of the inner ring by speed and fit.
 
-    It is taken as a plane annulus from bore to track, rigid without a bore.
+    It is taken as a plane annulus from bore to track. Without a bore the ring is rigid and nothing
+    grows; without fits it grows by speed alone.
 
     heat: thermal strains of the parts.
     bore: diameter [m].
@@ -215,6 +216,7 @@ def fit_loss_speed(scene: Scene, bore: float, fits: Fits) -> float:
     """
     seat = 0.5 * bore
     material = scene.materials[scene.bearing.race_material]
+    # at 1 r/min, so that the change of the overlap is per square of the speed
     ring = ring_of(material, seat, track_radius(scene, -1.0), 1.0)
     shaft = _shaft(scene, fits, seat, 1.0)
     at_rest, per_square = _overlaps(scene, fits, thermal_expansion(scene), ring, shaft)
@@ -226,7 +228,8 @@ def fit_loss_speed(scene: Scene, bore: float, fits: Fits) -> float:
 def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
     """Returns the growth of the outer ring by speed and fit, a plane annulus from track to outside.
 
-    Its housing is taken as thick. Where both turn, the fit is that at rest.
+    Without an outside diameter nothing grows; without fits it grows by speed alone. The housing is
+    taken as infinitely thick. Speed does not change the fit, also if ring and housing turn.
     """
     b, fits = scene.bearing, scene.fits
     if b.outside_diameter_mm is None:
@@ -296,12 +299,12 @@ def axial_change(
 def grown_geometry(g: Geometry, growth: Growth, axial: float) -> Geometry:
     """Returns the geometry of the running bearing.
 
-    g: geometry as mounted.
-    axial: change of the axial distance of the groove centres [m].
-
     `BD` and `alpha0` are length and direction of the line between the grown groove centres at axial
     displacement 0, so that Eq. (5) holds for the running bearing; the grooves touch the balls at
     another angle.
+
+    g: geometry as mounted.
+    axial: change of the axial distance of the groove centres [m].
     """
     heat = growth.heat
     moved_i = g.R_i * heat.inner_ring + growth.inner.speed + growth.inner.fit
@@ -328,7 +331,12 @@ def is_held(scene: Scene) -> bool:
 
 
 def growth_values(scene: Scene) -> dict[str, Any]:
-    """Returns result variables of the growth; none if the bearing runs as mounted."""
+    """Returns result variables of the growth, each where the scene has its cause; else empty.
+
+    They are part_temperature [degC] and thermal_growth [1] with temperatures, growth_at_speed [m]
+    where it is not 0, growth_by_fit [m] and fit_pressure [Pa] with fits. Those of rings have the
+    order inner, outer.
+    """
     growth = growth_of(scene)
     values = {}
     if scene.temperature is not None:

@@ -84,11 +84,15 @@ class RestingSide(NamedTuple):
         )
 
     def _displacement_at(self, d: float | np.ndarray) -> float:
-        """Returns the axial displacement at a deformation of both contacts of each ball [m]."""
+        """Returns the least axial displacement at which a ball has its deformation [m].
+
+        d: sum of both contacts' deformations, one for all balls or one for each (n,) [m].
+        """
         return float(race_displacement(self.g, self.g.r_i + self.g.r_o - self.D + d).min())
 
     def force(self, displacement: float) -> float:
         """Returns the axial force of all bearings in tandem at an axial displacement [m] [N]."""
+        # motion[0, _X] is 1, or -1 in the second bearing, which faces the other way
         b = self.balls(np.array([(displacement - self.mounted) / self.motion[0, _X], 0, 0, 0]))
         return self.tandem * float(b.Q @ b.s)
 
@@ -97,8 +101,9 @@ def resting_side(scene: Scene, a: Arrangement, k: int, loss: float | None) -> Re
     """Returns a bearing of a rotor at rest, with its contacts as two springs in series.
 
     scene: bearing at rest.
+    a: arrangement with the other one.
     k: its number on the rotor, 0 or 1; the second one faces the other way.
-    loss: of ball diameter, in place of the scene's [m].
+    loss: of ball diameter, in place of the scene's if it is not None [m].
     """
     g = geometry(scene)
     facing = 1.0 - 2.0 * k
@@ -190,8 +195,8 @@ class RestingBearing:
     radial: float  # [N]
     load: np.ndarray  # (n,) of each ball [N]
     pressure: np.ndarray  # (n, 2) peak, inner and outer race [Pa]
-    gap: float  # axial distance to its first contact, where none is left [m]
-    past: float  # gap where it is pressed through it, onto the other side of its grooves [m]
+    gap: float  # axial distance to its first contact; 0 where a ball is loaded [m]
+    past: float  # the same if all balls press on the other side of their grooves, else 0 [m]
 
     @property
     def is_open(self) -> bool:
@@ -288,7 +293,10 @@ class RotorAtRest:
         return self._state(position, force, k_s)
 
     def frequencies(self, a: Arrangement) -> np.ndarray:
-        """Returns axial, radial and conical frequency of the rotor without a load (3,) [Hz]."""
+        """Returns axial, radial and conical frequency of the rotor without a load (3,) [Hz].
+
+        They are those in its balance, or where it was mounted if nothing holds it.
+        """
         rest, q = self.under(0.0), np.zeros(4)
         if rest is not None:
             q = np.array([rest.shift, rest.across, rest.tilt, rest.slide])
@@ -307,7 +315,10 @@ class RotorAtRest:
         return AxialRotor(self.seats, (first.mounted, second.mounted), self.spring)
 
     def denting_force(self, pressure: float) -> float:
-        """Returns the least axial force [N], in either direction, that causes a pressure [Pa]."""
+        """Returns the least axial force [N], in either direction, that causes a pressure [Pa].
+
+        0 if the bearings have that pressure as mounted.
+        """
         first, second = (seat.denting_displacement(pressure) for seat in self.seats)
         dents_first = self.axial_rotor.external(0, first)
         dents_second = -self.axial_rotor.external(1, second)
@@ -337,6 +348,8 @@ class RotorAtRest:
         """Returns the position (4,) of least energy, found from a start `q`.
 
         Damped Newton steps are taken: where balls are loose, nothing may resist in some direction.
+        Where they do not lead to a balance, the last position is returned: `_state` says by how
+        much it is off.
 
         force: load on the coordinates (4,) [N, N m].
         k_s: stiffness of the spring (4, 4) [N/m].
@@ -371,7 +384,7 @@ class RotorAtRest:
             is_level = trial.value - here.value <= _ROUNDED * abs(here.value)
             if trial.value < here.value or (is_level and abs(trial.slope).max() < steepest):
                 q, here = trial_q, trial
-                damping *= 0.1
+                damping *= 0.1  # the inverse of `_DAMPING_STEP`
             elif damping > _HARDEST * scale:
                 break
             else:
@@ -379,7 +392,11 @@ class RotorAtRest:
         return q
 
     def _state(self, q: np.ndarray, force: np.ndarray, k_s: np.ndarray) -> RestingRotor:
-        """Returns the rotor at a position `q` of balance; the arguments are `_least_energy`'s."""
+        """Returns the rotor at a position `q` of balance; the arguments are `_least_energy`'s.
+
+        Its residual is the largest of axial and radial force and moment over R_i that are left,
+        over the largest load; 0 without any load. The force on the second outer ring is not in it.
+        """
         bearings = []
         unbalanced = k_s @ q - force
         for seat in self.seats:
@@ -431,8 +448,8 @@ class LaunchResult:
     """Results of a launch in one state of wear."""
 
     loads: tuple[LaunchLoad, ...]
-    axial_g: float  # axial acceleration, given or by Miles' equation
-    radial_g: float  # radial acceleration, given or by Miles' equation
+    axial_g: float  # axial acceleration: that of the scene, or the largest expected one if random
+    radial_g: float  # radial acceleration, likewise
     random: dict[str, "RandomResponse"]  # by the direction of each density that is given
     frequencies: np.ndarray | None  # axial, radial, conical, at rest; None without a span [Hz]
     opening_g: float  # axial acceleration at which a bearing opens
@@ -442,13 +459,19 @@ class LaunchResult:
 
     @property
     def gap(self) -> float:
-        """Returns the largest gap under its loads [m]; infinite if nothing supports the rotor."""
+        """Returns the largest gap under the loads [m].
+
+        0 without loads, infinite if nothing supports the rotor under one.
+        """
         gaps = [math.inf if load.rotor is None else load.rotor.gap for load in self.loads]
         return max(gaps, default=0.0)
 
     @property
     def pressure_share(self) -> float:
-        """Returns the largest peak pressure over the one that dents [1]."""
+        """Returns the largest peak pressure over the one that dents [1]; 0 without loads.
+
+        Loads under which nothing supports the rotor do not count.
+        """
         pressures = [load.rotor.pressure for load in self.loads if load.rotor is not None]
         return max(pressures, default=0.0) / self.pressure
 
@@ -577,9 +600,10 @@ def launch_forces(axial: float, across: float) -> dict[str, tuple[float, float]]
 def wear_at_launch(
     scene: Scene, new: Sequence[float], end: Sequence[float] | None
 ) -> tuple[float, ...] | None:
-    """Returns the most wear of each bearing before a launch [m]; None where it is not known.
+    """Returns the largest loss of ball diameter in each bearing before a launch [m].
 
-    It is that at the end of life, or less if the scene limits it.
+    It is that at the end of life, or less if `launch.after_wear_um` of the scene limits it. None if
+    neither is known.
 
     new, end: losses of each bearing when new and at the end of life, None where that is not known.
     """
@@ -593,14 +617,18 @@ def wear_at_launch(
 def launch_values(scene: Scene, wear: Sequence[Sequence[float]] = ()) -> dict[str, float]:
     """Returns result variables of a launch that requirements limit, the worst of new and worn.
 
-    They are empty without the rotor's mass.
+    They are empty without the rotor's mass. Without a span they are those of axial forces, and
+    launch_gap and launch_pressure_share are missing, as they are without loads. Infinite values are
+    replaced by `FARTHEST_G` and `WIDEST_GAP`.
 
-    wear: losses of each bearing when new and at the end of life, or when new alone [m].
+    wear: losses of each bearing when new and at the end of life, or when new alone [m]; if empty,
+        those of the scene.
     """
     a = scene.arrangement
     if a is None or a.rotor_mass_kg is None:
         return {}
     if scene.launch is not None and a.span_mm is None:
+        # no loads: radial and random ones take a span
         scene = replace(scene, launch=replace(Launch(), after_wear_um=scene.launch.after_wear_um))
     states: list[Sequence[float] | None] = list(wear[:1]) or [None]
     states += [wear_at_launch(scene, wear[0], end) for end in wear[1:]]

@@ -90,7 +90,7 @@ def slips_across(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows) -
 def depth_peak(values: Mapping[str, Any], v1: np.ndarray, v2: np.ndarray) -> np.ndarray:
     """Returns the greatest over the mean depth across the width of both wear tracks (2,) [1].
 
-    Over equal strips, wear is in proportion to the slip and to Hertz' load.
+    Over equal strips, wear is in proportion to the slip and to Hertz' load. NaN where none wears.
 
     values: with `qv` and `semi_major_axis` (..., 2).
     v1, v2: gyroscopic and rolling slip (n, 2, strips) [m/s].
@@ -106,6 +106,8 @@ def depth_peak(values: Mapping[str, Any], v1: np.ndarray, v2: np.ndarray) -> np.
 def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndarray:
     """Returns the share M_g/((mu_i Q_i + mu_o Q_o) R) of friction that carries the moment M_g [1].
 
+    R is half the diameter. 0 without a moment, infinite where no friction could carry it.
+
     mu, Q: friction coefficients [1] and loads [N] of the contacts (..., 2).
     D: worn diameters (...) [m].
     moment: gyroscopic moments (...) [N m].
@@ -119,9 +121,10 @@ def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndar
 def stiffness_of_loads(
     g: Geometry, D: np.ndarray, load: np.ndarray, angle: np.ndarray
 ) -> np.ndarray:
-    """Returns the stiffness (5, 5) by axial, Y and Z displacement and tilt [N/m, N, N m].
+    """Returns the stiffness (5, 5) of a bearing whose contacts carry no friction [N/m, N, N m].
 
-    The contacts carry no friction, and the first ball stands at +Z.
+    Rows and columns: displacements along X, Y and Z, tilts about Y and Z. The first ball stands at
+    +Z.
 
     D: worn diameters (n,) [m] of the n balls solved, one if it represents all.
     load, angle: their contact loads [N] and contact angles [rad] (n, 2).
@@ -136,10 +139,10 @@ def stiffness_of_loads(
 def wear_values(
     scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Returns Archard wear rates and the rate of diameter loss, as when new.
+    """Returns Archard wear rates and the rate of diameter loss of new surfaces.
 
-    These are ball_wear_rate (n,) and race_wear_rate (2,) [m3/s], and ball_diameter_loss_rate, as
-    counted, the mean over the balls [m/s].
+    These are ball_wear_rate (n,) and race_wear_rate (2,) of inner and outer race [m3/s]; and
+    ball_diameter_loss_rate, the mean over the balls of the parts that `wear.counts` names [m/s].
 
     D: worn diameters (n,) [m].
     qv, a, track: QV [W], semi-major axis and track radius [m] of each contact (n, 2).
@@ -147,7 +150,7 @@ def wear_values(
     n = scene.bearing.ball_count
     ball_rate, race_rate = wear_rates(scene, qv, a)
     touching = a.min(axis=1) > 0.0  # a ball off a race loosens no fit
-    losses = diameter_loss_rate(
+    losses = diameter_loss_rate(  # takes the contacts along the first axis: (2, n)
         scene,
         D[touching],
         ball_rate[touching].T,
@@ -214,8 +217,8 @@ def diameter_loss_rate(scene: Scene, D, ball_rate, race_rate, a, track) -> Any:
 def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
     """Returns rates of loss over K_s/H (2, 2), the mean over the balls [m Pa/s].
 
-    They are the loss of ball diameter and the depth of the groove that the inner and the outer
-    contact wear off. The arguments are those of `wear_values`.
+    Rows: loss of ball diameter, depth of the groove. Columns: by the inner, by the outer contact.
+    A contact without load wears nothing. The arguments are those of `wear_values`.
     """
     loaded = np.where(a > 0.0, a, np.inf)
     depths = groove_depth_rates(n, qv, loaded, track)

@@ -33,7 +33,7 @@ FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that t
 def static_place(scene: Scene) -> float:
     """Returns the axial displacement of the bearing as mounted, under its preload alone [m].
 
-    A fixed position keeps it, whatever grows or wears afterwards.
+    A fixed position keeps it, whatever grows or wears afterwards. 0 without a preload.
     """
     if not scene.operation.preload_N:  # no load at any place with play: the solver finds a far one
         return 0.0
@@ -115,11 +115,14 @@ def worn_diameters(scene: Scene, g: Geometry) -> np.ndarray:
 
 @functools.cache
 def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
-    """Returns a rule with a number of strips (split: at most) and points across each of them.
+    """Returns a rule of points over the contact ellipse.
 
     Callers share it and must not write to it.
 
     name: "split", "strips" or "gauss", as in `model.quadrature` of a scene.
+    points: number along the major axis. "gauss" makes it even; "split" has ceil(points/SEGMENTS) in
+        each segment that is used.
+    across: points across each strip; 1 is the line model.
     """
     if name == "split":
         m = math.ceil(points / SEGMENTS)
@@ -156,7 +159,8 @@ def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
 def quadrature(scene: Scene, refined: int = 1) -> Rule:
     """Returns the rule of a scene for the contact ellipse.
 
-    refined: factor on its points. Over the ellipse it is at most 2, both along and across.
+    refined: factor on its points along the centre line. If slip is evaluated over the whole
+        ellipse, it counts both along and across, at most 2 each.
     """
     model = scene.model
     name = model.quadrature

@@ -51,7 +51,8 @@ def root_factors(m: int) -> np.ndarray:
     """Returns factors on the weights of m Gauss-Legendre points on 0 to 1 under sqrt(1 - z).
 
     With them the root times a polynomial of the degree m - 1 is integrated exactly: the factors are
-    the root's Legendre series, as far as m terms go, over the root.
+    the root's Legendre series, as far as m terms go, over the root. In x = 2 z - 1 the root is
+    sqrt((1 - x)/2), whose coefficients are -2/((2 k - 1)(2 k + 3)).
     """
     x, _ = gauss_legendre(m)
     k = np.arange(m)
@@ -93,9 +94,11 @@ def gathered_points(m: int, power: int = 3) -> tuple[np.ndarray, np.ndarray]:
 
 
 def normalised_weights(t: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Returns slightly changed weights of points on 0 to 1 that integrate up to t^2 exactly.
+    """Returns slightly changed weights of points on 0 to 1 that integrate 1, t and t^2 exactly.
 
-    The load over an ellipse is then exact, which it must be.
+    The load over an ellipse, the integral of 1 - t^2, is then exact, which it must be.
+
+    t, weight: points and weights of a rule (n,).
     """
     powers = np.array([np.ones_like(t), t, t * t])
     missing = 1.0 / np.arange(1.0, 4.0) - powers @ weight
@@ -115,7 +118,7 @@ def chebyshev(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def area_shares_across(across: np.ndarray, halves: bool) -> np.ndarray:
-    """Returns the shares of a strip's area at its points.
+    """Returns the shares (n,) of a strip's area at its points; their sum is 1.
 
     across: places of the points over the half-width (n,).
     halves: whether each half of the strip is integrated by itself.
@@ -204,7 +207,10 @@ def spread_ellipse(m: int, across: int) -> EllipsePoints:
 
 
 def spread_fixed(rule: Rule) -> EllipsePoints:
-    """Returns the points over the ellipse of a rule with fixed points, one by one."""
+    """Returns all points over the ellipse of a rule with fixed points, strip after strip.
+
+    Each field is (strips x points across,).
+    """
     n = rule.across.size
     density = rule.weight / pressure(rule.t)
     loads = np.outer(density, rule.share)

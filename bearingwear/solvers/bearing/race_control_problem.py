@@ -34,7 +34,7 @@ class Balance:
     delta: np.ndarray  # (3,) displacement (axial, Y, Z) of the inner race [m]
     states: list[BallState]  # one if the scene is symmetric
     stiffness: float  # axial [N/m]
-    race_residual: float  # unbalanced force on the inner race, recomputed [N]
+    race_residual: float  # see `RaceControlProblem.unbalanced_force` [N]
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class RaceControlProblem:
     F: np.ndarray  # (3,) load on the inner race (axial, Y, Z) [N]
     delta_a: float  # static displacement under the initial preload alone [m]
     tilt: float  # [rad]
-    D: np.ndarray  # (n,) worn diameters, one if the scene is symmetric [m]
+    D: np.ndarray  # (n,) worn diameters of the balls solved: all, or one if all balls are alike [m]
 
     @classmethod
     def of(cls, scene: Scene) -> "RaceControlProblem":
@@ -69,17 +69,17 @@ class RaceControlProblem:
 
     @property
     def psi(self) -> np.ndarray:
-        """Returns the azimuths of the balls solved; the first stands at +Z [rad]."""
+        """Returns the azimuths (n,) of the balls solved, from +Z towards -Y [rad]."""
         return 2.0 * np.pi * np.arange(len(self.D)) / self.g.n_balls
 
     def balance(self, models: np.ndarray, Omega: float = 0.0) -> Balance:
-        """Returns the equilibrium of balls and race.
+        """Returns the equilibrium of balls and race; its status says whether there is one.
 
         models: kinematics model of each ball (n,), see `kernels.equilibrium.kinematics`.
         Omega: orbit rate in the model ORBIT [rad/s].
         """
         op = self.op
-        load = self.load(models[0], Omega)
+        load = self.load(models[0], Omega)  # of the one ball, else for the start alone
         if len(self.D) == 1:
             return self.thrust_balance(load)
         loads = np.zeros((len(self.D), race.LOAD_FIELDS))
@@ -110,7 +110,6 @@ class RaceControlProblem:
         """Returns speeds and forces of a ball, as the equilibrium takes them.
 
         model: its kinematics model, see `kernels.equilibrium.kinematics`.
-
         Omega: orbit rate in the model ORBIT [rad/s].
         """
         return orbit_load(Omega, 0.0, 0.0)._replace(
@@ -118,7 +117,13 @@ class RaceControlProblem:
         )
 
     def thrust_balance(self, load: BallLoad) -> Balance:
-        """Returns the equilibrium of a symmetric scene, in which one ball represents all."""
+        """Returns the equilibrium of a scene in which one ball represents all.
+
+        Its `race_residual` is that of the axial force, 0 at a fixed position. NOT_CONVERGED where
+        that residual is more than rounding.
+
+        load: of the ball, see `load`.
+        """
         n = self.g.n_balls
         delta_a, state = thrust_equilibrium(
             self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
@@ -140,8 +145,8 @@ class RaceControlProblem:
     def failure_status(self) -> int:
         """Returns the status of a scene that has no equilibrium under race control.
 
-        Without the friction that carries their gyroscopic moments, the balls rest on springs: they
-        have an equilibrium, or they are loose.
+        It is solved again without the friction that carries the gyroscopic moments. NO_RACE_CONTROL
+        if that has an equilibrium, RACE_UNSEATED if a ball leaves its groove, else its failure.
         """
         op, alpha0 = self.op, self.g.alpha0
         k = race_control(
@@ -155,7 +160,13 @@ class RaceControlProblem:
         return frictionless.status
 
     def unbalanced_force(self, states: list[BallState]) -> float:
-        """Returns the unbalanced force on the inner race, summed anew from the balls [N]."""
+        """Returns the largest component, without sign, of the unbalanced force on the race [N].
+
+        The components are those along X, Y and Z of the balls' forces, summed anew, less the load.
+        At a fixed position the axial one is left out.
+
+        states: of all balls.
+        """
         axial = np.array([s.F_ix for s in states])
         radial = np.array([s.F_ir for s in states])
         sums = np.array(
@@ -167,13 +178,19 @@ class RaceControlProblem:
 
 
 def is_unseated(states: list[BallState]) -> bool:
-    """Returns whether a ball is almost off the inner race, or beyond its groove."""
+    """Returns whether a ball is almost off the inner race, or beyond its groove.
+
+    Almost off is below `LIGHT_LOAD` of the largest inner load; true if no ball has any load.
+    """
     light = LIGHT_LOAD * max(s.Q_i for s in states)
     return any(not (s.Q_i > light and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states)
 
 
 def outer_controls(state: BallState) -> bool:
-    """Returns whether the spin moment of the outer contact controls the ball (theory.md Eq. 23)."""
+    """Returns whether the outer spin moment is the larger one, so that the outer race controls.
+
+    Both are compared as in theory.md Eq. 23.
+    """
     a_i = semi_axis(state.hertz_i.c_a, state.Q_i)
     a_o = semi_axis(state.hertz_o.c_a, state.Q_o)
     outer = state.Q_o * a_o * state.hertz_o.E * math.cos(state.alpha_i - state.alpha_o)
@@ -181,11 +198,14 @@ def outer_controls(state: BallState) -> bool:
 
 
 def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray]:
-    """Returns the equilibrium and the controlling race of each ball (n,), by the spin moments.
+    """Returns the equilibrium and the control of each ball (n,), OUTER_CONTROL or INNER_CONTROL.
 
-    All balls start under outer control. Those that fail the check, or all if there is no
-    equilibrium, change to inner control and stay there. If that has no equilibrium (a friction
-    force on a ball without load), the last one is kept.
+    All balls start under outer control. Those whose spin moments contradict it change to inner
+    control and stay there, until none is left. If the balls after a change have no equilibrium (a
+    friction force on a ball without load), the last one is kept.
+
+    If outer control has no equilibrium, all balls take inner control, unchecked. If that has none
+    either, the status is that of `failure_status`.
     """
     models = np.full(len(problem.D), OUTER_CONTROL)
     balance = problem.balance(models)
@@ -218,8 +238,8 @@ def geometric_status(states: list[BallState], D: np.ndarray) -> int:
     BEYOND_GROOVE if a loaded contact has turned beyond its groove, OUTSIDE_HERTZ_RANGE if its
     ellipse is too large for its ball.
 
-    states: of the balls.
-    D: diameters of the balls (n,) [m].
+    states: of the balls solved.
+    D: diameters of these balls (n,) [m].
     """
     for state, diameter in zip(states, D, strict=True):
         loaded = (

@@ -56,7 +56,10 @@ class Nearby:
         return place + float(self.slope @ (losses - losses_there))
 
     def remember(self, losses: tuple[float, float], place: float) -> None:
-        """Stores an exact place of balance [m] at losses [m], and its slope by Broyden's rule."""
+        """Stores an exact place of balance [m] at losses [m], and drops a rough one.
+
+        The slope of the place by the losses is corrected by Broyden's rule.
+        """
         self.rough = None
         moved = losses - self.losses
         if not math.isnan(self.place) and moved.any():
@@ -72,7 +75,10 @@ class Nearby:
         self.rough = np.array(losses), place
 
     def forget(self) -> None:
-        """Drops the slope, which came from a short distance, but keeps the last exact place."""
+        """Drops slopes and the rough place, but keeps the last exact one with its losses.
+
+        A slope found over a short distance may be far off.
+        """
         self.steeper = 1.0
         self.slope = np.zeros(2)
         self.rough = None
@@ -99,7 +105,11 @@ class _Secants:
         return math.isfinite(largest) and 0.0 <= self.high - self.low <= _NARROW * largest
 
     def step(self, x: float, trial: RotorTrial) -> float:
-        """Returns the next step of the rotor [m], from a trial at a place `x` [m]."""
+        """Returns the next step of the rotor [m], from a trial at a place `x` [m].
+
+        Sets the fields from that trial, and `nearby.steeper`. Between two places of opposite signs,
+        a step that would leave them is replaced by one to their middle.
+        """
         unbalanced = trial.unbalanced
         slope = self.nearby.steeper * trial.slope
         if self.last_trial is not None and x != self.last_trial[0]:
@@ -134,13 +144,17 @@ def balanced_place(
     """Returns the place of balance [m], and the trial there or the status of the failure.
 
     The place is found by Newton's method with the slope of a trial, then by secants. Light loads
-    reach rounding before they balance; the check afterwards says by how much.
+    reach rounding before they balance: where steps no longer help, the best trial counts if its
+    unbalanced force is below `_LIGHT` of the forces. The caller's check says by how much it is off.
 
-    trial_at: returns the trial at a place [m], or a status.
+    On failure the place is the last one tried. The status is NO_STEADY_STATE where the rotor runs
+    away or its force jumps past zero, that of a trial that failed, or NOT_CONVERGED.
+
+    trial_at: returns the trial at a place [m], or the status (an int) where there is none.
     x: place to begin with [m].
     rounded: step that changes nothing [m].
-    nearby: holds the steepness of the first step, which is renewed.
-    tolerance: unbalanced force, over the larger one.
+    nearby: its `steeper` scales the slope of the first step, and is renewed here.
+    tolerance: unbalanced force over `RotorTrial.scale`.
     """
     secants = _Secants(nearby)
     stalled = 0
@@ -172,9 +186,9 @@ def balanced_place(
 
 
 def failed_status(states: Sequence[SolvedBearing]) -> int:
-    """Returns the status of two solved bearings: OK, or why they make no balance.
+    """Returns the status of two solved bearings: OK if both are usable, else why not.
 
-    One that has lost its contact, while the other has not, is LIFTED_OFF.
+    LIFTED_OFF if one alone has failed, by a lost contact or preload; else that of the first failed.
     """
     failed = [state.status for state in states if state.status not in USABLE]
     if not failed:

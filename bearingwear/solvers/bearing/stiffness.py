@@ -16,12 +16,13 @@ STANDING = 1e-6  # of the ball's speeds: with an orbit rate below it a ball does
 
 
 def groove_maps(R_i: float, psi: np.ndarray) -> np.ndarray:
-    """Returns axial and radial shift of each inner groove over displacements (n, 2, DOF).
+    """Returns derivatives of the inner groove centre at each ball by the race's place (n, 2, DOF).
 
-    The displacements of the race are axial, along Y and Z, and tilts about Y and Z.
+    Rows: axial, then radial displacement of the centre (outwards). Columns: displacements of the
+    race along X, Y and Z [1], and its tilts about Y and Z [m].
 
     R_i: radius of the inner groove centres [m].
-    psi: azimuths of the balls (n,) [rad].
+    psi: azimuths of the balls (n,), from +Z towards -Y [rad].
     """
     maps = np.zeros((len(psi), 2, DOF))
     s, c = np.sin(psi), np.cos(psi)
@@ -33,15 +34,17 @@ def groove_maps(R_i: float, psi: np.ndarray) -> np.ndarray:
 
 
 def azimuths(n: int) -> np.ndarray:
-    """Returns the azimuths of n evenly spaced balls, the first at +Z [rad]."""
+    """Returns the azimuths (n,) of n evenly spaced balls, the first at +Z [rad]."""
     return 2.0 * np.pi * np.arange(n) / n
 
 
 @functools.lru_cache(maxsize=16)
 def _maps_across(R_i: float, n: int) -> np.ndarray:
-    """Returns sums over the balls of exp(i psi) times the maps of displacements across the axis.
+    """Returns the sums over n balls of exp(i psi) times `groove_maps`, complex (2, DOF - 1, 2).
 
-    Shape (2, DOF - 1, 2), read only: first as they are, then a quarter turn further.
+    Axes: the maps at psi, then at psi + 90 degrees; the displacements and tilts of the race but for
+    the axial one; axial and radial displacement of the groove. Callers share it and must not write
+    to it.
     """
     psi = azimuths(n)
     maps = np.array([groove_maps(R_i, psi), groove_maps(R_i, psi + 0.5 * np.pi)])
@@ -51,8 +54,11 @@ def _maps_across(R_i: float, n: int) -> np.ndarray:
 def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray | None:
     """Returns the quasi-static stiffness (5, 5) of a steady state [N/m, N, N m].
 
-    It has the order of `stiffness_of_loads`. Displacements across the axis are fixed in space: a
-    ball meets them once an orbit, and responds at that rate. None where the balls do not orbit.
+    Rows and columns: displacements along X, Y and Z, tilts about Y and Z; the axial one is not
+    coupled to the others. Displacements across the axis are fixed in space: a ball meets them once
+    an orbit, and responds at that rate. None where the balls do not orbit.
+
+    D: worn ball diameter [m].
     """
     Omega = case.u[3]
     if not abs(Omega) > STANDING * max(map(abs, case.u.tolist())):
@@ -64,6 +70,7 @@ def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray | 
     C, S = case.response[k:, :k], case.response[k:, k:]
     K = np.zeros((DOF, DOF))
     K[0, 0] = N * case.S_quasistatic
+    # inertia times i Omega on the diagonal of the motion; tractions have none
     inert = -J.astype(complex)
     inertia = [ball_inertia(m, D)] * 3 + [m * case.r * case.r]
     inert.flat[: 4 * (k + 1) : k + 1] += 1j * Omega * np.array(inertia)
@@ -90,10 +97,12 @@ def race_control_matrix(
 ) -> np.ndarray:
     """Returns the quasi-static stiffness (5, 5) under race control [N/m, N, N m].
 
-    Its forces follow the displacement at once.
+    Its forces follow the displacement at once. Rows and columns: displacements along X, Y and Z,
+    tilts about Y and Z. A ball off the inner race counts as 0.
 
     D, loads, states: of the n balls solved, one if it represents all.
-    delta: displacement of the inner race (3,) [m].
+    delta: displacement of the inner race (3,) along X, Y and Z [m].
+    tilt: of the inner race about Y [rad].
     """
     psi = azimuths(g.n_balls)[: len(D)]
     ball_tangents = np.zeros((len(D), 2, 2))  # 0 where a ball is off the inner race
@@ -107,10 +116,12 @@ def race_control_matrix(
 
 
 def radially_free(K: np.ndarray) -> float:
-    """Returns the axial stiffness of a matrix (5, 5) whose race may yield across the axis [N/m].
+    """Returns the axial stiffness of a race that may move along Y and Z, without tilting [N/m].
 
-    A race that nothing holds across the axis, in a direction, yields the least there. NaN if the
-    matrix is not known.
+    It is K_xx less the part by which Y and Z yield to an axial displacement. Where K gives them no
+    stiffness in a direction, lstsq takes no displacement there. NaN if a number of K is not finite.
+
+    K: stiffness (5, 5), in the order of `race_control_matrix`.
     """
     if not np.isfinite(K).all():
         return float("nan")

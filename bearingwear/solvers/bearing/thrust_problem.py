@@ -75,7 +75,10 @@ class ThrustProblem:
         )
 
     def solve(self, D: float, start: np.ndarray | None = None) -> ThrustCase:
-        """Returns the steady state with balls of diameter D [m].
+        """Returns the steady state with balls of diameter D [m]; its status says if it is one.
+
+        Where a split rule leads to none, Gauss' fixed points are tried. A state that they find is
+        marked by `ThrustCase.held`; otherwise the failure with the split rule is returned.
 
         start: motion (4,) nearby, or (6,) with its tractions, see `ThrustCase.motion`.
         """
@@ -129,7 +132,10 @@ class ThrustProblem:
         return code.OK
 
     def decay_rates(self, D: float, case: ThrustCase) -> np.ndarray:
-        """Returns the eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
+        """Returns the eigenvalues (4,) of the ball's linearised motion about the state [1/s].
+
+        They may be complex. A disturbance decays where its real part is negative.
+        """
         m = ball_mass(self.g.rho, D)
         inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
         return np.linalg.eigvals(case.jacobian / inertia[:, None])
@@ -192,6 +198,8 @@ class ThrustProblem:
 def time_scale_values(rates: np.ndarray) -> dict[str, float]:
     """Returns `fast_time_scale` and `slow_time_scale` of a state [s].
 
+    They are 1/max |rate| and 1/min |real part of rate|.
+
     rates: eigenvalues (4,) of the ball's linearised motion [1/s].
     """
     return {
@@ -201,6 +209,6 @@ def time_scale_values(rates: np.ndarray) -> dict[str, float]:
 
 
 def is_new(u: np.ndarray, states: list[ThrustCase]) -> bool:
-    """Returns whether a motion (4,) differs from those of all states."""
+    """Returns whether a motion (4,) differs from those of all states, by more than `SAME_STATE`."""
     near = SAME_STATE * np.abs(u).max()
     return all(np.abs(u - case.u).max() > near for case in states)

@@ -40,7 +40,10 @@ def dynamic_error_estimates(
     turns: float,
     motion: PeriodicMotion | None,
 ) -> dict[str, Any]:
-    """Returns result variables of the numerical errors of a dynamic run; empty if not known.
+    """Returns result variables of the numerical errors of a dynamic run.
+
+    Empty if the drift is not known (fewer than three turns in the window), if one of the reruns
+    fails, or if an error is infinite, see `error_values`.
 
     The end of the last window is run again with each setting of accuracy changed. That misses the
     motion of a ball's spin axis, which takes hundreds of turns. So the steady state under the
@@ -73,7 +76,8 @@ def dynamic_error_estimates(
         slip_error = np.maximum(slip_error, thrust_slip_error(scene, start))
     point_error = DOUBLED * relative_change(as_run, with_twice_points)
     drift = DRIFT * np.abs(slopes) * max(slow, turns) + _SCATTER * run.trend.scatter()
-    qv, _, wear, preload, torque = drift
+    qv, _, wear, preload, torque = drift  # the values of `Trend`, without the room of the cage
+    # in the order of `QUANTITY_COUNT`; friction power drifts as the torque does
     drift_error = np.array([qv, preload, wear, torque, torque])
     return error_values([slip_error, point_error, step_error, drift_error])
 
@@ -107,7 +111,8 @@ def _reruns(
 def thrust_slip_error(scene: Scene, start: Start) -> np.ndarray:
     """Returns the relative error (5,) by the regularisation in the steady state under thrust alone.
 
-    It is 0 where there is no such state.
+    It is 0 where there is no such state, or none with half the regularisation. The order is that of
+    `QUANTITY_COUNT`.
     """
     case = start.case
     if case is None or case.status != code.OK:
@@ -163,7 +168,8 @@ def move_to_periodic(
 ) -> PeriodicMotion | None:
     """Moves a system to the periodic motion near its state, and returns that; None without one.
 
-    A system without such a motion stays where it is.
+    Only the balls move; time, step and all other states are those of the start. A system without
+    such a motion stays as it is.
 
     near: motion of much the same system, at which the balls already are.
     """

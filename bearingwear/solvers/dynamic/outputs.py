@@ -27,7 +27,8 @@ LEAST_LOST = 1e-6  # of the kinetic energy: losses below it are no scale of an e
 def window_values(scene: Scene, run: TimeRun) -> dict:
     """Returns result variables of a run from the opening of its last window until now.
 
-    They are averages, ranges of loads, and the account of energy.
+    They are averages, ranges of loads, and the account of energy. In a periodic motion, each ball
+    gets the means over all balls, which replace the sums of `run.recorder`, too.
     """
     system, sums, bearing = run.system, run.recorder.sums, run.system.bearing
     now = system.snapshot()
@@ -62,8 +63,10 @@ def averages(
 ) -> dict[str, Any]:
     """Returns the result variables that are means over the instants of a window.
 
+    But for `equilibrium_residual`, which is the largest of any instant.
+
     sums: over the instants.
-    contacts: (n, 2, COLUMNS), means already.
+    contacts: (n, 2, COLUMNS) of `kernels.contact.summary`, means already.
     """
     count, D = sums.count[0], bearing.D
     ball_means, bearing_means = sums.ball / count, sums.bearing / count
@@ -141,7 +144,7 @@ def add_cage_values(
 
 
 def histories(scene: Scene, history: record.History, length: int) -> dict:
-    """Returns the result variables along a run, over its first instants.
+    """Returns the result variables along a run, over its first instants; those of the cage if any.
 
     history: as recorded, which may have room for more.
     length: number of instants.

@@ -68,7 +68,10 @@ def land_stiffness(scene: Scene) -> float:
 
 
 def cage_of(scene: Scene) -> CageModel:
-    """Returns geometry, inertia and contact laws of a scene's cage, or the absence of one."""
+    """Returns geometry, inertia and contact laws of a scene's cage.
+
+    Without a cage, `present` is False and all numbers are placeholders.
+    """
     cage = scene.cage
     if cage is None:
         return _no_cage()
@@ -163,14 +166,16 @@ def land_damping(restitution: float) -> float:
 
 @lru_cache
 def pocket_damping(restitution: float) -> float:
-    """Returns the damping of a pocket for a coefficient of restitution."""
+    """Returns the damping of a pocket for a restitution, as `pocket_restitution` takes it."""
     return _damping_for(pocket_restitution, restitution, LARGEST_POCKET)
 
 
 def _damping_for(law: Callable[[float], float], restitution: float, largest: float) -> float:
-    """Returns the damping, up to the largest, at which a law gives a restitution.
+    """Returns the damping at which a law gives a restitution: 0 for one of 1 or more.
 
-    law: returns the restitution by the damping.
+    It is at most `largest`, also where the restitution is too low for that.
+
+    law: returns the restitution by the damping, which falls from 1 at no damping.
     """
     if restitution >= 1.0:
         return 0.0
@@ -198,7 +203,7 @@ def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndar
     the time of a step.
 
     D: ball diameters (n,) [m].
-    factors_of: returns the factors, as `exact_factors` does.
+    factors_of: function of the arguments of `exact_factors`, which returns K, c_a and c_b.
     """
     cosine = np.linspace(0.0, 1.0, HERTZ_INTERVALS + 1)
     powers = HERTZ_INTERVALS ** -np.arange(3.0, -1.0, -1.0)

@@ -86,9 +86,11 @@ class Passing:
         return np.append(self.system.balls / self.scale, self.passing / self.system.turn)
 
     def put_balls(self, states: np.ndarray) -> float:
-        """Puts the balls into states at the start of the search; returns the passing [s].
+        """Sets the system back to the start of the search, with its balls in states.
 
-        states: as `states`.
+        Returns the time of a passing in `states` [s].
+
+        states: unknowns, as the method `states` returns them.
         """
         self.system.unpack(*self.start_state)
         self.system.balls[:] = states[:-1].reshape(self.n, BALL) * self.scale
@@ -103,7 +105,9 @@ class Passing:
     def march(self, orbits: float) -> bool:
         """Moves the balls on as a run would, for a number of orbits; returns whether it succeeded.
 
-        Their azimuths are taken back by whole turns and by what the load has turned.
+        They start from the beginning of the search. Their azimuths are taken back by whole turns
+        and by what the load has turned; `middle` becomes their mean. After a failure the system is
+        at the instant that it reached.
         """
         system, passing = self.system, self.passing
         self.put_balls(np.append(self.start, passing / system.turn))
@@ -123,11 +127,12 @@ class Passing:
         return (balls / self.scale).ravel()
 
     def change(self, states: np.ndarray) -> np.ndarray | None:
-        """Returns the change in a passing beyond the shift by a ball, and of the mean azimuth.
+        """Returns the change (5 n + 1,) of scaled states by a passing, less the next ball's.
 
-        It is zero for a periodic motion. None if the passing cannot be simulated.
+        The last number is their mean azimuth less `middle`, which fixes the phase [rad].
+        All are zero for a periodic motion. None if the passing cannot be simulated.
 
-        states: as `states`.
+        states: unknowns, as the method `states` returns them.
         """
         passing = self.put_balls(states)
         if not self.is_usable(passing) or not self.advance(passing):
@@ -190,6 +195,9 @@ class Passing:
 
     def solve(self, states: np.ndarray, inverse: np.ndarray | None = None) -> RepeatedStates:
         """Returns states that repeat themselves, by Broyden's method.
+
+        They are the best ones found; `error` says whether they do repeat. It is infinite where the
+        first passing cannot be simulated or its derivative has no inverse.
 
         inverse: of the derivative of `change`, of a solution nearby; else `slope` gives it.
         """
@@ -269,7 +277,9 @@ def periodic_motion(
 ) -> PeriodicMotion | None:
     """Returns the periodic motion that the balls of a system come to; None if none is found.
 
-    The system starts near it, or as a run would, and ends in another state.
+    Each try starts after some more orbits (`MARCHED`). The search also ends without a motion where
+    these cannot be simulated, or where a passing is longer than `LONGEST_PASSING`. The system ends
+    in another state.
 
     near: motion of much the same system, at which the balls already are. The growth of disturbances
         is then not computed again.

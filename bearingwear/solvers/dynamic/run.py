@@ -38,10 +38,13 @@ def solve_dynamic(
     """Returns values and attributes of a dynamic run, some of its contacts without film.
 
     They are averages over the evaluated window with the names of the steady solution, histories of
-    the whole run, and checks.
+    the whole run, and checks. A run whose energy balance does not close is repeated with a tighter
+    tolerance, down to `TIGHTEST_RUN`, if it has few enough steps. A run that fails has its status
+    and few other values, see `dynamic_run`.
 
     restart: `state` and `time` where another run of the scene ended (its `final_state`,
-        `final_time`).
+        `final_time`). NotAvailable if that was a system with other parts.
+    progress: receives lines on the run, and on each repetition.
     """
     start = start_of(scene, bare)
     tolerance = scene.model.dynamic_tolerance
@@ -100,7 +103,8 @@ class LastWindow:
 def run_until_settled(scene: Scene, run: TimeRun, slow: float) -> LastWindow:
     """Simulates windows until the averages have settled or the turns are used up.
 
-    Returns the last window, with the status of a failure in it.
+    Returns the last window. Its status is OK in both cases, which `settled` tells apart, and that
+    of the failure if a window fails. A first window shorter than the others never ends the run.
 
     slow: slow time scale in shaft turns, 0 if it is not known.
     """
@@ -129,6 +133,11 @@ def dynamic_run(
     longest: float,
 ) -> tuple[dict, dict]:
     """Returns values and attributes of one run of `solve_dynamic`.
+
+    Without an equilibrium at the start, or without a periodic motion where the scene requires one,
+    the values are status, loss of diameter and initial displacement. A run that stops adds its
+    final time and the counts of its steps. One whose checks fail is UNVERIFIED, or has the reason
+    as its status, and all values but the error estimates.
 
     restart: as in `solve_dynamic`.
     tolerance: of a step.
@@ -167,7 +176,7 @@ def dynamic_run(
         final_state = system.packed()
     values |= window_values(scene, run) | start.scales | run.counts(last.turns)
     if last.slopes is not None:
-        values |= dict(zip(DRIFTS, last.slopes, strict=False))
+        values |= dict(zip(DRIFTS, last.slopes, strict=False))  # the first two of `Trend.slopes`
     if run.keeps_history:
         values |= histories(scene, run.recorder.history, run.done)
     values |= {"final_state": final_state, "final_time": system.time}
@@ -198,7 +207,8 @@ def usable_periodic(
 ) -> tuple[PeriodicMotion | None, str]:
     """Returns the periodic motion that a run records, or None, and a description of the start.
 
-    An unstable one is not used unless the scene requests it.
+    The system is moved to that motion, or stays as it is. An unstable motion is not used unless the
+    scene requests it.
 
     start_words: description of the start of the system.
     """

@@ -20,7 +20,7 @@ _SMALLEST = 1e-300  # multiplier: others may underflow
 
 
 def why_not_periodic(scene: Scene) -> str:
-    """Returns why a scene has no periodic motion; empty if it has one.
+    """Returns why a scene has no periodic motion, in words; empty if nothing rules one out.
 
     scene: with its cage only if that is solved.
     """
@@ -80,8 +80,10 @@ class GrowthRates:
             phases.append(others.pop(nearest))
 
         def largest_rate(group: list[complex]) -> float:
+            """Returns the growth per turn by the largest of some multipliers [1/turn]."""
             return float(np.log(np.abs(group).max(initial=_SMALLEST))) / turns
 
+        # the first root is 1: a shift in time, which neither grows nor decays
         return cls(spacing=largest_rate(phases[1:]), slip_and_spin=largest_rate(others))
 
     @property
@@ -111,7 +113,9 @@ def _turns(rate: float) -> str:
 
 
 def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | None:
-    """Returns `phrase` and `advice` for an unstable periodic motion; None if it is stable.
+    """Returns `phrase` and `advice` for an unstable periodic motion; None for any other motion.
+
+    Growth of the spacing counts only without a cage, which would keep the balls apart.
 
     values: result variables, which have those of `GROWTHS` if the motion is periodic.
     """

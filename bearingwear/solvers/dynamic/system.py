@@ -120,7 +120,10 @@ class DynamicSystem:
         return y, z
 
     def variant(self, **changes) -> "DynamicSystem":
-        """Returns a system with some fields of its model replaced; `unpack` gives it a state."""
+        """Returns a system with some fields of its model replaced, and a copy of `y`.
+
+        `unpack` gives it the rest of a state: time, step and last positions.
+        """
         system = DynamicSystem(self.bearing._replace(**changes), self.y.copy())
         system.buffers.rest[:] = self.buffers.rest
         system.buffers.balls.delta[:] = system.buffers.rest
@@ -132,7 +135,7 @@ class DynamicSystem:
         Its centre hangs below the axis by half of its clearance: a centred cage that turns with the
         balls would never touch anything. Load or tilt may move the balls out of their plane, so
         that they squeeze the cage. It then starts where it is squeezed least; if that is hardly
-        less, the cage has no room.
+        less, `cage_has_room` becomes False.
         """
         balls, contacts, state = self.buffers.balls, self.buffers.cage, self.cage_state
         cage = self.bearing.cage
@@ -162,7 +165,11 @@ class DynamicSystem:
         state[MOMENTUM : MOMENTUM + 3] = momentum * contacts.R[:, 0]
 
     def start_cage(self, start: CageStart) -> None:
-        """Puts the cage at a start, wherever `place_cage` has put it."""
+        """Puts the cage at a start, wherever `place_cage` has put it.
+
+        Sets its centre and velocity across the axis, and its angular momentum; its axial place and
+        its rotation stay.
+        """
         cage = self.bearing.cage
         state = self.cage_state
         omega = self.balls[:, OMEGA].mean()
@@ -260,7 +267,7 @@ class DynamicSystem:
         )
 
     def rates(self) -> np.ndarray:
-        """Returns the time derivative of the state now; also brings the buffers up to date."""
+        """Returns the time derivative of `y` now, as `dy` itself; also updates the buffers."""
         self.update()
         return self.dy
 
@@ -297,11 +304,11 @@ class DynamicSystem:
         return tally
 
     def simulate(self, control: StepControl, duration: float, intervals: int = 1) -> Tally:
-        """Moves the state on from this instant; time and first step stay as they are.
+        """Moves `y` and the buffers on from this instant; `time` and `h` stay as they are.
 
-        The tally has the status, and the time and step at the end.
+        Returns the tally of the steps, with the status, and the time and next step at the end.
 
-        duration: of an interval [s].
+        duration: of each interval [s].
         """
         grid = record.TimeGrid(origin=self.time, dt=duration, first=0)
         return record.advance_and_record(

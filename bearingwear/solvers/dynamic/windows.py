@@ -54,11 +54,14 @@ class Trend:
 
     @property
     def is_known(self) -> bool:
-        """Returns whether there are enough turns for slopes."""
+        """Returns whether there are enough turns for slopes, in which something slips and wears."""
         return bool(self.sums[0] >= FEWEST_OF_TREND and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
-        """Returns relative changes per turn of all values but the room (5,); None if not known."""
+        """Returns relative changes per turn of all values but the room (5,); None if not known.
+
+        Of a value whose mean is 0 it is the change itself.
+        """
         n, k, kk = self.sums
         total, weighted, _ = self.values[:, :-1]
         if not self.is_known:
@@ -74,7 +77,11 @@ class Trend:
         return np.sqrt(variance) / np.where(mean != 0.0, np.abs(mean), 1.0)
 
     def turns_to_land(self) -> float:
-        """Returns the turns until a drifting cage meets its land, infinite without a drift."""
+        """Returns the turns until a drifting cage meets its land.
+
+        Infinite with too few turns, for a cage that rides on its land already, and where the slope
+        towards it is below `_SIGNIFICANT` of its standard errors.
+        """
         n, k, kk = self.sums
         total, weighted, square = self.values[:, -1]
         if n < FEWEST_OF_TREND:
@@ -155,9 +162,9 @@ class LoadRange:
 class _Progress:
     """Lines of progress, no more often than every few seconds.
 
-    say: receives a line; None for none.
-    turns: of the whole run.
-    turn: duration of one [s].
+    say: receives a line; None for no lines.
+    turns: shaft turns of the whole run.
+    turn: duration of a shaft turn [s].
     """
 
     def __init__(self, say: Callable[[str], None] | None, turns: float, turn: float) -> None:
@@ -260,7 +267,7 @@ class RunGrid:
     @property
     def is_periodic(self) -> bool:
         """Returns whether the grid is that of a periodic motion, whose balls all move alike."""
-        return self.turns != 1.0
+        return self.turns != 1.0  # any other grid has instants per shaft turn
 
     @property
     def windows(self) -> list[int]:
@@ -273,6 +280,8 @@ class RunGrid:
 class TimeRun:
     """A dynamic run of a scene.
 
+    progress: receives lines on the run.
+    tolerance, grid: of a step, and the instants; by default those of the scene.
     longest: longest step, over the usual one of a twentieth of a turn.
     """
 
@@ -320,7 +329,11 @@ class TimeRun:
         return self.done / self.grid.points * self.grid.turns
 
     def advance(self, count: int) -> int:
-        """Simulates a number of intervals; returns a status."""
+        """Simulates and records a number of intervals; returns OK or the status of a failure.
+
+        Time, step and `tally` go on in any case; `done`, `loads` and `room` only if all succeed.
+        Without histories, `count` is at most that of a turn.
+        """
         system, grid, first = self.system, self.grid, self.done
         time_grid = record.TimeGrid(origin=grid.origin, dt=grid.dt, first=grid.first)
         if not self.keeps_history:
@@ -349,7 +362,10 @@ class TimeRun:
         return tally.status
 
     def land_room(self, stretch: slice) -> float:
-        """Returns the mean room of the cage to its land over a stretch, over the clearance."""
+        """Returns the mean room of the cage to its land over a stretch, over the clearance [1].
+
+        1 without a cage, a land or a clearance.
+        """
         cage = self.system.bearing.cage
         if not cage.present or cage.land == NO_LAND or not cage.gap > 0.0:
             return 1.0
@@ -364,7 +380,11 @@ class TimeRun:
         return offset
 
     def window(self, length: int) -> int:
-        """Simulates a window of so many intervals and records it; returns a status."""
+        """Simulates a window of a number of intervals, turn by turn; returns a status.
+
+        It is OK, or that of a failure, at which the window ends. Renews `trend`, `loads`, the sums,
+        and `opening`; sets `before_last_turn`. Raises KeyboardInterrupt after Ctrl-C.
+        """
         integrals = self.system.y[self.system.layout.qv :]
         sums, points = self.recorder.sums, self.grid.points
         record.clear(sums)

@@ -49,7 +49,7 @@ class Choice:
 
 
 def asymmetries(scene: Scene) -> list[str]:
-    """Returns the properties of a scene that make its balls differ, in words."""
+    """Returns the properties of a scene that make its balls differ, in words; empty if none do."""
     if scene.pair is not None:
         return list(dict.fromkeys(text for side in scene.sides for text in asymmetries(side)))
     operation = scene.operation
@@ -70,7 +70,8 @@ def stands_still(scene: Scene) -> bool:
 def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     """Returns the choice of the model; `fidelity` overrides `model.fidelity` of the scene.
 
-    Raises NotAvailable if the requested fidelity does not exist or cannot solve this scene.
+    Raises NotAvailable if the requested fidelity does not exist or cannot solve this scene, or if
+    the scene requests a periodic motion that it does not have.
     """
     wanted = fidelity or scene.model.fidelity
     _check_fidelity(scene, wanted)
@@ -166,7 +167,10 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
 
 
 def unevaluated_criteria(scene: Scene, chosen: Choice) -> dict[str, float]:
-    """Returns the criteria of a scene that a life does not evaluate, with their limits."""
+    """Returns the criteria of a scene that a life does not evaluate, with their limits.
+
+    They are those of the cage, if it is not solved; and with race control, those that need slip.
+    """
     end = scene.wear.end_of_life or EndOfLife()
     unevaluated = set() if chosen.cage else end.criteria.keys() - end.without_cage.criteria.keys()
     if chosen.fidelity == "race_control" and not stands_still(scene):
@@ -192,7 +196,7 @@ def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
 
 
 def effort_sentence(scene: Scene, chosen: Choice) -> str:
-    """Returns a rough estimate of the computing time of a solve, in words."""
+    """Returns a rough estimate of the computing time of a solve, in words; compiling included."""
     compiled = PROJECT.is_compiled(LARGEST_KERNEL[chosen.fidelity])
     compile_words = (
         "" if compiled else f"up to {PROJECT.compile_time} to compile the solver (once), then "

@@ -28,6 +28,7 @@ def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[f
             values[system_name] = holding * np.asarray(values[bearing_name])
 
     def known_value(variable: str) -> Any:
+        """Returns the value of a variable; NaN if the case does not hold it."""
         return values.get(variable, np.nan)
 
     critical = {}
@@ -59,14 +60,19 @@ class Reached(NamedTuple):
 
 
 def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[Reached]:
-    """Returns the criteria that a case exceeds, the one exceeded most first."""
+    """Returns the criteria whose limits a case violates, the most violated one first.
+
+    A limit that is met exactly does not count. Empty without criteria.
+
+    case: result variables of the solved scene.
+    """
     end = scene.wear.end_of_life
     if end is None:
         return []
     reached = [
         Reached(measure=ENDS[name], limit=end.criteria[name], value=value, variable=variable)
         for name, (value, variable) in criteria_of_case(scene, case).items()
-        if ENDS[name].is_passed(value, end.criteria[name])
+        if ENDS[name].is_passed(value, end.criteria[name])  # beyond the limit: a failure
     ]
     return sorted(reached, key=lambda criterion: -criterion.excess)
 
@@ -74,7 +80,7 @@ def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[Reached]:
 def criterion_met(scene: Scene, life: Mapping[str, Any], k: int) -> Reached | None:
     """Returns the criterion that ends a life, with its value at a step; None if none does.
 
-    In a pair, the value is that of the worse bearing.
+    None also if the life has no histories. In a pair, the value is that of the worse bearing.
 
     life: result variables of the life.
     k: index of the step in the histories.
@@ -84,6 +90,7 @@ def criterion_met(scene: Scene, life: Mapping[str, Any], k: int) -> Reached | No
         return None
 
     def at_step(variable: str) -> np.ndarray:
+        """Returns a variable at the step; (2, ...) if each bearing of a pair has its own."""
         history = np.asarray(life[f"history_{variable}"])
         is_by_bearing = len(scene.sides) > 1 and f"history_{variable}" not in SHARED
         return history[:, k] if is_by_bearing else history[k]

@@ -34,11 +34,11 @@ class Evidence:
     case: Mapping[str, Any] | None = None  # values of a case
 
     def contacts(self, name: str) -> np.ndarray:
-        """Returns a variable in every contact (n, 2); NaN where it is not known."""
+        """Returns a variable in every contact (n, 2); NaN (1, 2) where it is not known."""
         return np.atleast_2d(self.state.values.get(name, _UNKNOWN))
 
     def mean(self, name: str) -> float:
-        """Returns the mean of a variable over the balls."""
+        """Returns the mean of a variable over the balls; NaN where it is not known."""
         return float(np.mean(self.state[name]))
 
 
@@ -53,6 +53,9 @@ _SOLVED = (
 
 def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
     """Yields the evidence of a case, or that of the first and of the last state of a life.
+
+    Before a solve, and of one that failed or was not verified, it has only temperatures: those of
+    the values, else of the scene.
 
     values: result variables of the case or life, or none before a solve.
     """

@@ -130,7 +130,7 @@ def film_beyond_tests(evidence: Evidence) -> Finding | None:
     distances = [distance for distance in distances if not math.isnan(distance.excess)]
     if not distances:
         return None
-    farthest = max(distances)
+    farthest = max(distances)  # by the excess, the first field
     advice = "the life computed is cautious"
     if farthest.is_above:
         advice = "expect a shorter life than computed"
@@ -153,6 +153,7 @@ def film_worn(evidence: Evidence) -> Finding | None:
     shares, film = evidence.life["history_film_worn_share"], evidence.scene.friction.film
     if not shares.max() > 0.0 or (film is not None and film.bare_ball_race is not None):
         return None
+    # no film was worn through before the last state
     ends_life = len(shares) < 3 or not shares[:-1].max() > 0.0
     if ends_life:
         return None

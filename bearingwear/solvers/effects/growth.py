@@ -199,7 +199,9 @@ class TriedFit:
 
 
 def tried_fits(scene: Scene, running_preload: Callable[[Scene, Growth], float]) -> list[TriedFit]:
-    """Returns no interference, and each of `TRIED_UM` that the bore allows; none without a preload.
+    """Returns the effects of no interference, and of each of `TRIED_UM` that the bore allows.
+
+    Empty without a preload or a bore.
 
     running_preload: returns the preload of a scene's bearing with its growth [N].
     """
@@ -244,6 +246,9 @@ def change_by_fits(scene: Scene) -> float:
 def largest_change(tried: Sequence[TriedFit], running: float) -> float:
     """Returns the largest relative change by a tried fit, of the preload at speed or at rest [1].
 
+    Infinite where no preload is left at speed without a fit.
+
+    tried: without interference first.
     running: preload at speed without a fit [N].
     """
     at_rest = max(fit.at_rest for fit in tried) / tried[0].at_rest - 1.0
@@ -357,7 +362,10 @@ def _growth_finding(evidence: Evidence, change: float) -> Finding:
 
 
 def thermal_margin_low(evidence: Evidence) -> Finding | None:
-    """Returns the finding of a low thermal margin; None where the margin is unknown."""
+    """Returns the finding of the thermal margin; its excess is above 1 where that is low.
+
+    None where the margin is unknown.
+    """
     margin = evidence.state.values.get("thermal_margin")
     if margin is None:
         return None

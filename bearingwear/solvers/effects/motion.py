@@ -48,9 +48,9 @@ def gyroscopic_share(scene: Scene) -> float:
 
 
 def rolling_rates(scene: Scene) -> tuple[float, float]:
-    """Returns the orbit rates of the balls, relative to the outer race and in space [rad/s].
+    """Returns the orbit rate of the balls relative to the outer race, without sign, and in space.
 
-    The balls roll at the free contact angle.
+    Both are in rad/s. The balls roll at the free contact angle.
     """
     b, operation = scene.bearing, scene.operation
     omega_i, omega_o = (RPM * rpm for rpm in (operation.shaft_speed_rpm, operation.outer_speed_rpm))

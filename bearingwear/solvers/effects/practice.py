@@ -273,7 +273,7 @@ def preload_below_makers(evidence: Evidence) -> Finding | None:
 
 
 def friction_beyond_practice(evidence: Evidence) -> Finding | None:
-    """Returns the finding of a friction coefficient, whose excess is that beyond measured ones.
+    """Returns the finding of a friction coefficient; its excess is above 1 beyond `USUAL_FRICTION`.
 
     None without a coefficient.
     """
@@ -339,9 +339,10 @@ def temperature_beyond_practice(evidence: Evidence) -> Finding | None:
 
 
 def radial_load_large(evidence: Evidence) -> Finding | None:
-    """Returns the finding of the radial load beside the one that unloads a ball at rest [N].
+    """Returns the finding of the radial load and the one that unloads a ball at rest [N].
 
-    None without a radial load or a preload.
+    Its excess is 1 at two thirds of that, see `MOST_RADIAL`; loads in space and rotating ones are
+    added without sign. None without a radial load or a preload.
     """
     operation = evidence.scene.operation
     load = math.hypot(*operation.radial_load_N) + abs(operation.rotating_load_N)
@@ -354,7 +355,10 @@ def radial_load_large(evidence: Evidence) -> Finding | None:
 
 
 def preload_grown(evidence: Evidence) -> Finding | None:
-    """Returns the finding of the running preload over the one set; None but at a fixed position."""
+    """Returns the finding of the running preload over the one set, whose limit is `MOST_GROWN`.
+
+    None under a spring, or without a preload.
+    """
     operation = evidence.scene.operation
     if operation.preload_method != "fixed_position" or not operation.preload_N > 0.0:
         return None

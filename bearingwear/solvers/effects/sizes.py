@@ -202,8 +202,9 @@ def _groove_effect(scene: Scene, fidelity: str) -> EffectSize:
 def wear_over_gap_estimate(scene: Scene) -> float:
     """Estimates the loss at the end of life over the gap at the contact's edge [1].
 
-    The contacts are those under the preload at rest, by fitted Hertz factors. NaN if the scene does
-    not limit the loss or has no preload.
+    The contacts are those under the preload at rest, by fitted Hertz factors. The loss is the least
+    at which a criterion ends the life, the gap that of the race with the smaller one. NaN if the
+    scene does not limit the loss or has no preload.
     """
     g = mounted_geometry(scene)
     end = scene.wear.end_of_life

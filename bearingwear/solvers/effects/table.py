@@ -74,7 +74,10 @@ def _groove_worn(evidence: Evidence) -> Finding | None:
 
 
 def _slip_rounded(evidence: Evidence) -> Finding | None:
-    """Returns the finding of slip so low that the friction law is not Coulomb's; None at rest."""
+    """Returns the finding of slip so low that the friction law is not Coulomb's.
+
+    Its excess is the regularisation over `ROUNDED_SLIP` of the mean slip. None without slip.
+    """
     load = evidence.contacts("contact_load").sum()
     slip = evidence.contacts("qv").sum() / load if load else math.nan
     if not slip > 0.0:
@@ -89,7 +92,7 @@ def _slip_rounded(evidence: Evidence) -> Finding | None:
 
 
 def _criterion_not_watched(evidence: Evidence) -> Finding | None:
-    """Returns the finding that names the criteria that the model cannot evaluate; None without."""
+    """Returns the finding that names criteria the model cannot evaluate; None if there are none."""
     names = [ENDS[name].words for name in unevaluated_criteria(evidence.scene, evidence.chosen)]
     return {"names": ", ".join(names), "fidelity": evidence.chosen.fidelity} if names else None
 
@@ -134,7 +137,10 @@ def _nothing_wears(evidence: Evidence) -> Finding | None:
 
 
 def _limit_passed(evidence: Evidence) -> Finding | None:
-    """Returns the finding of the criteria that a case violates; None if it violates none."""
+    """Returns the finding of all criteria that a case violates; None if it violates none.
+
+    Advice and excess are those of the most violated one.
+    """
     criteria = [] if evidence.case is None else criteria_passed(evidence.scene, evidence.case)
     if not criteria:
         return None

@@ -131,7 +131,7 @@ class ThermalBearings:
         self._at: tuple[float, Alone | OnRotor] = (np.nan, solver_of(scene).bearings)
 
     def networks(self) -> list[Thermal]:
-        """Returns the thermal network of each bearing."""
+        """Returns the thermal network of each bearing, which all have."""
         networks = [side.thermal for side in self.sides]
         assert all(networks)
         return networks  # type: ignore[return-value]
@@ -157,12 +157,16 @@ class ThermalBearings:
     def heat(self, time: float, share: float, temperatures: np.ndarray) -> np.ndarray:
         """Returns the heat of all parts (parts,) [W]; the arguments are those of `instant`.
 
-        A thermal margin that the scene requires takes no solves here.
+        It takes one solve, where `instant` may take more for the thermal margin. Raises NoState.
         """
         return heat_of_parts(self._solved(time, share, temperatures).heats)
 
     def _solved(self, time: float, share: float, temperatures: np.ndarray) -> _SolvedInstant:
-        """Returns the bearings solved as in `instant`, each from its last solution."""
+        """Returns the bearings solved as in `instant`, each from its last solution in `near`.
+
+        Renews `near` and counts `solves`. Below `LINEAR_SHARE` of the speed, they are solved at
+        that share, and their heat is reduced in proportion. Raises NoState.
+        """
         solved_share = max(share, LINEAR_SHARE)
         networks = [network_at(network, time) for network in self.networks()]
         bearings = bearings_at_temperatures(self._bearings(solved_share), temperatures, networks)
@@ -280,7 +284,11 @@ def warm_up(
 ) -> WarmUp:
     """Returns the warm-up of a scene with heat capacities, until its temperatures are steady.
 
-    duration: end in place of that [s].
+    It also ends after `_LONGEST`, and where the bearings have no state, with that status; the
+    status is OK otherwise. Raises NoState without a state at the start, and SceneError without heat
+    capacities.
+
+    duration: end in place of steady temperatures, which are then not looked for [s].
     tolerance: relative error of a step.
     """
     equation = HeatEquation(ThermalBearings(scene), course)
@@ -318,7 +326,8 @@ def _steps(
 ) -> Iterator[Instant | int]:
     """Yields the instants after each step up to an end [s].
 
-    Where there is no state before the end, a status is the last that is yielded.
+    Where there is no state before the end, a status is the last that is yielded: that of the
+    bearings, after some shorter steps, or NO_HEAT_BALANCE if the integration fails.
 
     tolerance: relative error of a step.
     """

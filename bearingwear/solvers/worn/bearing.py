@@ -154,7 +154,10 @@ class WornBearing:
         return max(ends)
 
     def _unworn_race(self, k: int) -> WornRace:
-        """Returns race k without wear, with cells for the present length of its contact."""
+        """Returns race k without wear, with cells for the present length of its contact.
+
+        Sets `status` if there are no such cells.
+        """
         n, m = self.cell_numbers
         n = 2 * round(0.5 * n * self.ends[k] / CELLS_END)
         rows = m + int(self.rows_added[k])
@@ -279,7 +282,10 @@ class WornBearing:
     def _start_from_even_wear(
         self, status: int, p: ThrustProblem, D: float, wear: WornDepths
     ) -> bool:
-        """Sets the state with evenly worn balls as the start; returns whether there is one."""
+        """Sets the state with evenly worn balls as the start; returns whether there is one.
+
+        It is not tried after a failure other than NOT_CONVERGED (`status`).
+        """
         if status != code.NOT_CONVERGED:
             return False
         return self._start_evenly(p, D).status == code.OK
@@ -321,7 +327,8 @@ class WornBearing:
     def _has_jumped(self, start: WornSeat, seat: WornSeat, slip: np.ndarray) -> bool:
         """Returns whether slip of a contact set in as the race moved on in a step of wear.
 
-        Another state may then lie nearer.
+        It sets in where its share rises by more than `_SLIP_SETS_IN`. Another state may then lie
+        nearer.
 
         slip: (2, 5), that of `FrictionWork` in the state.
         """
@@ -487,6 +494,8 @@ class WornBearing:
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
         """Sets the start of the next solve by extrapolation from two states.
 
+        Beyond `LONGEST_AHEAD` the start stays as it is.
+
         share: of their difference, beyond the second one.
         """
         if share <= LONGEST_AHEAD:
@@ -502,7 +511,10 @@ class WornBearing:
     def _state_in_cells(
         self, p: ThrustProblem, D: float, wear: WornDepths
     ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
-        """Returns seat, motion, races and friction buffers, with the cells that the state needs."""
+        """Returns seat, motion, races and friction buffers, with the cells that the state needs.
+
+        Cells are added until the contacts fit, `_MOST_WIDENINGS` times at most. Sets `loaded`.
+        """
         arcs, bare = self._arcs(wear), [UNWORN_ARC, UNWORN_ARC]
         bare_friction = AS_WITH_FILM if self.films is None else self.films.bare_friction
         if bare_friction >= 0.0:
@@ -595,7 +607,10 @@ class WornBearing:
         return np.clip(arc_values(arc, x + self.shift(k, alpha, g)), 0.0, 1.0)
 
     def shift(self, k: int, alpha: float, g: Geometry) -> float:
-        """Returns S - x of groove k at a contact angle [m]: `arc_shift` in plain Python."""
+        """Returns the place on the arc of groove k of a contact's middle [m].
+
+        It is S - x, place on the arc less that in the contact: `arc_shift` in plain Python.
+        """
         return SIDES[k] * (g.r_i, g.r_o)[k] * (alpha - float(self.angle[k]))
 
     def count_from(self, point: WornPoint) -> None:
@@ -703,8 +718,10 @@ class WornBearing:
     def _widen_cells(self, status: int) -> bool:
         """Adds cells where a contact has grown to the ends or edges of its own.
 
+        Returns whether cells were added. A race that gets more of them starts with the pressures of
+        its unworn contact.
+
         status: of the last solve with these cells.
-        Returns whether cells were added.
         """
         races, self.ends, self.rows_added = [], self.ends.copy(), self.rows_added.copy()
         for k, (race, ends) in enumerate(zip(self.races, self.loaded, strict=True)):

@@ -35,6 +35,8 @@ class WornCheck:
     ) -> bool:
         """Returns whether contacts, friction of films and the power balance are right.
 
+        Each has its limit: `LARGEST_GAP`, `LARGEST_RESIDUAL`, `LARGEST_POWER_ERROR`.
+
         races, seat: of the state.
         slip: (2, 5), that of `FrictionWork`: QV, heat, share, torque, friction coefficient.
         u: motion (4,) of the ball [rad/s].
@@ -62,7 +64,8 @@ class WornCheck:
     def _is_closed(self, k: int, race: WornRace, force: WornForce) -> bool:
         """Returns whether contact k is right: bodies touch where they press, under the right load.
 
-        They never overlap, and nothing pulls.
+        They never overlap, and nothing pulls. The influence of its cells on one another is kept for
+        the next check.
         """
         places = race.cells.X
         if self._influence[k][0] is not places:

@@ -32,7 +32,10 @@ class WornDepths:
 
     @property
     def deepest(self) -> np.ndarray:
-        """Returns the largest depth in inner and outer groove, and the depth of the balls (3,)."""
+        """Returns the largest depth of inner groove, outer groove and balls (3,) [m].
+
+        That of the balls is half of their loss of diameter.
+        """
         return np.array([*self.grooves.max(axis=1), 0.5 * self.ball])
 
     def plus(self, dt: float, rate: "WornDepths") -> "WornDepths":
@@ -96,9 +99,10 @@ def spread_by_wander(
 ) -> np.ndarray:
     """Returns values at equally spaced places, spread over a grid by the wander of the track.
 
-    Their integral is kept.
+    Their integral is kept, but for what the wander moves beyond the ends of the grid.
 
-    wander: rms of the places, in the unit of the grid.
+    grid: equally spaced; values outside `places` are 0.
+    wander: rms of a Gaussian, in the unit of the grid; 0 for none.
     """
     on_grid = np.interp(grid, places, values, left=0.0, right=0.0)
     step = grid[1] - grid[0]
@@ -122,6 +126,9 @@ def _gaussian(rms: float) -> np.ndarray:
 def seat_of_case(case: ThrustCase, g: Geometry, D: float, worn: float) -> WornSeat:
     """Returns the position of a ball whose contacts bear the loads of a Hertzian state.
 
+    Its forces are not computed (`NO_FORCE`).
+
+    D: worn ball diameter [m].
     worn: depth of the outer groove beyond its pressed surface [m].
     """
     alpha = case.contacts[1, ANGLE]

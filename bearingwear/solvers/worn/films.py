@@ -63,6 +63,9 @@ class WornFilms:
     def bare(self, race_depth: np.ndarray, ball_depth: float, spread: float) -> np.ndarray:
         """Returns the share of each place of a groove on which no film is left [1].
 
+        A place is covered by the race's film or by the balls', whichever covers more. 0 where no
+        film can wear through.
+
         race_depth, spread: as `depth` and `spread` of `cover_of_race`.
         ball_depth: worn off the balls [m].
         """
@@ -93,7 +96,10 @@ class WornFilms:
         return self.films.factors(on_ball, on_race, ball_depth, race_depth, table_factor)
 
     def bare_parts(self, wear: WornDepths) -> np.ndarray:
-        """Returns whether the deepest place of each film begins to be bare, and is bare (2, 3)."""
+        """Returns whether the deepest place of each film begins to be bare, and is bare (2, 3).
+
+        Columns: inner race, outer race, balls; False for a part without a film.
+        """
         ends = np.array([[1.0 - FILM_EDGE], [1.0]])
         thickness = self.films.thickness
         return (thickness > 0.0) & (wear.deepest > (ends - FILM_END_SHARE) * thickness)

@@ -80,7 +80,7 @@ class Worn(Steady):
     def elsewhere(self, scene: Scene) -> "Worn":
         """Returns the solver with the same grooves at the speed and temperatures of a scene.
 
-        They wear no further.
+        Both share one bearing, whose grooves wear no further from now on.
         """
         solver = copy.copy(self)
         solver.scene, solver.problem = scene, self.problem.of(scene).without_finer
@@ -90,7 +90,7 @@ class Worn(Steady):
 
     @property
     def heat_error(self) -> float:  # type: ignore[override]
-        """Returns the error of the heat of a state on the way, which is balanced roughly."""
+        """Returns the relative error of the heat of a roughly balanced state on the way; else 0."""
         return _HEAT_OF_ROUGH * ROUGH if self.bearing.on_the_way else 0.0
 
     @staticmethod
@@ -100,7 +100,11 @@ class Worn(Steady):
         return Condition(wear.ball + deepest, depths=wear)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Returns the bearing solved, from its last state; `near` is not used."""
+        """Returns the bearing solved, from its last state; `near` is not used.
+
+        It has no stiffness, see `with_stiffness`. On failure all numbers are NaN, and the bearing
+        keeps its last state.
+        """
         assert condition.depths is not None
         point = self.bearing.solve(condition.depths, self.problem_in(condition))
         if point.status != code.OK:
@@ -117,7 +121,10 @@ class Worn(Steady):
         )
 
     def with_stiffness(self, solution: SolvedBearing) -> SolvedBearing:
-        """Returns the last solution with both stiffnesses."""
+        """Returns the last solution with both stiffnesses, NaN where a state nearby is missing.
+
+        Its steepness becomes the slope of the next solves.
+        """
         dynamic, quasistatic = self.bearing.axial_stiffnesses(solution.answer).tolist()
         with_both = solution._replace(stiffness=dynamic, quasistatic=quasistatic, slope=math.nan)
         self.memory.slope = with_both.steepness
@@ -139,7 +146,7 @@ class Worn(Steady):
         return self.bearing.rate(solution.answer, ball, race, solution.scene)
 
     def approach_loss(self, point: WornPoint) -> float:
-        """Returns L: ball diameter lost, and the approach of the contacts beyond Hertz [m]."""
+        """Returns L: ball diameter lost, plus the approach of both contacts beyond Hertz' [m]."""
         loss = self.start.loss + point.wear.ball
         for k, force in enumerate(point.forces):
             depth = self.bearing.lengths(point)[k]
@@ -149,7 +156,7 @@ class Worn(Steady):
     def even_loss(self, point: WornPoint) -> float:
         """Returns L_eq: even loss of diameter with the same rotor position or preload [m].
 
-        At the start it is that of the scene.
+        The first call defines its zero: there it is the loss of the scene. NaN where none is found.
         """
         if self.memory.offset is None:
             self.memory.offset = 0.0
@@ -198,7 +205,11 @@ class Worn(Steady):
         return State(point.status, values, solution)
 
     def _film_values(self, solution: SolvedBearing) -> dict[str, Any]:
-        """Returns the result variables that films and running in change; empty without any."""
+        """Returns the result variables that films and running in change; empty without any.
+
+        `film_left` has the order inner race, outer race, balls; `film_worn_share` is the mean over
+        the loaded cells of the inner and of the outer contact.
+        """
         films, point = self.bearing.films, solution.answer
         if films is None:
             return {}

@@ -10,7 +10,7 @@ import bisect
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,7 +39,7 @@ SWEPT_FACTORS = tuple(2.0 ** (k / 4) for k in range(-12, 21))
 """Preloads of the first lives, over the scene's own: an eighth to 32 times."""
 
 _RANGE_STEP = 8.0
-"""Factor by which the range is extended once, beyond an end with the best life."""
+"""Factor by which the range of preloads is extended once, beyond an end with the best life."""
 
 _STEPS_BEYOND_END = 6
 """Number of preloads in the extension of the range."""
@@ -51,20 +51,20 @@ _LITTLE_LONGER = 1.1
 """Ratio of the lives beyond an end and at it up to which the preload at the end is taken."""
 
 _EDGE = 5e-3
-"""Width in log preload to which the edges of what requirements allow are found: a life may change
-with a power of the preload there."""
+"""Width in the logarithm of the preload to which the edges of what requirements allow are found: a
+life may change with a power of the preload there."""
 
 _GAIN = 5e-3
-"""Share of the life for which no further life is solved."""
+"""Relative gain of the life up to which no further life is solved for it."""
 
 _ROUGH = 0.05
-"""Share of a requirement; broken by less, it may be the error of a quick life."""
+"""Relative margin by which a requirement may seem broken by the error of a quick life alone."""
 
 SIMILAR = 0.9
 """Least share of the longest life at which a preload may be set in place of the recommended one."""
 
 _END_WIDTH = 0.06
-"""Width in log preload to which the ends of these preloads are found."""
+"""Width in the logarithm of the preload to which the ends of the settable ones are found."""
 
 _AT_LIMIT = 5e-3
 """Relative margin of a requirement below which it is on its limit."""
@@ -83,7 +83,7 @@ class PreloadPoint:
 
     @property
     def life(self) -> float:
-        """Returns the life [s]; zero where it was not solved."""
+        """Returns the life [s]; zero where it was not solved, or of new bearings alone."""
         life = self.values.get("life", 0.0) if self.values["status"] == OK else 0.0
         return life if life > 0.0 else 0.0
 
@@ -95,8 +95,9 @@ class PreloadPoint:
     def margins(self, limits: DesignLimits) -> np.ndarray:
         """Returns the relative margins (n + 1,) of n requirements; negative ones are violated.
 
-        The last margin is 1 for a practical design, else -1. A margin is -1 where nothing was
-        solved or the value is NaN, and infinite for a measure that new bearings do not have.
+        They are in the order of `limits.effective`, each the least of its measure. The last one is
+        1 for a practical design, else -1. A margin is -1 where nothing was solved or all values are
+        NaN. It is infinite for a measure that new bearings do not have.
         """
         if self.values["status"] != OK:
             return np.full(len(limits.effective) + 1, -1.0)
@@ -113,7 +114,7 @@ class PreloadPoint:
         return np.array(margins)
 
     def is_allowed(self, limits: DesignLimits) -> bool:
-        """Whether all requirements are met and, unless bearings are new, the life is above zero."""
+        """Returns whether all requirements are met; of a life, also whether it is above zero."""
         has_life = self.solved == NEW_BEARING or self.life > 0.0
         return has_life and bool(self.margins(limits).min() >= 0.0)
 
@@ -124,13 +125,16 @@ class PreloadLine:
 
     method: str
     grid: Sequence[float]  # preloads of the first lives [N], rising
-    new: dict[float, PreloadPoint] = field(default_factory=dict)
-    lives: dict[float, PreloadPoint] = field(default_factory=dict)
+    new: dict[float, PreloadPoint] = field(default_factory=dict)  # new bearings, by preload [N]
+    lives: dict[float, PreloadPoint] = field(default_factory=dict)  # by preload [N]
     # where the longest life is at an end of the range: the best point beyond it
     best_beyond_end: PreloadPoint | None = None
 
     def points(self, limits: DesignLimits) -> list[PreloadPoint]:
-        """Returns lives, and new bearings that do not meet the requirements; rising in preload."""
+        """Returns the points with a life, and new bearings that are not allowed, rising in preload.
+
+        At a preload with both, it is the life.
+        """
         refused = {p: point for p, point in self.new.items() if not point.is_allowed(limits)}
         return [point for _, point in sorted((refused | self.lives).items())]
 
@@ -140,9 +144,10 @@ class PreloadLine:
         return max(allowed, key=lambda point: point.life, default=None)
 
     def may_live(self, preload: float, limits: DesignLimits) -> bool:
-        """Whether a life at a preload [N] may be allowed.
+        """Returns whether a life at a preload [N] may be allowed.
 
-        It cannot be if new bearings were solved there and break a requirement.
+        It cannot be if new bearings were solved there and break a requirement. True where they were
+        not tried, or not solved.
         """
         new = self.new.get(preload)
         return new is None or new.values["status"] != OK or new.is_allowed(limits)
@@ -165,24 +170,32 @@ class _Job(NamedTuple):
 
 @dataclass
 class PreloadSearch:
-    """Lives of a scene over preload, by each method."""
+    """Lives of a scene over preload, by each method.
+
+    The longest life is looked for within all requirements but that on the life itself: so it is
+    known, too, where it is too short.
+    """
 
     scene: Scene
     limits: DesignLimits
     answers_at: AnswersAt = map
     lines: list[PreloadLine] = field(init=False)
+    but_life: DesignLimits = field(init=False)  # the limits without that on the life
 
     def __post_init__(self) -> None:
+        no_life: dict[str, Any] = {"life_h": None}
+        self.but_life = replace(self.limits, **no_life)
         centre = self.scene.operation.preload_N
         preloads = {round_factor(factor, centre) for factor in SWEPT_FACTORS}
         grid = sorted(preload for preload in preloads if preload <= largest_permitted_preload())
         self.lines = [PreloadLine(method, grid) for method in PRELOAD_METHODS]
 
     def solve(self, choice: PreloadChoice, solved: int, limits: DesignLimits | None = None) -> bool:
-        """Solves the chosen preloads of all lines; returns whether there are any.
+        """Solves the chosen preloads of all lines; returns whether any were chosen.
 
-        New bearings are solved before lives: a preload at which they break a requirement has none.
+        New bearings are solved before lives. Where they break a requirement, no life is solved.
 
+        choice: returns the preloads of a line [N].
         solved: NEW_BEARING, QUICK_LIFE or EXACT_LIFE.
         limits: requirements in place of those of the search.
         """
@@ -230,7 +243,7 @@ class PreloadSearch:
         preloads = self._preloads_beside_best(line) or self._preloads_at_worn_edges(line)
         if preloads:
             return preloads
-        bests = [other.best(self.limits) for other in self.lines]
+        bests = [other.best(self.but_life) for other in self.lines]
         longest = int(np.argmax([best.life if best else 0.0 for best in bests]))
         return self._preloads_at_ends(line) if line is self.lines[longest] else []
 
@@ -251,7 +264,7 @@ class PreloadSearch:
         point that breaks them less than its neighbours, up to the width `_EDGE`.
         """
         points = [line.new[p] for p in sorted(line.new)]
-        least = [point.margins(self.limits).min() for point in points]
+        least = [point.margins(self.but_life).min() for point in points]
         gaps = {k for k in range(len(points) - 1) if (least[k] >= 0.0) != (least[k + 1] >= 0.0)}
         for k in range(1, len(points) - 1):
             if least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1]):
@@ -264,8 +277,8 @@ class PreloadSearch:
 
         The ends and the middle of each range that they allow are among them.
         """
-        preloads = {p for p in line.grid[::2] if line.may_live(p, self.limits)}
-        ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.limits))
+        preloads = {p for p in line.grid[::2] if line.may_live(p, self.but_life)}
+        ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.but_life))
         for is_allowed, range_preloads in ranges:
             if is_allowed:
                 lowest, *others = range_preloads
@@ -279,14 +292,14 @@ class PreloadSearch:
     def _further_preloads(self, line: PreloadLine) -> list[float]:
         """Returns the other preloads [N] of the grid at which a life may be longer than the best.
 
-        It cannot be between two shorter lives that the same criterion ends.
+        Those between two shorter lives that the same criterion ends are left out.
         """
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         longest = best.life if best else 0.0
         solved_preloads = sorted(line.lives)
         preloads = []
         for p in line.grid:
-            if p in line.lives or not line.may_live(p, self.limits):
+            if p in line.lives or not line.may_live(p, self.but_life):
                 continue
             k = bisect.bisect(solved_preloads, p)
             neighbours = [line.lives[near] for near in solved_preloads[max(k - 1, 0) : k + 1]]
@@ -299,19 +312,21 @@ class PreloadSearch:
     def _preloads_at_worn_edges(self, line: PreloadLine) -> list[float]:
         """Returns preloads [N] where worn bearings come to meet the requirements.
 
-        They lie between a life that is longer than the best but breaks requirements, and one that
-        meets them: a narrow range between may be allowed, if another criterion soon ends the life.
-        Those beside the best one are left out.
+        They lie between a life that is longer than the best but breaks requirements, and a point
+        that meets them: a narrow range between may be allowed, if another criterion soon ends the
+        life. Gaps up to the width `_EDGE`, and those beside the best point, are left out.
         """
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         longest = best.life if best else 0.0
         preloads = []
-        for point, following in itertools.pairwise(line.points(self.limits)):
+        for point, following in itertools.pairwise(line.points(self.but_life)):
             if _log_width(point, following) <= _EDGE:
                 continue
             for broken, met in ((point, following), (following, point)):
                 is_longer = broken.solved != NEW_BEARING and broken.life > longest
-                is_edge = broken.margins(self.limits).min() < 0.0 <= met.margins(self.limits).min()
+                is_edge = (
+                    broken.margins(self.but_life).min() < 0.0 <= met.margins(self.but_life).min()
+                )
                 if is_longer and is_edge and met is not best:
                     preloads.append(self._preload_between(met, broken))
         return preloads
@@ -319,9 +334,10 @@ class PreloadSearch:
     def _extend(self, line: PreloadLine) -> PreloadPoint | None:
         """Extends the range of a line once if its best preload is at an end.
 
-        Returns the best point, at that end; None if the range was not extended.
+        Returns the best point, at that end; None if the grid is as before. The new preloads are not
+        solved yet.
         """
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         if best is None or line.best_beyond_end:
             return None
         if best.preload not in (line.grid[0], line.grid[-1]):
@@ -335,11 +351,14 @@ class PreloadSearch:
         return best if preloads else None
 
     def _shorten(self, line: PreloadLine, end: PreloadPoint) -> None:
-        """Takes back an extension of the range if the life is hardly longer beyond its end.
+        """Takes back an extension of the range if the life beyond its end is hardly longer.
+
+        Keeps the best point beyond as `best_beyond_end`, and drops all others there. Nothing
+        changes if the life is at least `_LITTLE_LONGER` times as long, or not longer at all.
 
         end: the point at the end of the range before.
         """
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         assert best is not None
         if best is end or best.life >= _LITTLE_LONGER * end.life:
             return
@@ -360,14 +379,14 @@ class PreloadSearch:
         are dropped from the line first.
         """
         line.lives = {p: point for p, point in line.lives.items() if self._is_kept(line, point)}
-        best = line.best(self.limits)
+        best = line.best(self.but_life)
         if best is None:
             return []
         preloads = {best.preload}
-        points = line.points(self.limits)
+        points = line.points(self.but_life)
         k = _index_at_preload(points, best)
         for near in (*points[max(k - 1, 0) : k], *points[k + 1 : k + 2]):
-            margin = near.margins(self.limits).min()
+            margin = near.margins(self.but_life).min()
             may_gain = self._may_gain(best, near)
             is_refused_by_quick_life = near.solved == QUICK_LIFE and margin < 0.0
             if is_refused_by_quick_life and (margin > -_ROUGH or not may_gain):
@@ -378,17 +397,19 @@ class PreloadSearch:
         return sorted(preloads - exact_preloads)
 
     def _may_gain(self, best: PreloadPoint, near: PreloadPoint) -> bool:
-        """Whether a life between two preloads may be longer than the best one by more than `_GAIN`.
+        """Returns whether a life between two preloads may be longer than the best by `_GAIN`.
 
         Towards a preload that is not allowed, or where another criterion ends the life, it may rise
-        by any power of the preload. Else it changes at most in proportion to the preload, and
-        one that falls faster from the best to the near preload jumps between these.
+        by any power of the preload: the answer is whether they are farther apart than `_EDGE`.
+        Otherwise it changes at most in proportion to the preload. One that falls faster from the
+        best to the near preload jumps between these.
         """
         width = abs(_log_width(best, near))
-        is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.limits)
+        is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.but_life)
         if is_edge or best.end_criterion != near.end_criterion:
             return width > _EDGE
         drop = math.log(best.life / near.life)
+        # without a jump it rises and then falls in proportion, to a peak where both lines meet
         largest_gain = width if drop > width else 0.5 * (width - drop)
         return largest_gain > _GAIN
 
@@ -400,8 +421,8 @@ class PreloadSearch:
 
         best: a point that meets all requirements.
         """
-        inside = best.margins(self.limits)
-        outside = near.margins(self.limits)
+        inside = best.margins(self.but_life)
+        outside = near.margins(self.but_life)
         is_broken = (outside < 0.0) & (outside > -1.0)
         if not is_broken.any() or (outside <= -1.0).any():
             return _middle_preload(best, near)
@@ -413,7 +434,10 @@ class PreloadSearch:
         return round_number(best.preload * math.exp(share * width), low, high)
 
     def _is_kept(self, line: PreloadLine, point: PreloadPoint) -> bool:
-        """Whether a life is exact, or has no exact ones on both sides within a step of the grid."""
+        """Returns whether a life is kept: false of a quick one between close exact ones.
+
+        They are close if one on each side is within a step of the first grid.
+        """
         if point.solved == EXACT_LIFE:
             return True
         step = SWEPT_FACTORS[1] / SWEPT_FACTORS[0]
@@ -466,18 +490,20 @@ class PreloadSearch:
         It is the requirement that a neighbour breaks by most, else a neighbour without solution, a
         requirement that the best preload just meets, the end of the range, another end of life, or
         nothing.
+
+        best: a point of the line.
         """
-        points = line.points(self.limits)
+        points = line.points(self.but_life)
         k = _index_at_preload(points, best)
         neighbours = [points[j] for j in (k - 1, k + 1) if 0 <= j < len(points)]
-        names = [*self.limits.effective, ACTIVE[NOT_PRACTICAL]]
-        margins = best.margins(self.limits)
+        names = [*self.but_life.effective, ACTIVE[NOT_PRACTICAL]]
+        margins = best.margins(self.but_life)
         is_at_limit = margins.min() < _AT_LIMIT
         refused = [
-            point.margins(self.limits)
+            point.margins(self.but_life)
             for point in neighbours
             if point.values["status"] == OK
-            and point.margins(self.limits).min() < 0.0
+            and point.margins(self.but_life).min() < 0.0
             and (point.solved == NEW_BEARING or point.life > best.life)
         ]
         if refused:

@@ -48,7 +48,7 @@ _END_WIDTH = 0.02
 _FARTHEST = 2.0
 """Factor by which a requirement is moved either way, at most."""
 
-_MOVES = 24  # values of a requirement from now to the farthest
+_MOVES = 24  # number of values of a requirement that are tried, from now to the farthest
 
 CHANGES = table(
     Variable("value_now", ("change",), "", "value now, in the unit of its key"),
@@ -66,7 +66,8 @@ CHANGES = table(
 class Change:
     """An assumption, and the values at which the other method lives longer.
 
-    Values are in the unit of the assumption's key, and NaN where none that was tried is such.
+    Values are in the unit of the assumption's key. They are NaN where no value that was tried lets
+    the other method live longer.
     """
 
     name: str  # key of a scene, or `LIMIT_KEY` and the name of a requirement
@@ -93,7 +94,10 @@ def changes_dataset(changes: Sequence[Change]) -> xr.Dataset:
 
 
 def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -> list[Change]:
-    """Returns what would change the choice between two preload methods; nothing without a life.
+    """Returns what would change the choice between two preload methods.
+
+    They are requirements and, if both methods have a recommended point, friction, warmth and worn
+    grooves. The list is empty if no method has a life.
 
     search: run before, with a line for each method.
     best: the recommended point of each line; None without one.
@@ -102,7 +106,7 @@ def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -
     if not max(lives) > 0.0:
         return []
     better = int(np.argmax(lives))
-    # values of a requirement are tried by factors of the present one, which zero has not
+    # values of a requirement are tried by factors of the present one, so that of zero has none
     names = [name for name, value in search.limits.given.items() if value > 0.0]
     changes = [_limit_change(search, name, better) for name in names]
     points = [point for point in best if point is not None]
@@ -132,17 +136,19 @@ def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -
     """Returns the value of a requirement at which the other method becomes better.
 
     Values go from the present one to the farthest, each with its own best preloads. Returns NaN
-    where none changes the choice.
+    where none changes the choice, or where neither method has a life any more. Towards looser
+    values, it solves quick lives at preloads that become allowed, and adds them to the search.
 
     better: number of the line with the longer life now.
     """
     limits = search.limits
     now = limits.given[name]
     is_looser = (farthest > now) != LIMITED[name].falls
-    if is_looser:  # preloads that are not allowed now come in
+    if is_looser:  # preloads that are not allowed now may become so
         loosest = _with_limit(limits, name, farthest)
         search.solve(partial(_newly_allowed, limits=limits, looser=loosest), QUICK_LIFE, loosest)
-    previous_advantage = 1.0  # positive now, its size does not matter
+    # stands for the present one; its size matters only if the first value tried has no advantage
+    previous_advantage = 1.0
     for value in np.geomspace(now, farthest, _MOVES + 1)[1:].tolist():
         advantage = _advantage(search.lines, _with_limit(limits, name, value), better)
         if math.isnan(advantage):
@@ -155,7 +161,11 @@ def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -
 
 
 def _limit_range(now: float, name: str) -> tuple[float, float]:
-    """Returns the lowest and highest value of a requirement that are tried."""
+    """Returns the lowest and highest value of a requirement that are tried, in its unit.
+
+    They are a factor of `_FARTHEST` away from the present one; the highest is not above the largest
+    that is allowed.
+    """
     _, highest = Key(within=LIMITED[name].limit[1]).ends
     return now / _FARTHEST, max(now, min(_FARTHEST * now, highest))
 
@@ -178,7 +188,7 @@ def _newly_allowed(line: PreloadLine, limits: DesignLimits, looser: DesignLimits
 def _advantage(lines: Sequence[PreloadLine], limits: DesignLimits, better: int) -> float:
     """Returns the logarithm of the better method's best life over the other's.
 
-    NaN where neither has a life.
+    Infinite where one has no life, NaN where neither has one.
 
     lines: of both methods.
     better: number of the better one by the present requirements.
@@ -189,9 +199,10 @@ def _advantage(lines: Sequence[PreloadLine], limits: DesignLimits, better: int) 
 
 
 def _log_ratio(life: float, other_life: float) -> float:
-    """Returns the logarithm of a life over another, infinite if one of them is zero.
+    """Returns the logarithm of a life over another, positive if the first is longer.
 
-    NaN if one is NaN or both are zero.
+    It is +inf if only the other is zero, -inf if only the first is, NaN if one is NaN or both are
+    zero.
     """
     if not max(life, other_life) > 0.0 or math.isnan(life + other_life):
         return math.nan
@@ -204,6 +215,8 @@ def _share_to_zero(start: float, end: float) -> float:
     """Returns the share of the way from one advantage to another at which it is zero.
 
     The advantage changes evenly on the way. The share is a half where one end is infinite.
+
+    start, end: advantages, as by `_log_ratio`, that differ.
     """
     return start / (start - end) if math.isfinite(start - end) else 0.5
 
@@ -231,7 +244,9 @@ def interpolated_best_life(line: PreloadLine, limits: DesignLimits) -> float:
 
 
 def _allowed_shares(start: np.ndarray, end: np.ndarray) -> tuple[float, float]:
-    """Returns the lowest and highest share of a way along which no margin is negative.
+    """Returns the lowest and highest share of a way between which no margin is negative.
+
+    Margins change evenly on the way.
 
     start, end: margins (n,) at the ends of the way; at one end at least, none is negative.
     """
@@ -266,6 +281,7 @@ def _assumption_changes(
         answers = search.answers_at(quick_life, [*unchanged, *changed])
         lives = [answer.get("life", math.nan) for answer in answers]
         if not exact_over_quick:
+            # the first answers are those of the unchanged scenes, one for each point
             exact_over_quick = [
                 point.life / life if life > 0.0 else 1.0
                 for point, life in zip(best, lives, strict=False)
@@ -283,7 +299,10 @@ def _assumption_changes(
 def _assumptions(scene: Scene, advantage: float) -> list[_Assumption]:
     """Returns the assumptions on friction and warmth of a scene, with the values to try first.
 
-    advantage: of the better method now.
+    One on friction is left out without friction, and one on warmth where a thermal network
+    determines the temperatures.
+
+    advantage: of the better method now, as by `_log_ratio`.
     """
     key, friction = friction_of(scene)
     assumptions = []
@@ -336,7 +355,7 @@ class _Bracket:
 
     @property
     def is_open(self) -> bool:
-        """Whether the advantage is not known at the end."""
+        """Returns whether the advantage is not known at the end."""
         return math.isnan(self.end_advantage)
 
     @property
@@ -351,7 +370,10 @@ class _Bracket:
 
     @property
     def zero(self) -> float:
-        """Returns the value at which the advantage is lost; NaN if it is not known at the end."""
+        """Returns the value at which the advantage is lost, by a straight line between the ends.
+
+        NaN if the advantage is not known at the end.
+        """
         if self.is_open:
             return math.nan
         share = _share_to_zero(self.start_advantage, self.end_advantage)
@@ -362,6 +384,9 @@ class _Bracket:
 class _Assumption:
     """An assumption, and the values of it that are tried.
 
+    name: key of the scene that it is about.
+    change: returns a scene with a value of the assumption.
+    now: its present value.
     advantages: logarithm of the better method's life over the other's, by values of the assumption.
     wanted: values to try next.
     """
@@ -376,14 +401,14 @@ class _Assumption:
     def values_between(self) -> list[float]:
         """Returns the values to try next, where the advantage is lost below and above the present.
 
-        They are the middles of brackets; none where these are narrow enough.
+        They are the middles of the brackets on both sides, but for one that is narrow enough.
         """
         width = _END_WIDTH * (max(self.advantages) - min(self.advantages))
         brackets = (self._bracket(-1), self._bracket(1))
         return [bracket.middle for bracket in brackets if bracket and bracket.width > width]
 
     def _bracket(self, sign: int) -> _Bracket | None:
-        """Returns where the advantage is first lost; None if it nowhere is.
+        """Returns the bracket in which the advantage is first lost or unknown; None without one.
 
         sign: -1 below the present value, 1 above it.
         """
@@ -395,9 +420,9 @@ class _Assumption:
 
     @property
     def outcome(self) -> Change:
-        """Returns the values at which the other method is better, and the range that was tried.
+        """Returns the change by the values tried: where the other method is better, and the range.
 
-        The range ends where the advantage is not known.
+        The range ends where the advantage is not known any more.
         """
         low = self._bracket(-1)
         high = self._bracket(1)
@@ -453,14 +478,17 @@ def with_friction(value: float, scene: Scene) -> Scene:
 
 
 def with_warm_inner_ring(kelvin: float, scene: Scene) -> Scene:
-    """Returns a scene whose inner ring alone is warmer by a difference [K]."""
+    """Returns a scene whose inner ring alone is warmer by a difference [K].
+
+    SceneError: its materials differ and lack a thermal expansion.
+    """
     parts = temperatures(scene)
     warmer = replace(parts, inner_ring_C=(parts.inner_ring_C or 0.0) + kelvin)
     return replace(scene, temperature=warmer)
 
 
 def quick_life(scene: Scene) -> dict[str, Any]:
-    """Returns the shortest quick `life` of a scene's cases [s]; NaN where one was not solved."""
+    """Returns the shortest quick `life` of a scene's cases [s]; NaN where any was not solved."""
     return {"life": float(np.min([_quick_life(case) for case in cases_that_wear(scene).values()]))}
 
 

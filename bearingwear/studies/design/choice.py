@@ -51,6 +51,8 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
 
     A line has one preload method, friction and speed.
 
+    The parts were solved without requirements, but the limit of the gyroscopic slip share.
+
     limits: requirements by the keys of `DesignLimits`.
     CaseFileError: parts of different maps, a missing part, or another slip limit in the parts.
     """
@@ -120,8 +122,8 @@ class _LineOfMap(NamedTuple):
     """Points of a map along the preload."""
 
     is_solved: np.ndarray  # (preloads,)
-    lives: np.ndarray  # (preloads,)
-    margins: np.ndarray  # (limits and practice, preloads)
+    lives: np.ndarray  # (preloads,) [h]
+    margins: np.ndarray  # of the limits, and last 1 or -1 for a practical design (n + 1, preloads)
 
     @property
     def best_index(self) -> int | None:
@@ -135,6 +137,9 @@ class _LineOfMap(NamedTuple):
 
     def active_limit(self, best: int, names: Sequence[str]) -> int:
         """Returns the index into `ACTIVE` of what keeps the best preload from a longer life.
+
+        It is the limit that the neighbour with the longest life violates by most, if that is longer
+        than the best. Else it is a neighbour that was not solved, the end of the range, or nothing.
 
         best: index of the best preload.
         names: of the margins.
@@ -183,14 +188,17 @@ def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray,
 
 
 def preload_text(recommended: xr.Dataset) -> str:
-    """Returns the recommended preload of a method [N], in the digits that it is to be set with."""
+    """Returns the recommended preload of a method [N] as text, in the digits to set it with.
+
+    A dash stands for none.
+    """
     return f"{float(recommended['preload']):.7g}".replace("nan", "–")
 
 
 def stiffness_of(design: xr.Dataset) -> Measure:
-    """Returns the measure of stiffness that counts: of the arrangement, or of a bearing.
+    """Returns the measure of axial stiffness that counts: of the arrangement, or of a bearing.
 
-    It is that of a bearing if a requirement limits that alone.
+    It is that of a bearing if a requirement limits it and no requirement limits the other.
     """
     limits = json.loads(design.attrs.get("limits", "{}"))
     arrangement = LIMITED["system_axial_stiffness_N_um"]
@@ -201,7 +209,11 @@ def stiffness_of(design: xr.Dataset) -> Measure:
 
 
 def pareto_front(design: xr.Dataset) -> xr.DataArray:
-    """Returns a mask over a map, true at points that no other beats in both life and stiffness."""
+    """Returns a mask over a map, true at its Pareto front of life and stiffness.
+
+    No other point is at least as good in both, and better in one. Points that were not solved, and
+    those with a life of zero or infinity, are false.
+    """
     solved = design["status"] == OK
     lives = design["life"].where(solved)
     stiffness = stiffness_of(design).worst(design).where(solved).transpose(*lives.dims)
@@ -212,7 +224,7 @@ def pareto_front(design: xr.Dataset) -> xr.DataArray:
 def design_files(
     design: Path, recommendation: Path, uncertainty: Path | None = None
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset | None]:
-    """Returns the map, the recommendation and, if there is one, the uncertainty of one scene.
+    """Returns the map, the recommendation and the uncertainty of one scene; None without the last.
 
     CaseFileError: a file of another scene, kind or preload methods.
     """

@@ -39,7 +39,7 @@ UNLOADED = (code.CONTACT_LOST, code.PRELOAD_GONE, code.LIFTED_OFF, code.RACE_UNS
 """Statuses of bearings of which one carries nothing."""
 
 SPEED_FOUND_TO = 2e-3
-"""Relative accuracy to which the worst value over speed of a limited quantity is found."""
+"""Relative accuracy of the worst value over speed of a limited quantity."""
 
 NEAR_LIMIT = 0.3
 """Margin of a limit up to which the worst value over speed is looked for between the speeds."""
@@ -52,9 +52,11 @@ _LEAST_SHARE = 0.01  # of the full speed: as good as at rest
 
 _NARROW = 1e-3  # of the full speed: speeds this close count as the same one
 _WIDE, _CLOSE = 0.2, 0.02
-"""Shares of the full speed: three speeds round the worst are halved if they span more than the
-first; a lowest point within the second of the middle one is not solved. An eighth of both holds
-where a limit is just met or broken."""
+"""Shares of the full speed, an eighth of which holds where a limit is just met or broken.
+
+If three speeds round the worst one span more than the first, another speed is solved between them.
+The lowest point of a parabola is not solved if it is within the second of the middle speed.
+"""
 
 _AT_LIMIT = 0.1  # margin of a limit up to which its worst speed is found more closely
 _PEAK_HIDDEN = 0.2  # of the worst value: by how much a peak may exceed the speeds beside it
@@ -63,6 +65,7 @@ MEASURE_OF = {name: measure for measure in LIMITED.values() for name in measure.
 """Limited measures by the names of their extremes."""
 
 KEPT, QUASISTATIC = "preload_kept", "quasi-static"
+_DYNAMIC_STIFFNESSES = {"system_axial_stiffness", "axial_stiffness"}
 
 Extremes = dict[str, dict[str, Any]]
 """Worst values by the names of extremes: `value` [SI], and the keys of the condition with it."""
@@ -74,14 +77,18 @@ Solve = Callable[[Scene], States]
 class ConditionExtremes(NamedTuple):
     """Extremes in some conditions, or where and how one of these was not solved."""
 
-    extremes: Extremes
-    solves: int = 0
-    status: int = code.OK
-    unsolved: dict[str, Any] | None = None
+    extremes: Extremes  # empty if a condition was not solved
+    solves: int = 0  # number of conditions that were solved or tried
+    status: int = code.OK  # of the condition that was not solved
+    unsolved: dict[str, Any] | None = None  # that condition as plain data, with its status
 
 
 def rotor_frequency(scene: Scene, state: State) -> float:
-    """Returns the rotor's lowest frequency [Hz], on two such bearings if a state has none."""
+    """Returns the rotor's lowest natural frequency [Hz].
+
+    It is that in the state if it is there, as of a pair. Otherwise the rotor is held by two
+    bearings in this state.
+    """
     if "lowest_frequency" in state.values:
         return float(state["lowest_frequency"])
     return lowest_frequency(scene, (state, state))
@@ -92,6 +99,10 @@ def state_extremes(
 ) -> Extremes:
     """Returns the limited quantities of the bearings in one condition, but for those at rest.
 
+    Each is that of the worse bearing. `bearing` is its number 1 or 2, or 0 where both have the same
+    value, where there is only one bearing, or where it is a value of the rotor.
+
+    states: one for each bearing that is solved.
     where: the condition, as plain data.
     with_quasistatic: whether the quasi-static stiffness counts, as it does at the scene's own speed
         alone. Within some 2 % of a speed, where the spin of the balls goes over from one race to
@@ -122,7 +133,8 @@ def state_extremes(
 def extremes_of_life(scene: Scene, nodes: Sequence[Node], where: Mapping[str, Any]) -> Extremes:
     """Returns the extremes from the first node of a life to the last one, in one condition.
 
-    NaN at a node between these is left out: the value lies between those of its neighbours.
+    NaN at a node between these is left out: the value lies between those of its neighbours. NaN at
+    the first or the last node is the extreme.
 
     where: the condition, as plain data without the wear.
     """
@@ -141,7 +153,10 @@ def extremes_of_life(scene: Scene, nodes: Sequence[Node], where: Mapping[str, An
 
 
 def worst_extremes(parts: Iterable[Extremes]) -> Extremes:
-    """Returns the worst value of each quantity over several conditions, with its condition."""
+    """Returns the worst value of each quantity over several conditions, with its condition.
+
+    NaN is worse than any number. Of equal values, it is that of the first condition.
+    """
     worst: Extremes = {}
     for extremes in parts:
         for name, extreme in extremes.items():
@@ -151,7 +166,7 @@ def worst_extremes(parts: Iterable[Extremes]) -> Extremes:
 
 
 def _is_worse(name: str, value: float, other: float) -> bool:
-    """Whether a value of an extreme is worse than another; NaN is worse than any number.
+    """Returns whether a value of an extreme is worse than another; NaN is worse than any number.
 
     name: of the extreme, a key of `MEASURE_OF`.
     """
@@ -161,7 +176,7 @@ def _is_worse(name: str, value: float, other: float) -> bool:
 
 
 class _Unsolved(Exception):
-    """A condition was not solved."""
+    """A condition was not solved: its status, and where it is, as plain data."""
 
     def __init__(self, status: int, where: dict[str, Any]):
         super().__init__()
@@ -197,9 +212,12 @@ class OtherConditions(NamedTuple):
     def extremes(self, at_speed: Extremes, solve: Solve, wear: str) -> ConditionExtremes:
         """Returns the extremes of bearings in one state of wear in all conditions.
 
+        If a condition is not solved, there are none, but its status and where it is. A bearing that
+        carries nothing is not such a failure: the share of its preload that is kept is 0.
+
         at_speed: those at the scene's own speed, which are among them.
         solve: solves the bearings in that state of wear.
-        wear {NEW, BETWEEN, AT_END_OF_LIFE}
+        wear: of `NEW`, `BETWEEN`, `AT_END_OF_LIFE`.
         """
         search = _ConditionSearch(self.scene, solve, wear, {1.0: at_speed})
         shares = SPEED_SHARES if self.quick or wear == NEW else FINE_SHARES
@@ -213,7 +231,8 @@ class OtherConditions(NamedTuple):
     def _search(self, search: _ConditionSearch, shares: Sequence[float]) -> None:
         """Solves lower speeds, those between where a value may be worse, and the cold conditions.
 
-        It ends where some bearing carries nothing, which breaks a limit by itself.
+        It ends where some bearing carries nothing, which breaks a limit by itself. Raises _Unsolved
+        where another condition is not solved, nor are speeds beside it.
 
         search: keeps the extremes.
         shares: of the way from the lowest speed to the full one.
@@ -265,7 +284,7 @@ class _ConditionSearch:
 
     scene: Scene
     solve: Solve
-    wear: str
+    wear: str  # of `NEW`, `BETWEEN`, `AT_END_OF_LIFE`
     by_share: dict[float, Extremes]  # by shares of the full speed
     cold: list[Extremes] = field(default_factory=list)  # at mounting temperature
     solves: int = 0
@@ -276,6 +295,8 @@ class _ConditionSearch:
         """Adds the extremes at a share of the full speed, or next to it if there is no state at it.
 
         At some speeds the motion goes over to another one; speeds beside them stand for these.
+        Raises _Unsolved if none of them is solved, unless some bearing carries nothing at the
+        speed: then no preload is kept, and `is_unloaded` is set.
         """
         first = self._at_share(share)
         if first.status == code.OK:
@@ -288,39 +309,53 @@ class _ConditionSearch:
         self.by_share[share] = self._unloaded(first)
 
     def _at_share(self, share: float) -> ConditionExtremes:
-        """Returns the extremes at a share of the full speed; keeps them if it was solved."""
+        """Returns the extremes at a share of the full speed; keeps them in `by_share` if solved."""
         answer = self._in_condition(OperatingCondition(at_speed_share(self.scene, share)))
         if answer.status == code.OK:
             self.by_share[share] = answer.extremes
         return answer
 
     def add_cold(self, condition: OperatingCondition) -> None:
-        """Adds the extremes in a condition at mounting temperature."""
+        """Adds the extremes in a condition at mounting temperature to `cold`.
+
+        Where it is not solved, as in `add_share`, but without speeds beside it.
+        """
         answer = self._in_condition(condition)
         self.cold.append(answer.extremes if answer.status == code.OK else self._unloaded(answer))
 
     def _in_condition(self, condition: OperatingCondition) -> ConditionExtremes:
-        """Returns the extremes in one condition, or how it was not solved."""
+        """Returns the extremes in one condition, or how it was not solved; counts the solve."""
         where = condition.where(wear=self.wear)
         self.solves += 1
         states = self.solve(condition.scene)
         status = next((state.status for state in states if state.status != code.OK), code.OK)
         if status == code.OK:
-            return ConditionExtremes(
-                state_extremes(condition.scene, states, where, with_quasistatic=False)
-            )
+            extremes = state_extremes(condition.scene, states, where, with_quasistatic=False)
+            return ConditionExtremes(_without_unknown_stiffness(extremes))
         return ConditionExtremes({}, 1, status, where | {"status": code.STATUS_NAMES[status]})
 
     def _unloaded(self, answer: ConditionExtremes) -> Extremes:
-        """Returns extremes with no preload kept, where some bearing carries nothing.
+        """Returns the extremes where some bearing carries nothing: its share of preload kept is 0.
 
-        Raises _Unsolved where that is not the reason.
+        Sets `is_unloaded`. Raises _Unsolved where the condition failed for another reason.
         """
         assert answer.unsolved is not None
         if answer.status not in UNLOADED:
             raise _Unsolved(answer.status, answer.unsolved)
         self.is_unloaded = True
         return {KEPT: answer.unsolved | {"value": 0.0}}
+
+
+def _without_unknown_stiffness(extremes: Extremes) -> Extremes:
+    """Returns extremes without a dynamic stiffness that is not known.
+
+    It has no value where the motion of the balls goes over to another one; speeds beside that have.
+    """
+    return {
+        name: extreme
+        for name, extreme in extremes.items()
+        if name not in _DYNAMIC_STIFFNESSES or not math.isnan(extreme["value"])
+    }
 
 
 class _LowestPoint(NamedTuple):
@@ -336,10 +371,11 @@ def _worse_share(
     """Returns the share of the full speed at which a value should be solved next, or None.
 
     It is where a parabola through three neighbours is worse than all that is known, by more than
-    `SPEED_FOUND_TO`. Else it is beside a bad value whose neighbours are far from each other.
+    `SPEED_FOUND_TO`. Else it is beside a bad value whose neighbours are far from each other. None
+    for fewer than three values, where the worst margin is above `near`, or where all is known.
 
     values: by shares, which rise.
-    near: margin of the limit up to which a share is looked for.
+    near: magnitude of the relative margin of the limit up to which a share is looked for.
     """
     if len(values) < 3:
         return None
@@ -365,7 +401,7 @@ def _share_in_wide_gap(
 ) -> float | None:
     """Returns a place beside one of the lowest values whose neighbours are far from each other.
 
-    Neighbours so far away say little of what is between them.
+    Neighbours so far away say little of what is between them. None if no such value is left.
 
     x, y: (n,) places, rising, and values; lower ones are worse.
     lowest: (n - 2) lowest points of the parabolas through three neighbours.
@@ -390,10 +426,12 @@ def _share_in_wide_gap(
 
 
 def _low_places(y: np.ndarray) -> list[int]:
-    """Returns inner places that are lower than both neighbours and nearly the lowest, lowest first.
+    """Returns indices of inner places not above both neighbours and nearly lowest, lowest first.
 
     Between places far from each other, a value may be lower by a fifth than the one that is known,
     or as low as its steeper flank leads to.
+
+    y: values (n,).
     """
     least = y.min()
     nearly_least = least + _PEAK_HIDDEN * abs(least)
@@ -415,15 +453,17 @@ def _extrapolated_low(y: np.ndarray, k: int) -> float:
 
 
 def _lowest_point(x: np.ndarray, y: np.ndarray) -> _LowestPoint | None:
-    """Returns the lowest point of a parabola through three points; None if not between the outer.
+    """Returns the lowest point of a parabola through three points.
 
-    x, y: (3,) coordinates of the points, in Newton's form of the parabola.
+    None if the parabola does not bend upwards, or if its lowest point is not between the outer two.
+
+    x, y: coordinates of the points, x rising (3,).
     """
     x0, x1, x2 = x.tolist()
     y0, y1, y2 = y.tolist()
     first_slope = (y1 - y0) / (x1 - x0)
     second_slope = (y2 - y1) / (x2 - x1)
-    bend = (second_slope - first_slope) / (x2 - x0)
+    bend = (second_slope - first_slope) / (x2 - x0)  # second coefficient of Newton's form
     if not bend > 0.0:
         return None
     place = 0.5 * (x0 + x1 - first_slope / bend)

@@ -18,13 +18,16 @@ SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Speeds at which limits apply beside the full one, as shares of the way to it from the lowest."""
 
 FINE_SHARES = tuple(k / 16.0 for k in range(16))
-"""The same for exact lives worn: slip has a peak where the balls change over from one motion to
-another, which may hide between two eighths."""
+"""The same as `SPEED_SHARES`, for exact lives at their end.
+
+Slip has a peak where the balls change over from one motion to another, which may hide between two
+eighths.
+"""
 
 SLOW_SHARE = 0.125
 """Share of the full speed up to which limits apply at mounting temperature, too."""
 
-_MOST_COLD_SPEEDS = 2
+_MOST_COLD_SPEEDS = 2  # the lowest speed and one above it
 AS_RUNNING, MOUNTING, WARMING = "running", "mounting", "warming"
 NEW, BETWEEN, AT_END_OF_LIFE = "new", "between", "worn"
 
@@ -50,7 +53,8 @@ class OperatingCondition(NamedTuple):
     def where(self, **more: Any) -> dict[str, Any]:
         """Returns the condition as plain data, with further keys.
 
-        A `bearing` of 0 stands for all bearings.
+        The keys are `case`, the nominal one, `speed_rpm`, `temperature` and `bearing`, where 0
+        stands for all bearings. Each of `more` is added, or replaces one.
         """
         return {
             "case": NOMINAL,
@@ -62,7 +66,10 @@ class OperatingCondition(NamedTuple):
 
 
 def speed_of(scene: Scene) -> float:
-    """Returns the speed that names a condition [r/min]: of the shaft, else of the outer race."""
+    """Returns the speed that names a condition [r/min].
+
+    It is that of the shaft or, if it stands, the magnitude of that of the outer race.
+    """
     operation = scene.operation
     return operation.shaft_speed_rpm or abs(operation.outer_speed_rpm)
 
@@ -75,7 +82,7 @@ def lowest_share(scene: Scene) -> float:
 
 
 def as_mounted(scene: Scene) -> Scene:
-    """Returns a scene with all parts at mounting temperature."""
+    """Returns a scene with all parts at mounting temperature, and as many bearings to solve."""
     arrangement = scene.arrangement
     if arrangement is not None and arrangement.second:
         second = {key: value for key, value in arrangement.second.items() if not _is_of_warmth(key)}
@@ -86,18 +93,21 @@ def as_mounted(scene: Scene) -> Scene:
 
 
 def _is_of_warmth(key: str) -> bool:
-    """Whether a key is of a block on temperatures."""
+    """Returns whether a key is of a block on temperatures."""
     return key.partition(".")[0] in _WARMTH
 
 
 def is_warm(scene: Scene) -> bool:
-    """Whether some part is not at mounting temperature."""
+    """Returns whether some part is not at mounting temperature."""
     second = scene.arrangement.second if scene.arrangement is not None else {}
     return bool(scene.temperature or scene.thermal) or any(map(_is_of_warmth, second))
 
 
 def lower_speed_shares(scene: Scene, shares: Sequence[float] = SPEED_SHARES) -> list[float]:
     """Returns shares of the full speed at which limits apply as well, from the lowest speed up.
+
+    The full speed itself is not among them. The list is empty at rest, and where the lowest speed
+    is the full one.
 
     shares: of the way from the lowest speed to the full one.
     """
@@ -108,10 +118,13 @@ def lower_speed_shares(scene: Scene, shares: Sequence[float] = SPEED_SHARES) -> 
 
 
 def cold_conditions(scene: Scene) -> list[OperatingCondition]:
-    """Returns rest and slow speeds at mounting temperature; none if nothing is warmer than that."""
+    """Returns the conditions at the lowest speeds at mounting temperature.
+
+    The list is empty if no part has another temperature.
+    """
     if not is_warm(scene):
         return []
-    shares = [1.0]  # of a speed of zero
+    shares = [1.0]  # a scene at rest has no lower speed
     if scene.operation.fastest_rpm:
         shares = [share for share in lower_speed_shares(scene) if share <= SLOW_SHARE]
     return [
@@ -164,7 +177,7 @@ def warm_up_time_words(where: Mapping[str, Any]) -> str:
 
 
 def condition_words(where: Mapping[str, Any], has_cases: bool = False) -> str:
-    """Returns a condition in words, such as "at 3000 r/min, new".
+    """Returns a condition in words, such as "at 3000 r/min, new"; a speed of 0 is "at rest".
 
     where: plain data with the keys of `OperatingCondition.where` and, if known, `wear`.
     has_cases: whether to name its case.

@@ -18,15 +18,19 @@ from bearingwear.studies.design.recommend import best_method, recommended_for
 from bearingwear.studies.solve import life_scene
 
 TURNS = 200.0
-"""Most shaft turns: impacts of a cage take longer to average out than contacts to settle.
-A run that is settled ends before."""
+"""Shaft turns that a check simulates at most, unless the scene simulates more.
+
+A run that has settled ends before. Impacts of a cage take longer to average out than contacts to
+settle.
+"""
 
 
 def check_scene(scene: Scene, recommendation: xr.Dataset, times: float) -> Scene:
     """Returns the scene with the recommended method, and its preload times a factor.
 
-    Where no preload is recommended, it keeps its own method, and its preload is multiplied.
-    At least `TURNS` are simulated.
+    The method is the one with the longest life. Where no preload is recommended, the scene keeps
+    its own method, and its own preload is multiplied. A run simulates up to `TURNS`, or more if the
+    scene does.
 
     recommendation: for this scene, else a CaseFileError is raised.
     times: the factor.

@@ -18,6 +18,7 @@ from bearingwear.studies.design.document.words import limit_text
 from bearingwear.studies.design.map import NOT_SOLVED_AT
 from bearingwear.studies.design.plan import DesignLimits
 
+_LIFE = LIMITED["life_h"]
 NO_LIFE_SOLVED = "no life could be computed"
 
 
@@ -25,6 +26,8 @@ def infeasibility_text(
     points: Sequence[PreloadPoint], limits: DesignLimits, has_cases: bool
 ) -> str:
     """Returns which requirements no preload meets, how near one comes, and in which condition.
+
+    Without a point that was solved, or that has a life, the text says so instead.
 
     points: solved preloads, none of which is allowed.
     has_cases: whether the scene has several, which are then named.
@@ -54,6 +57,22 @@ def infeasibility_text(
         value_text = _value_text(name, points[k], limits, is_together, has_cases)
         phrases.append(f"{_required_text(name, limits)}, but {value_text}")
     return introduction + "; ".join(phrases) + _conflict_with_ends(without_life)
+
+
+def life_too_short(longest: PreloadPoint, active: str, limits: DesignLimits) -> str:
+    """Returns that the life is shorter than required, by how much, and what it is limited by.
+
+    longest: the point with the longest life within the other requirements.
+    active: what keeps it from a longer life, an item of `ACTIVE`.
+    """
+    life = float(_LIFE.shown(longest.life))
+    text = (
+        f"where the others are satisfied, the life is at most {digits(life)} h "
+        f"(at {longest.preload:.7g} N), not {limits.life_h:.7g} h"
+    )
+    if active not in limits.effective:
+        return text
+    return f"{text}. A longer life is prevented by {_required_text(active, limits)}"
 
 
 def _points_without_life(
@@ -92,12 +111,12 @@ def _conflict_with_ends(points: Sequence[PreloadPoint]) -> str:
 def least_violations(
     points: Sequence[PreloadPoint], limits: DesignLimits
 ) -> tuple[dict[str, int], bool]:
-    """Returns requirements that no preload meets, each with the index of the nearest point.
+    """Returns the requirements in the way of all preloads, and whether they are so together.
 
-    If each is met at some preload, they are those that the best point violates: the one whose worst
-    margin is best, among worn bearings if there are any.
-
-    Returns: indices of points by requirement, and whether each is met at some preload.
+    False: some are met at no preload. They have the index of the point that comes nearest, each one
+    its own. True: each is met at some preload. Then they are those that the best point violates,
+    with its index: the one whose worst margin is best, among worn bearings if there are any. Both
+    are empty and False if no point is usable: solved, practical, and with a life.
     """
     usable = [
         k
@@ -129,12 +148,17 @@ def least_violations(
 
 
 def _may_live(point: PreloadPoint) -> bool:
-    """Whether a point has a life above zero, or is of new bearings alone."""
+    """Returns whether a point has a life above zero, or is of new bearings alone."""
     return point.solved == NEW_BEARING or point.life > 0.0
 
 
 def _required_text(name: str, limits: DesignLimits) -> str:
-    """Returns a requirement in words; that on lift-off, which applies unasked, with its reason."""
+    """Returns a requirement in words, with its limit.
+
+    That on lift-off has its reason where nobody gave it: it always applies.
+
+    name: of the measure, a key of `LIMITED`.
+    """
     text = limit_text(name, limits.effective[name])
     return text if name in limits.given else f"no bearing lifts off ({text})"
 
@@ -145,7 +169,7 @@ def _value_text(
     """Returns the worst value of a measure at a preload, and in which condition it is.
 
     name: of the measure, a key of `LIMITED`.
-    is_together: whether other preloads meet the requirement.
+    is_together: whether other preloads meet the requirement; else the text says "never".
     has_cases: whether to name the case.
     """
     measure = LIMITED[name]
@@ -154,16 +178,16 @@ def _value_text(
     required = plain(float(measure.shown_limit(limits.effective[name])), 7)
     texts = (plain(worst, count) for count in range(3, 8))
     text = next((text for text in texts if text != required), plain(worst, 7))
-    side = "" if is_together else f"never {'above' if measure.falls else 'below'} "
+    side = "" if is_together else f"at {'most' if measure.falls else 'least'} "
     return f"{side}{text} at {digits(point.preload)} N{_where_words(point.values, name, has_cases)}"
 
 
 def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
     """Returns the condition in which a measure is the worst; empty where that is not known.
 
-    has_cases: whether to name the case.
     values: of a design point.
     name: of the measure, a key of `LIMITED`.
+    has_cases: whether to name the case.
     """
     measure = LIMITED[name]
     deciding = values.get(DECIDING, {})
@@ -175,7 +199,9 @@ def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
 
 
 def _unsolved_words(points: Sequence[PreloadPoint], has_cases: bool) -> str:
-    """Returns the condition in which most points were not solved, and why; empty if unknown.
+    """Returns the condition in which most points were not solved, and why, in brackets.
+
+    It is empty if no point has a condition.
 
     has_cases: whether to name the case.
     """

@@ -23,9 +23,10 @@ MACHINE = "machine"
 
 
 def machine_answers(scene: Scene) -> dict[str, Any]:
-    """Returns what a drive and a launch require of a scene; {} without either.
+    """Returns what a drive and a launch require of a scene; {} without a drive and a launch.
 
-    The keys are `said`, sentences, and `corners`, the fields of each `Corner` of the torque.
+    The keys are `said`, sentences, and `corners`, the fields of each `Corner` of the torque, empty
+    without a drive. A launch counts only with the mass of the rotor and the span of the bearings.
     """
     sentences: list[str] = []
     corners: list[Corner] = []
@@ -45,7 +46,11 @@ def machine_answers(scene: Scene) -> dict[str, Any]:
 
 
 def machine_blocks(recommendation: xr.Dataset) -> list[Block]:
-    """Returns blocks with what the machine requires at each recommended preload; see `MACHINE`."""
+    """Returns blocks with what the machine requires at each recommended preload; see `MACHINE`.
+
+    The first has the sentences of all methods; each table of torque margins follows in a block. The
+    list is empty without requirements of a machine.
+    """
     answers = json.loads(recommendation.attrs.get(MACHINE, "[]"))
     has_several = sum(map(bool, answers)) > 1
     scene_data = plain_scene(recommendation)

@@ -72,7 +72,10 @@ IMPRACTICAL_FLAGS = (
     NOT_IMPRACTICAL,
     *(warning.id for warning in WARNINGS if warning.impractical),
 )
-"""Warnings of a bearing that nobody would build or run; a limit of every recommendation."""
+"""Warnings of a bearing that nobody would build or run, after the flag of a bearing without one.
+
+No recommendation has a bearing with such a warning.
+"""
 
 MAP_AXES = table(
     STUDY_COORDINATES["preload_method"],
@@ -161,7 +164,7 @@ NO_LIFE |= {"status": -1, "end_criterion": NO_CRITERION}
 END_WHEN_NEW = EndOfLife(maximum_pressure_GPa=1e-9)
 """An end of life that every bearing has met when new."""
 
-_UNREACHED_THERMAL_MARGIN = 1e-9  # ends no life, but makes states have the margin
+_UNREACHED_THERMAL_MARGIN = 1e-9  # limit [1] that ends no life, but gives states the margin
 
 
 class _SolvedLife(NamedTuple):
@@ -172,13 +175,14 @@ class _SolvedLife(NamedTuple):
 
 
 def life_point(scene: Scene, slip_limit: float | None) -> PointValues:
-    """Returns a life with Hertzian grooves at the scene's own speed, or one over its duty.
+    """Returns a life with Hertzian grooves at the scene's own speed.
 
-    slip_limit: gyroscopic slip share, the time to which is computed; None for none.
+    Its values are those of `POINT` by their names [SI]. Where the status is not OK, they are
+    `status`, `end_criterion`, `solves` and `failed_solves` alone. `time_to_slip_limit` is infinite
+    where the share stays below its limit, and left out without one. Over a duty, the point is that
+    of `design_point` at the speeds of its cases alone, with the grooves that the model follows.
 
-    Returns: values of `POINT` by their names, SI. Where the status is not ok: `status`,
-        `end_criterion`, `solves` and `failed_solves` alone. `time_to_slip_limit` is infinite where
-        the share stays below its limit.
+    slip_limit: gyroscopic slip share [1], the time to which is computed; None without one.
     """
     if scene.duty is not None:
         limits = DesignLimits(gyroscopic_slip_share=slip_limit, at_speed_only=True)
@@ -213,11 +217,11 @@ def _ended_by_slip(scene: Scene, slip_limit: float) -> Scene:
 def _time_to_slip_limit(
     scene: Scene, life: Life, values: PointValues, slip_limit: float | None
 ) -> PointValues:
-    """Returns the time [s] at which a solved life exceeds a slip limit, as a value of its point.
+    """Returns the time at which a solved life reaches a slip limit [s], as a value of its point.
 
-    The time is infinite if it does not; without a limit, {} is returned.
+    It is infinite if the life ends before. Without a limit, the dictionary is empty.
 
-    values: of the point.
+    values: of the point, among which is the largest slip share of the life.
     """
     if slip_limit is None:
         return {}
@@ -230,7 +234,8 @@ def _time_to_slip_limit(
 def with_required_measures(scene: Scene, limits: DesignLimits) -> Scene:
     """Returns a scene whose states have all measures that limits need.
 
-    States have the thermal margin, which takes further solves, only if it may end a life.
+    States have the thermal margin, which takes further solves, only if it may end a life. So a
+    scene whose margin is limited gets a criterion that no life meets, if it has an end of life.
     """
     end = scene.wear.end_of_life
     if limits.thermal_margin is None or end is None or end.thermal_margin is not None:
@@ -242,13 +247,15 @@ def with_required_measures(scene: Scene, limits: DesignLimits) -> Scene:
 def new_point(scene: Scene, limits: DesignLimits) -> PointValues:
     """Returns the limited quantities of new bearings [SI], the worst in all conditions.
 
-    Conditions are those in which the limits apply, in all cases of the scene. Where the status is
-    not ok, only that and the condition that was not solved are returned.
+    Conditions are those in which the limits apply, in all cases of the scene. The values are those
+    of `POINT` without a life. Where the new bearings are not solved, they are the status and the
+    condition that was not solved, `NOT_SOLVED_AT`.
     """
     scene = with_required_measures(scene, limits)
     if scene.cases or scene.duty is not None:
         cases = cases_of_use(scene)
         return worst_point({name: new_point(case, limits) for name, case in cases.items()})
+    # such a life has a single state, that of the new bearings
     ended = with_required_measures(with_end(scene, END_WHEN_NEW), limits)
     life = HertzianLives(ended)(ended)
     if life.status != OK:
@@ -262,7 +269,8 @@ def design_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> Poi
 
     The life has the grooves that the full model follows, worn or Hertzian; that with Hertzian ones
     is beside it. The quantities are the worst in all conditions of the limits, new and worn. A life
-    in which nothing turns is infinite, with the status CRITERION_NOT_REACHED.
+    in which nothing turns is infinite, with the status CRITERION_NOT_REACHED. Where a life or a
+    condition was not solved, the status says why, and `NOT_SOLVED_AT` which one.
 
     quick: whether worn grooves have coarser cells and steps, and no Hertzian life beside theirs;
         the worst speed is looked for near a limit only.
@@ -303,7 +311,8 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
     worst = worst_point(points)
     if worst["status"] != OK:
         return worst
-    del worst[DECIDING]["life"]  # of all phases; it ends in one of these or in all
+    # the life is that of all phases; a case decides it only where the life ends in that case alone
+    del worst[DECIDING]["life"]
     if not over_duty.ends_in_all_cases:
         ending = over_duty.cycle.cases[over_duty.ending_case_index]
         worst[DECIDING]["life"] = {**points[ending][DECIDING]["life"], "case": ending}
@@ -360,7 +369,10 @@ def _case_life(scene: Scene, slip_limit: float | None, quick: bool) -> _SolvedLi
 
 
 def _standstill_point(scene: Scene, limits: DesignLimits) -> PointValues:
-    """Returns the point of a scene in which nothing turns: its life is infinite or zero."""
+    """Returns the point of a scene in which nothing turns.
+
+    Its life is zero if it meets a criterion when new, else infinite. The status is OK for both.
+    """
     states = new_states(scene)
     status = next((state.status for state in states if state.status != OK), OK)
     values: PointValues = NO_LIFE | {"status": status, "solves": 1}
@@ -372,7 +384,7 @@ def _standstill_point(scene: Scene, limits: DesignLimits) -> PointValues:
     values |= {"groove": HERTZIAN_GROOVE, "hertzian_life": life}
     if limits.gyroscopic_slip_share is not None:
         values["time_to_slip_limit"] = math.inf
-    values |= values_of_states(scene, [worse_state(states, scene)] * 2)
+    values |= values_of_states(scene, [worse_state(states, scene)] * 2)  # new and at the end
     node = Node(0.0, None, states, life)
     standstill = Life([node], None, status=OK)
     return _with_all_conditions(scene, values, standstill, limits, quick=False)
@@ -383,7 +395,10 @@ def _with_all_conditions(
 ) -> PointValues:
     """Returns a point with the extremes in all conditions of the limits, and which ones decide.
 
-    values: those at the scene's own speed.
+    If a condition is not solved, the point is returned with its status and `NOT_SOLVED_AT`. A
+    warm-up is not solved if another condition breaks a limit already.
+
+    values: those at the scene's own speed; changed in place, with all solves in `solves`.
     life: solved, at least a node of new bearings.
     quick: see `design_point`.
     """
@@ -416,9 +431,10 @@ def _with_all_conditions(
 
 
 def _resting_extremes(scene: Scene, values: PointValues, life: Life) -> Extremes:
-    """Returns the extremes of launch, at rest, new or worn, and of the torque margin.
+    """Returns the extremes of measures at rest: of launch, new or worn, and of the torque margin.
 
-    The margin is the least of several states of wear, which another table names.
+    Those of launch have the speed 0 and the wear at which they are worst. The torque margin is the
+    least of several states of wear, which another table names.
 
     values: of the point, among which are these extremes.
     """
@@ -433,7 +449,7 @@ def _resting_extremes(scene: Scene, values: PointValues, life: Life) -> Extremes
 
 
 def _breaks_limit(extremes: Extremes, limits: DesignLimits) -> bool:
-    """Whether an extreme breaks its requirement."""
+    """Returns whether any extreme breaks its requirement; NaN breaks none."""
     return any(
         LIMITED[key].margin(extremes[name]["value"], limit) < 0.0
         for key, limit in limits.effective.items()
@@ -450,7 +466,8 @@ def _unsolved_at(scene: Scene, status: int, wear: str) -> dict[str, Any]:
 def worst_point(points: Mapping[str, PointValues]) -> PointValues:
     """Returns the worst of each limited quantity over several cases, and the shortest life.
 
-    If a case was not solved, its point is returned with the condition.
+    Values that are neither are those of the case with the shortest life; solves are added. If a
+    case was not solved, the first such point is returned, and `NOT_SOLVED_AT` names its case.
 
     points: of `design_point` or `new_point`, by the names of cases.
     """
@@ -474,6 +491,7 @@ def worst_point(points: Mapping[str, PointValues]) -> PointValues:
                 if name in worst:
                     worst[name] = measure.extreme([point[name] for point in case_points])
     if "impractical" in worst:
+        # the flag 0 stands for no warning
         worst["impractical"] = max(point["impractical"] for point in case_points)
     deciding = [
         {name: {**where, "case": case} for name, where in point[DECIDING].items()}
@@ -504,7 +522,7 @@ def worst_cases(point: Mapping[str, Any]) -> dict[str, str]:
 def values_of_states(scene: Scene, states: Sequence[State]) -> PointValues:
     """Returns the values of `POINT` that follow from the states along a life.
 
-    states: from new to the end of life; of a pair, those of the worse bearing.
+    states: from new to the end of life, of the worse bearing of a pair: see `worse_states`.
     """
     new, worn = states[0], states[-1]
     values: PointValues = {
@@ -521,7 +539,11 @@ def values_of_states(scene: Scene, states: Sequence[State]) -> PointValues:
 
 
 def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
-    """Returns the worst value of every limited measure along the states of a life."""
+    """Returns the worst value of every limited measure along the states of a life [SI].
+
+    Values have the names of extremes. They are NaN if that of the first or of the last state is.
+    Measures of a life as a whole are left out.
+    """
     ends = states[:1] if len(states) == 1 else (states[0], states[-1])
     losses_of_ends = [state.values.get("losses", (state.loss,)) for state in ends]  # by bearing
     at_rest = launch_values(scene, losses_of_ends)
@@ -549,9 +571,8 @@ def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
 def _first_impractical(scene: Scene, states: Sequence[State]) -> int:
     """Returns the flag of the variable `impractical`: the first such warning, or 0 for none.
 
-    States of a pair stand for its worse bearing.
-
-    states: when new and at the end of life.
+    states: when new and at the end of life. Of a pair they are those of the worse bearing, which
+        are judged as states of the first one.
     """
     bearing = scene.sides[0]
     values = {"end_criterion": NO_CRITERION, **history_values(list(states))}
@@ -561,7 +582,7 @@ def _first_impractical(scene: Scene, states: Sequence[State]) -> int:
 
 
 def _life_warnings(scene: Scene, life: Life) -> list[dict[str, Any]]:
-    """Returns the warnings of a life with worn grooves, as `life` has them."""
+    """Returns the warnings of a life with worn grooves, as the function `life` has them."""
     # the empty depths of both races tell the warnings that grooves are worn
     values = life_values(scene.symmetric_half, life) | {"groove_depth": ((), ())}
     if scene.symmetric_half is not scene:
@@ -571,6 +592,8 @@ def _life_warnings(scene: Scene, life: Life) -> list[dict[str, Any]]:
 
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
     """Returns the scene at a point of the map; with a film, its friction stays as it is.
+
+    A lowest speed above the speed is lowered to it.
 
     mu: friction coefficient of balls on races.
     """
@@ -625,7 +648,7 @@ def map_dataset(
 ) -> xr.Dataset:
     """Returns the dataset of a map from its design points.
 
-    Of the limits, only the slip share and what is no measure become an attribute.
+    Of the limits, the attribute `limits` has only the slip share and what is no measure.
 
     axes: values along each of `MAP_AXES`.
     points: in the order of `scenes_of_map`.

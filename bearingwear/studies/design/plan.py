@@ -21,7 +21,7 @@ FACTORS = tuple(2.0 ** (k / 2) for k in range(-6, 11))
 """Preloads of a map, over the scene's own preload: an eighth to 32 times."""
 
 COARSE = FACTORS[::2]
-"""Preloads of a map that is but a guide to the best preload, over the scene's own."""
+"""Preloads of a map that only guides to the best preload, over the scene's own."""
 
 CHECKED = ("0.80", "1.00", "1.25")
 """Preloads that both models solve, over the recommended one; as in file names."""
@@ -99,7 +99,10 @@ class DesignLimits(_LIMITS):
 
     @property
     def stored(self) -> dict[str, Any]:
-        """Returns the settings that differ from their defaults, as plain data."""
+        """Returns the settings that differ from their defaults, as plain data by their keys.
+
+        `DesignLimits(**stored)` makes the same limits again.
+        """
         stored: dict[str, Any] = dict(self.given)
         if self.at_speed_only:
             stored["at_speed_only"] = True
@@ -118,6 +121,7 @@ class MapAxes:
     preload_N: RisingAxis = setting("Initial axial preloads", "N")
 
     def __post_init__(self) -> None:
+        """Raises SceneError for a method that is there twice."""
         if len(set(self.preload_method)) < len(self.preload_method):
             raise SceneError("preload_method", "got a method twice, expected each method once")
 
@@ -146,9 +150,12 @@ _ROUNDING = 1e-9
 
 
 def round_number(target: float, low: float, high: float) -> float:
-    """Returns a number with the fewest digits between two others, the nearest to a target.
+    """Returns the number with the fewest digits between two others, the nearest to a target.
 
-    It has at least `DIGITS` digits. The target is returned if `_MOST_DECIMALS` are not enough.
+    It has at least `DIGITS` significant digits, and lies between low and high without these. If
+    `_MOST_DECIMALS` are not enough, the target is returned.
+
+    target: above 0.
     """
     for decimals in range(DIGITS - 1 - math.floor(math.log10(target)), _MOST_DECIMALS + 1):
         unit = 10.0**-decimals
@@ -160,7 +167,10 @@ def round_number(target: float, low: float, high: float) -> float:
 
 
 def round_factor(factor: float, preload: float) -> float:
-    """Returns a preload times a factor, with three digits [N]; unchanged by a factor of 1."""
+    """Returns a preload times a factor, with three significant digits [N].
+
+    By a factor of 1 it is the preload with all its digits.
+    """
     return preload if factor == 1.0 else float(f"{factor * preload:.3g}")
 
 

@@ -39,6 +39,7 @@ from bearingwear.studies.design.best import (
 )
 from bearingwear.studies.design.changes import changes_dataset, choice_changes
 from bearingwear.studies.design.choice import (
+    ACTIVE,
     ACTIVE_LIMIT,
     NO_PRELOAD,
     limits_of,
@@ -51,7 +52,11 @@ from bearingwear.studies.design.conditions import (
     conditions_of,
 )
 from bearingwear.studies.design.document.words import NO_LIMIT, NONE_BECAUSE
-from bearingwear.studies.design.infeasible import infeasibility_text, least_violations
+from bearingwear.studies.design.infeasible import (
+    infeasibility_text,
+    least_violations,
+    life_too_short,
+)
 from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
     CASE_POINTS,
@@ -83,6 +88,11 @@ SETTABLE = table(
     Variable("most_preload", (), "N", "most preload that may be set in place of the recommended "
         "one: requirements hold, and the life is at least 90 % as long"),
 )  # fmt: skip
+TOO_SHORT = table(
+    Variable("longest_preload", (), "N", "preload with the longest life within all requirements "
+        "but that on the life, which is too short there"),
+    Variable("longest_life", (), "h", "wear life at longest_preload", scale=HOURS_PER_SECOND),
+)  # fmt: skip
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
 
@@ -107,11 +117,14 @@ def small_map(
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Step: returns a design map of a scene, and its recommendation.
 
+    Lines of progress go to stderr.
+
     axes, limits: fields of `MapAxes` and `DesignLimits`.
     workers: processes that solve lives.
     """
 
     def tell(text: str) -> None:
+        """Writes a line of progress, which begins with the name of the scene's file."""
         print(f"{scene.stem}: {text}", file=sys.stderr)
 
     base = life_scene(scene, films=True)
@@ -145,7 +158,8 @@ def recommendation_and_map(
 ) -> tuple[xr.Dataset, xr.Dataset | None]:
     """Returns the recommendation at the scene's own friction and speed, and a map or None.
 
-    The map contains lives over preload, for a choice where no requirement is given.
+    The map contains lives over preload, for a choice by hand. It is None if any requirement is
+    given.
 
     source: of the scene, for errors.
     workers: processes that solve lives.
@@ -170,13 +184,13 @@ def recommendation(
 ) -> xr.Dataset:
     """Returns the recommended preload of each method, and what would change the choice.
 
-    Lives at the preloads that are named are exact. Without a requirement no preload is recommended.
+    The dataset has the variables of `POINT` at the recommended preload and those of
+    `_recommendation_dataset` over `preload_method`, and those of `CHANGES` over `change`. Lives at
+    the preloads that are named are exact. Without a requirement no preload is recommended. A method
+    without a preload has NaN, the status -1, and a reason in the attribute `NONE_BECAUSE`.
 
     answers_at: asks a function at points, `map` or that of `Workers`.
     tell: takes lines of progress.
-
-    Returns a dataset over `preload_method` with the values of `POINT` at the recommended preload
-        and the variables of `_recommendation_dataset`, and `CHANGES` over `change`.
     """
     tell = tell or (lambda text: None)
     search = PreloadSearch(scene, limits, answers_at)
@@ -193,6 +207,8 @@ def recommendation(
         if point is None:
             rows.append({"active_limit": NO_PRELOAD, "status": -1})
             reasons[line.method] = no_preload_reason(search, line) if limits.given else NO_LIMIT
+            if limits.given and (longest := line.best(search.but_life)):
+                rows[-1] |= {"longest_preload": longest.preload, "longest_life": longest.life}
         else:
             rows.append(_recommended_values(search, line, point))
             rows_with_preload.append(rows[-1])
@@ -211,11 +227,15 @@ def recommendation(
 def no_preload_reason(search: PreloadSearch, line: PreloadLine) -> str:
     """Returns why no preload of a line is allowed, and how near one comes.
 
-    Quick lives at the preloads that it names are replaced by exact ones before.
+    Quick lives at the preloads that the text names are solved exactly first, and replaced in the
+    line.
 
     line: of the search, without an allowed preload.
     """
-    limits = search.limits
+    limits = search.but_life
+    if longest := line.best(limits):
+        active = ACTIVE[search.active_limit(line, longest)]
+        return life_too_short(longest, active, search.limits)
 
     def nearest_quick_preloads(other: PreloadLine) -> list[float]:
         """Returns the preloads [N] of the line that are nearly allowed by quick lives."""
@@ -235,8 +255,9 @@ def _recommended_values(
 ) -> dict[str, Any]:
     """Returns the values of a recommended preload by the names of variables.
 
-    Beside those of its design point they are the preload, its active limit, the preloads that may
-    be set in its place, and a better one far outside of the range.
+    Beside those of its design point they are the preload, its active limit, the range of preloads
+    that may be set in its place, and a better one far outside of the search. The range is left out
+    unless the lives at its ends are exact, and the last one if there is none.
 
     best: the recommended point of the line.
     """
@@ -269,7 +290,8 @@ def _chosen_answers(chosen: _ChosenPreload) -> dict[str, Any]:
 def _life_answers(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the numerical error of a life, its warnings as JSON and, of several cases, the worst.
 
-    Over several cases, the error is the largest one, and each warning names its cases.
+    Over several cases, the error is the largest one, and each warning names its cases. The error is
+    relative [1], and NaN where there is no estimate.
 
     point: design point of the scene.
     """
@@ -313,13 +335,21 @@ def _recommendation_dataset(
     rows: Sequence[dict[str, Any]],
     reasons: Mapping[str, str],
 ) -> xr.Dataset:
-    """Returns a recommendation over `preload_method`.
+    """Returns a recommendation over `preload_method`, without `CHANGES`.
 
-    rows: values of variables and of `ATTRIBUTES` for each method.
+    Attributes hold what is no variable, as JSON: warnings, worst cases, deciding conditions, all
+    conditions of the requirements, what the machine requires, and the reasons.
+
+    rows: values of variables and of `ATTRIBUTES` for each of `PRELOAD_METHODS`.
     reasons: why no preload is recommended, by the methods without one.
     """
     variables = table(
-        RECOMMENDED_PRELOAD, ACTIVE_LIMIT, LIFE_ERROR, *BEYOND_RANGE.values(), *SETTABLE.values()
+        RECOMMENDED_PRELOAD,
+        ACTIVE_LIMIT,
+        LIFE_ERROR,
+        *BEYOND_RANGE.values(),
+        *SETTABLE.values(),
+        *TOO_SHORT.values(),
     )
     flags = [PRELOAD_METHODS.index(method) for method in PRELOAD_METHODS]
     dataset = dataset_of_points(
@@ -347,7 +377,7 @@ def _recommendation_dataset(
 
 
 def is_of_scene(dataset: xr.Dataset, scene: Scene) -> bool:
-    """Whether the scene in a dataset agrees with another one in all values that decide a life."""
+    """Returns whether the scene in a dataset has the values of another that decide a life."""
     return decisive_data(plain_scene(dataset)) == decisive_data(scene.to_dict())
 
 

@@ -16,7 +16,7 @@ def preload_report(
     uncertainty: Path | None = None,
     spread: Path | None = None,
 ) -> tuple[Figure, str, str, str, str]:
-    """Step: returns the figure, map as CSV, table as Markdown, and answer and charts as JSON.
+    """Step: returns the figure, map as CSV, table as Markdown, answer as JSON and charts as JSON.
 
     design, recommendation: files of a map and of its recommendation.
     uncertainty, spread: as of `design_answer`.

@@ -22,7 +22,7 @@ from bearingwear.results.quantiles import (
     quantities_of,
     spread_at,
 )
-from bearingwear.results.units import Rough, key_in_words, text_to_error
+from bearingwear.results.units import key_in_words, text_to_error
 from bearingwear.results.words import methods, name_in_words, plain_scene
 from bearingwear.scene.scene import PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
@@ -38,9 +38,9 @@ class _SampledPreload(NamedTuple):
     """Lives of one method that were sampled at one preload."""
 
     method_words: str
-    preload_words: str
+    preload_words: str  # name of the choice of preload
     lives: xr.Dataset
-    spread: Spread | None
+    spread: Spread | None  # None without a life
 
 
 def sampled_blocks(uncertainty: xr.Dataset) -> list[Block]:
@@ -102,8 +102,7 @@ def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
         Row("method", "", tuple(point.method_words for point in points), "preload_method"),
         Row("preload", "", tuple(point.preload_words for point in points), "preload_choice"),
         Row("preload", "N", _floats(points, "preload"), "preload"),
-        Row("nominal life", "h", tuple(map(Rough, _floats(points, "nominal_life"))),
-            "nominal_life"),
+        Row("life with median values", "h", _floats(points, "nominal_life"), "nominal_life"),
         *spread_rows([point.spread for point in points]),
         *(
             Row(f"{label.strip()}, interval due to sampling", "h",
@@ -121,15 +120,19 @@ def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
 
 
 def _floats(points: Sequence[_SampledPreload], name: str) -> tuple[float, ...]:
-    """Returns the number in a variable of the lives at each preload.
+    """Returns the number in a variable of the lives at each preload, in the unit of the file.
 
     points: lives at each preload.
+    name: of a variable without dimensions.
     """
     return tuple(float(point.lives[name]) for point in points)
 
 
 def _index_block(uncertainty: xr.Dataset) -> Block:
-    """Returns a table of Sobol indices, with a line for each uncertain value."""
+    """Returns a table of total Sobol indices, with a line for each uncertain value.
+
+    For each method there are those with all values uncertain, and those with wear as stated.
+    """
     scene = plain_scene(uncertainty)
     names = quantities_of(uncertainty)
     distributions = [scene["uncertainty"][name] for name in names]

@@ -12,7 +12,7 @@ import xarray as xr
 
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import counted_words, film_lines
+from bearingwear.document.rows import caveat_lines, counted_words
 from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
@@ -26,7 +26,7 @@ from bearingwear.results.quantiles import (
     load_quantiles,
     spread_of,
 )
-from bearingwear.results.units import Estimated, Rough, printed_unit, span
+from bearingwear.results.units import Rough, printed_unit, span
 from bearingwear.results.words import (
     friction_text,
     methods,
@@ -38,8 +38,8 @@ from bearingwear.scene.arrangement import PAIRS
 from bearingwear.studies.dataset import load_with_axes
 
 NO_END = "no end-of-life criterion is met"
-RANK = 1
-"""The rank of the answer on a page; one that recommends a preload comes before it."""
+RANK = 2
+"""The rank of the answer on a page; a recommended preload, and its duty, come before it."""
 
 
 def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str:
@@ -71,6 +71,8 @@ class MethodLife(NamedTuple):
 
 def lives_of(dataset: xr.Dataset, uncertainties: Sequence[xr.Dataset] = ()) -> list[MethodLife]:
     """Returns the life at each preload method and friction coefficient in a file of wear lives.
+
+    The loss of a pair is the larger one of its bearings.
 
     dataset: of `grid.life.wear_life`.
     uncertainties: datasets of the study of uncertainty.
@@ -191,7 +193,7 @@ class _Comparison(NamedTuple):
 
 
 def _comparisons(lives: Iterable[MethodLife]) -> list[_Comparison]:
-    """Returns a comparison for each scene and friction coefficient with two lives."""
+    """Returns a comparison for each scene and friction coefficient with two finite lives."""
     lives_by_point: dict[tuple[str, float], list[MethodLife]] = {}
     for life in lives:
         if math.isfinite(life.hours):
@@ -200,7 +202,11 @@ def _comparisons(lives: Iterable[MethodLife]) -> list[_Comparison]:
 
 
 def _comparison(pair: Sequence[MethodLife]) -> _Comparison:
-    """Returns the comparison of two lives of a scene at the same friction coefficient."""
+    """Returns the comparison of two lives of a scene at the same friction coefficient.
+
+    The longer one wins if it exceeds the shorter by more than the sum of their relative numerical
+    errors, where an unknown error counts as 0. The ratio is infinite if the shorter life is 0.
+    """
     shorter, longer = sorted(pair, key=lambda life: life.hours)
     ratio = longer.hours / shorter.hours if shorter.hours > 0.0 else math.inf
     errors = sum(life.error for life in pair if math.isfinite(life.error))
@@ -316,7 +322,10 @@ def _ratio_phrase(ratio: float) -> str:
 
 
 def _zero_lives_sentence(lives: Sequence[MethodLife]) -> str:
-    """Returns a sentence on where at least one bearing in twenty has no life; empty if nowhere."""
+    """Returns a sentence on where at least one bearing in twenty has no life; empty if nowhere.
+
+    That is, where the lower end of the interval with 90 % of the bearings is a life of 0.
+    """
     frictions_by_method = _frictions_by_text(
         (name_in_words(life.method), life.friction)
         for life in lives
@@ -364,7 +373,11 @@ def _end_sentences(lives: Sequence[MethodLife]) -> list[str]:
 
 
 def _other_scenes_sentences(lives: Sequence[MethodLife]) -> list[str]:
-    """Returns sentences on the range of lives in other scenes, and how often each method wins."""
+    """Returns a sentence on the range of lives in other scenes, and one for each result.
+
+    A result is the method with the longer life, that the methods are equal, or that neither can be
+    used; its sentence has the number of comparisons with that result.
+    """
     comparisons = _comparisons(lives)
     hours = _hours_text([life.hours for life in lives])
     phrases = [f"lives: {hours}, based on the wear that each scene specifies"]
@@ -382,28 +395,32 @@ def _sentence(text: str) -> str:
 
 
 def lives_block(title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Block:
-    """Returns a table with a line for each life: its hours, spread, end, and numerical error."""
+    """Returns a table with a line for each life: its hours, spread, end, and numerical error.
+
+    The lives are in the order of their friction coefficients.
+
+    scene: plain data of the scene of the lives.
+    """
     lives = sorted(lives, key=lambda life: life.friction)
     rows = (
         Row("friction", "", tuple(life.friction for life in lives), "friction", given=True),
         Row("preload method", "", tuple(name_in_words(life.method) for life in lives)),
-        Row(
-            "life",
-            "h",
-            tuple(Estimated.of(life.hours, life.error * life.hours) for life in lives),
-            "life",
-        ),
+        Row("life", "h", tuple(life.hours for life in lives), "life"),
         *spread_rows([life.spread for life in lives]),
         Row("ended by", "", tuple(life.end for life in lives), "end_criterion"),
         Row("numerical error", "%", tuple(Rough(100.0 * life.error) for life in lives)),
     )
-    return Block(title, rows=rows, lines=(_table_note(lives, scene), *film_lines(scene)), axes=2)
+    return Block(title, rows=rows, lines=(_table_note(lives, scene), *caveat_lines(scene)), axes=2)
 
 
 def detailed_lives_block(
     title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any]
 ) -> Block:
-    """Returns the table of `lives_block` with the wear depths and the interpolated lives."""
+    """Returns the table of `lives_block`, with further columns.
+
+    They are the total wear depth at the end, and the difference of the life that was interpolated
+    from the study, relative to this one.
+    """
     block = lives_block(title, lives, scene)
     lives = sorted(lives, key=lambda life: life.friction)
     differences = tuple(Rough(100.0 * life.route_difference) for life in lives)

@@ -34,8 +34,10 @@ LARGEST_DRIFT = 0.02
 def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
     """Returns the cases of `dynamic` solved with both models: `NAME.steady` and `NAME.dynamic`.
 
-    Variables over balls become means or extremes. Variables without a steady value keep their
-    names.
+    Variables over balls become means or extremes over all balls. Those without a steady value keep
+    their names; those without a dynamic value are left out. Attributes are those of `dynamic`.
+
+    study: steady cases, which contain every case of `dynamic`.
     """
     steady_cases = over_all_balls(study.sel({axis: dynamic[axis] for axis in AXES}))
     dynamic_cases = over_all_balls(dynamic)
@@ -54,6 +56,8 @@ def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
 
 def dynamic_comparison(study: Path, dynamic: Path) -> tuple[str, str]:
     """Step: returns all numbers of both models as CSV, and the main ones as Markdown.
+
+    CaseFileError: the files do not belong together.
 
     study: file of steady cases, which contains every case of `dynamic`.
     """
@@ -129,6 +133,9 @@ def _drift_table(solved: xr.Dataset) -> Block:
 
 def _drift_lines(solved: xr.Dataset) -> Iterator[str]:
     """Yields a line for each case and mean that drifts by more than `LARGEST_DRIFT`.
+
+    The drift is the relative one per turn times the averaged turns, in either direction. Cases that
+    were not solved have none.
 
     solved: cases by both models; see `steady_and_dynamic`.
     """

@@ -97,7 +97,7 @@ class _CaseReader:
 
 
 def _reshaped_to_grid(along_cases: xr.Dataset, cases: Sequence[Case], grid: Grid) -> xr.Dataset:
-    """Returns a dataset over the axes of a grid.
+    """Returns a dataset over the axes of a grid, with their coordinates.
 
     along_cases: a dataset along the dimension `case`, in the order of `cases`.
     """
@@ -183,6 +183,8 @@ def _case_content(dataset: xr.Dataset, path: Path) -> _FileContent:
 def _sweep_content(dataset: xr.Dataset, path: Path) -> _FileContent:
     """Returns the cases in a sweep, in C order over its axes, and their shared attributes.
 
+    A value of a case that is not on an axis is that of the scene.
+
     CaseFileError: a sweep of lives, or over other axes than those of a grid.
     """
     key_by_dim = json.loads(dataset.attrs.get("changed_keys", "{}"))
@@ -216,6 +218,8 @@ def _take_case(scene: dict[str, Any]) -> Case:
 
 def _sweep_along_cases(sweep: xr.Dataset, count: int) -> xr.Dataset:
     """Returns a sweep with its cases along `case`, and NaN for the numbers of unsolved cases.
+
+    The axes of the sweep are the leading dimensions of all its variables, and lose their values.
 
     count: number of cases.
     """
@@ -258,6 +262,7 @@ def _without_unsolved_numbers(dataset: xr.Dataset) -> xr.Dataset:
         return dataset
 
     def without_numbers(variable: xr.DataArray) -> xr.DataArray:
+        """Returns a variable of flags unchanged, another one full of NaN."""
         if "flag_values" in variable.attrs:
             return variable
         return xr.full_like(variable, np.nan, dtype=float)

@@ -41,12 +41,13 @@ class Case:
 
     @property
     def changes(self) -> dict[str, Any]:
-        """Returns the values of this case by the dotted keys of a scene."""
+        """Returns the values of this case by the dotted keys of a scene, in units of a scene."""
+        # the fields are in the order of the keys
         return dict(zip(GRID_KEYS.values(), vars(self).values(), strict=True))
 
     @property
     def label(self) -> str:
-        """Returns the case in words, with the loss in um."""
+        """Returns the case in words, such as "constant force, mu 0.050, loss 1.00 um"."""
         method = self.preload_method.replace("_", " ")
         return f"{method}, mu {self._friction}, loss {self._loss} um"
 
@@ -70,6 +71,7 @@ class Grid:
     ball_diameter_loss_um: tuple[float, ...]
 
     def __post_init__(self) -> None:
+        """Raises a ValueError for an axis without a value, or with one repeated or not allowed."""
         for axis, values in vars(self).items():
             if not values:
                 raise ValueError(f"{axis}: got no value, expected at least one")
@@ -137,7 +139,10 @@ class Grid:
         ]
 
     def friction_names_between(self, first: str, last: str) -> list[str]:
-        """Returns the friction coefficients from one to another, as in the names of files."""
+        """Returns the friction coefficients from one to another, as in the names of files.
+
+        first, last: of the coefficients, as in the names of files; both are included.
+        """
         return [mu for mu in self.friction_names if float(first) <= float(mu) <= float(last)]
 
     def cases_of_each_value(self) -> list[Case]:

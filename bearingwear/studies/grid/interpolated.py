@@ -53,9 +53,11 @@ def interpolated_life(lines: Sequence[Line], criteria: Mapping[str, float]) -> x
     criteria: limits by the names of `CRITERIA`; those that the cases do not contain
         (`interpolable_criteria`) are ignored.
 
-    Returns: interpolated_life [h], NaN where no criterion is met on the line;
-        interpolated_end_criterion, interpolated_loss_at_end [m]; and the history over
-        `interpolated_step` up to the end, of the condition that ends the life.
+    Returns: interpolated_life [h]; interpolated_end_criterion and interpolated_loss_at_end [m]; and
+        the history over `interpolated_step` up to the end, of the condition that ends the life.
+        Where no criterion is met, life and loss are NaN, the criterion is "none", and the history
+        goes to the last case that is used. With fewer than two such cases, or if the first is
+        worn, times and preloads are NaN, too.
     """
     losses = lines[0].cases["ball_diameter_loss"].values
     usable = min(int(np.cumprod(line.cases["status"].values == OK).sum()) for line in lines)
@@ -75,7 +77,7 @@ def interpolated_life(lines: Sequence[Line], criteria: Mapping[str, float]) -> x
         time = _running_time(loss, rate)
     life = np.interp(end.loss, loss, time)
     preload = end.preload
-    # The history ends where the life does.
+    # the history ends where the life does: the same number of steps up to there
     if np.isfinite(end.loss):
         loss_to_end = np.linspace(0.0, end.loss, steps)
         preload = np.interp(loss_to_end, loss, preload)
@@ -103,7 +105,7 @@ class _LineEnd(NamedTuple):
 def _line_end(
     fine: xr.Dataset, criteria: Mapping[str, float], preload_N: float, loss: np.ndarray
 ) -> _LineEnd:
-    """Returns where the first criterion of a condition is met.
+    """Returns where the first criterion of a condition is met, and its preload at each loss.
 
     fine: cases interpolated at each loss (n,) [um].
     criteria: limits by name.
@@ -115,7 +117,9 @@ def _line_end(
 
 
 def _running_time(loss: np.ndarray, rate: np.ndarray) -> np.ndarray:
-    """Returns the time [h] at each loss (n,) [um], by the trapezoidal rule over the loss.
+    """Returns the time (n,) [h] from the first loss to each loss (n,) [um].
+
+    It is the integral of 1 / rate over the loss, by the trapezoidal rule.
 
     rate: of the loss (n,) [m/s].
     """
@@ -131,7 +135,11 @@ def _between_cases(
 ) -> tuple[xr.Dataset, dict[str, float]]:
     """Returns the cases interpolated at each loss [um], and the criteria that they can meet.
 
-    criteria: limits by name; those are returned whose variables the cases contain.
+    Preload, loss rate and the variables of these criteria are interpolated by monotone cubics
+    (PCHIP), whose derivatives are continuous.
+
+    criteria: limits by name; those are returned whose variables the cases contain. None is returned
+        for a condition in which no criterion ends a life.
     usable: number of cases, from the first on, between which to interpolate.
     """
     cases = line.cases
@@ -163,8 +171,12 @@ def interpolable_criteria(criteria: Mapping[str, float], cases: xr.Dataset) -> d
 def _margins(
     fine: xr.Dataset, criteria: Mapping[str, float], preload_N: float
 ) -> dict[str, np.ndarray]:
-    """Returns the margin (n,) of each criterion at each loss; it is met where this is <= 0.
+    """Returns the margin (n,) of each criterion at each loss, by name.
 
+    It is the distance of the worst value from the limit, over the limit: positive within it, <= 0
+    where the criterion is met.
+
+    criteria: limits by name.
     fine: cases interpolated along `ball_diameter_loss` [m].
     preload_N: of new bearings.
     """
@@ -183,7 +195,7 @@ def _critical_values(fine: xr.Dataset, measure: Measure, preload_N: float) -> np
     columns = {name: fine[name].values for name in measure.variables if name in fine}
 
     def critical_value(k: int) -> float:
-        """Returns the worst value at a step."""
+        """Returns the worst value of all variables of the measure at a step."""
 
         def value_of(name: str) -> Any:
             return columns[name][k] if name in columns else np.nan
@@ -197,11 +209,14 @@ def _critical_values(fine: xr.Dataset, measure: Measure, preload_N: float) -> np
 def _first_met(loss: np.ndarray, margins: dict[str, np.ndarray]) -> tuple[float, str]:
     """Returns the loss at which the first criterion is met, and its name; (nan, "none") if none.
 
+    The margin is interpolated linearly between losses. A criterion that is met at the first loss
+    ends the life there.
+
     margins: (n,) at each loss (n,), by the name of the criterion.
     """
     end_losses: dict[str, float] = {}
     for name, margin in margins.items():
-        # beyond rounding: the last loss of the grid may be the limit itself
+        # the last loss of the grid may be the limit itself, and its margin a rounding error
         met_at = np.flatnonzero(margin <= 1e-12)
         if met_at.size:
             k = int(met_at[0])

@@ -50,8 +50,11 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
 
     study: cases of `gathered_study`.
 
+    scene_path: file of the scene of the study; its lives start from new.
+
     Returns: the variables of a life file over `preload_method` and `friction`, those of
-        `interpolated_life`, and `life_route_difference`, the second route against the first.
+        `interpolated_life`, and `life_route_difference`: the interpolated life over that by the
+        solver, less 1, NaN where they cannot be compared. Attributes are those of the study.
     """
     grid = Grid.from_lists(
         [PRELOAD_METHODS[int(flag)] for flag in study["preload_method"]],
@@ -129,7 +132,9 @@ def _route_difference(lives: xr.Dataset, not_interpolated: Collection[str]) -> x
 def _with_arrangement_stiffness(line: xr.Dataset, preload_method: str) -> xr.Dataset:
     """Returns cases with the stiffness of the arrangement, if they are of a single bearing.
 
-    It is that of all bearings that the preload method holds.
+    It is the sum over all bearings that the preload method holds, which are alike.
+
+    line: cases of a bearing.
     """
     bearings = bearings_holding(preload_method)
     return line.assign(
@@ -161,7 +166,8 @@ def _lines(line: xr.Dataset, scene: Scene) -> list[Line]:
     losses = line["ball_diameter_loss"]
     lines = []
     for k, (condition, share) in enumerate(zip(cycle.scenes, cycle.shares.tolist(), strict=True)):
-        if k >= len(cycle.cases):  # on the way to a speed
+        # after the conditions of the phases: those on the way to a speed, which end no life
+        if k >= len(cycle.cases):
             lines.append(Line(_cases_at(losses, condition), None, share))
             continue
         phase = scene.in_cases[cycle.cases[k]]
@@ -171,7 +177,10 @@ def _lines(line: xr.Dataset, scene: Scene) -> list[Line]:
 
 
 def _cases_at(losses: xr.DataArray, scene: Scene) -> xr.Dataset:
-    """Returns the solved cases of a scene over losses [um], of its only or its first bearing."""
+    """Solves a scene at losses [um] and returns the cases of its bearing.
+
+    The scene has a single bearing, or a pair whose bearings have equal values.
+    """
     key = GRID_KEYS["ball_diameter_loss"]
     cases_over_loss = Sweep.of(scene, {key: losses.values.tolist()}, keep=KEEP_STUDY)
     solved = coded(cases_over_loss.dataset(workers=1, progress=False))
@@ -182,7 +191,8 @@ def _cases_at(losses: xr.DataArray, scene: Scene) -> xr.Dataset:
 def _is_comparable(lives: xr.Dataset, not_interpolated: Collection[str]) -> xr.DataArray:
     """Returns whether each life by the solver could be interpolated between the cases.
 
-    It could not be if it was computed with worn grooves, as the cases have Hertzian ones.
+    It could not be if it was computed with worn grooves, as the cases have Hertzian ones, or if its
+    end is a criterion that the cases do not contain.
 
     not_interpolated: names of the criteria that the cases do not contain.
     """

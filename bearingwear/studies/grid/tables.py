@@ -60,9 +60,13 @@ def cases_csv(study: xr.Dataset) -> str:
 
 
 def over_all_balls(dataset: xr.Dataset) -> xr.Dataset:
-    """Returns a dataset without the dimension `ball`: means or extremes, and flags of ball 1."""
+    """Returns a dataset without the dimension `ball`: means or extremes, and flags of ball 1.
+
+    Variables of extremes, such as the maximum pressure, become that over all balls.
+    """
 
     def without_balls(variable: xr.DataArray) -> xr.DataArray:
+        """Returns a variable without the dimension `ball`."""
         if "ball" not in variable.dims:
             return variable
         if "flag_meanings" in variable.attrs:
@@ -90,7 +94,12 @@ def study_summary(
 
 
 def _wear_block(study: xr.Dataset) -> Block:
-    """Returns a table of QV and residual preload at the first and the last loss."""
+    """Returns a table of QV and residual preload at the first and the last loss, for each bearing.
+
+    Numbers have as many digits as their error estimates allow, where there are any.
+
+    study: cases over preload method, friction and loss.
+    """
     columns: list[tuple[xr.DataArray | str, str]] = []
     errors = []
     for bearing, cases in datasets_by_bearing(study.isel(ball_diameter_loss=[0, -1])).items():
@@ -111,7 +120,12 @@ def _wear_block(study: xr.Dataset) -> Block:
 
 
 def _interpolation_lines(lives: xr.Dataset) -> list[str]:
-    """Returns a line on why some lives cannot be interpolated; no line if all can."""
+    """Returns a line on why some lives cannot be interpolated; no line if all can.
+
+    The line also names the criteria of the scene that the cases of the study do not contain.
+
+    lives: dataset of `grid.life.wear_life`.
+    """
     missing_criteria = [
         ENDS[name].words for name in json.loads(lives.attrs.get(NOT_INTERPOLATED, "[]"))
     ]

@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from bearingwear.measures import ENDS, plain
 from bearingwear.plotting.drawing import SERIES, Figure, frame, new_figure, start_at_zero
-from bearingwear.results.quantiles import hours_in_words
+from bearingwear.results.units import digits
 from bearingwear.results.words import plain_scene
 
 
@@ -17,11 +17,13 @@ def duty_figure(life: xr.Dataset) -> Figure:
     """Returns the figure of a life over a duty, of a bearing.
 
     Its panels are the residual preload in each phase over time, and the worn volumes, stacked by
-    phase.
+    phase. A dashed line is at the preload that ends the life, if one does.
+
+    life: dataset of a life over a duty, of a single bearing.
     """
     time = life["history_time"].values
     phases = str(life.attrs["phases"]).split()
-    figure, panels = new_figure(1, 2, 7.6, 3.6)
+    figure, panels = new_figure(2, 1, 5.2, 6.0, sharex=True)
     preload_panel, wear_panel = panels.flat
     colours = [SERIES[k % len(SERIES)] for k in range(len(phases))]
     for k, colour in enumerate(colours):
@@ -35,9 +37,10 @@ def duty_figure(life: xr.Dataset) -> Figure:
     worn_percent = 100.0 * life["history_phase_worn_share"].values
     wear_panel.stackplot(time, *worn_percent.T, colors=colours, alpha=0.8)
     preload_panel.set_ylabel("residual preload (N)")
-    wear_panel.set_ylabel("worn volume (% of that at the end of life)")
+    wear_panel.set_ylabel("worn volume (% of the end)")
+    wear_panel.set_xlabel("time of use (h)")
     for panel in (preload_panel, wear_panel):
-        panel.set_xlabel("time of use (h)")
+        # a life of 0 h needs an axis of some length, too
         panel.set_xlim(0.0, max(float(time[-1]), np.finfo(float).tiny))
         start_at_zero(panel)
     keys: list[Patch | Line2D] = [
@@ -49,19 +52,18 @@ def duty_figure(life: xr.Dataset) -> Figure:
     if fraction is not None:
         words = ENDS["preload_fraction"].words
         keys.append(Line2D([], [], label=f"end of life by {words}, {100.0 * fraction:g} %", **end))
-    frame(figure, duty_message(life), keys, columns=2)
+    frame(figure, duty_message(life), keys, columns=1)
     return figure
 
 
 def duty_message(life: xr.Dataset) -> str:
     """Returns a sentence on the life over a duty, its cycles, and what ends it in which phase."""
     scene = plain_scene(life)
-    duration = hours_in_words(scene, float(life["life"]))
+    hours = digits(float(life["life"]))
     cycles = plain(float(life["life_cycles"]))
     flag_names = life["end_criterion"].attrs["flag_meanings"].split()
     criterion = flag_names[int(life["end_criterion"])]
-    end = ENDS[criterion].words if criterion in ENDS else "no criterion"
-    return (
-        f"{scene['name']}: life over the duty {duration}, {cycles} cycles, "
-        f"ended by {end} in {life.attrs['ended_in']}"
-    )
+    measure = ENDS.get(criterion)
+    end = measure.words if measure else "no criterion"
+    where = "" if measure and measure.of_wear else f" in {life.attrs['ended_in']}"
+    return f"{scene['name']}: life over the duty {hours} h, {cycles} cycles, ended by {end}{where}"

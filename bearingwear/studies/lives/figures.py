@@ -35,7 +35,10 @@ _AGES = "viridis_r"
 
 
 def wear_history(life: Path) -> Figure:
-    """Step: returns the figure of the history of a life in a file. Raises CaseFileError."""
+    """Step: returns the figure of the history of a dynamic life in a file.
+
+    CaseFileError: a file of another kind, or a life of which no step was solved.
+    """
     dataset = dynamic_life(life)
     if "history_ball_worn_volume" not in dataset:
         raise CaseFileError(f"{life}: no step of this life calculation could be solved")
@@ -43,9 +46,16 @@ def wear_history(life: Path) -> Figure:
 
 
 def history_figure(life: xr.Dataset) -> Figure:
-    """Returns the worn volumes of balls, races and cage over time, and the residual preload."""
+    """Returns a figure of the worn volumes of balls, races and cage, and of preload, over time.
+
+    Without a cage, its panel is missing. Crosses mark steps that were not solved, and a dashed line
+    the life by the steady model, if the file has it.
+
+    life: dataset of a life of fidelity dynamic.
+    """
     time = life["history_time"]
     figure, panels = new_figure(2, 2, 7.6, 5.6, sharex=True)
+    # the last panel is that of the preload
     for panel, (part, lines) in zip(panels.flat, _volume_lines(life).items(), strict=False):
         exponent = power_of_ten([volume for volume, _ in lines])
         for volume, style in lines:
@@ -107,7 +117,7 @@ def _legend_keys(life: xr.Dataset) -> list[Any]:
 
 
 def _volume_unit(exponent: int) -> str:
-    """Returns the name of a unit of 10^exponent m3."""
+    """Returns the unit of 10^exponent m3 as text, such as "mm³" for -9 and "10³ µm³" for -15."""
     names = {-9: "mm³", -18: "µm³", 0: "m³"}
     if exponent in names:
         return names[exponent]
@@ -129,7 +139,12 @@ def _history_title(life: xr.Dataset) -> str:
 
 
 def groove_figure(life: xr.Dataset) -> Figure:
-    """Returns a figure of the pressures and profiles of both grooves at some states of a life."""
+    """Returns a figure of the pressures and profiles of both grooves at some states of a life.
+
+    It shows the part of each groove that is worn or pressed in any of these states.
+
+    life: dataset of a life with worn grooves, which has profiles at its steps `groove_step`.
+    """
     figure, panels = new_figure(2, 2, 7.6, 5.4)
     steps = life["groove_step"].values
     colours = [*matplotlib.colormaps[_AGES](np.linspace(0.1, 1.0, len(steps)))]
@@ -138,7 +153,7 @@ def groove_figure(life: xr.Dataset) -> Figure:
         arc = 1e3 * life["groove_arc"].isel(race=race).values
         pressure = 1e-9 * life["groove_pressure"].isel(race=race).values
         depth = 1e6 * life["groove_depth"].isel(race=race).values
-        # where the groove is worn by a thousandth of its depth, or pressed
+        # where the groove is worn by a thousandth of its greatest depth, or pressed
         is_shown = (depth > 1e-3 * depth.max()).any(axis=0) | (pressure > 0.0).any(axis=0)
         shown = arc[is_shown]
         for k, colour in enumerate(colours):

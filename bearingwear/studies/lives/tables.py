@@ -26,7 +26,8 @@ COLUMN_WORDS = (
 def lives_table(lives: Sequence[Path]) -> str:
     """Step: returns a table of dynamic lives beside the steady ones, as Markdown.
 
-    lives: files, whose names head the lines.
+    lives: files, whose names without suffix are the first cells of the lines.
+    CaseFileError: a file of another kind.
     """
     datasets = [dynamic_life(path) for path in lives]
     rows = (
@@ -52,13 +53,18 @@ def lives_table(lives: Sequence[Path]) -> str:
 
 
 def _number_row(label: str, unit: str, lives: Sequence[xr.Dataset], name: str) -> Row:
-    """Returns the row of a variable of each life; NaN where a life lacks it."""
+    """Returns the row of a variable of each life; NaN where a life lacks it.
+
+    unit: of the variable in the files.
+    """
     numbers = [float(life[name]) if name in life else math.nan for life in lives]
     return quantity_row(label, unit, numbers)
 
 
 def _relative_ball_wear(life: xr.Dataset, extreme: Callable[[np.ndarray], float]) -> float:
-    """Returns an extreme worn volume of the balls over their mean; NaN without wear.
+    """Returns an extreme worn volume of the balls at the last step over their mean [1].
+
+    It is NaN for a life without a solved step, or without wear of the balls.
 
     extreme: `np.min` or `np.max`.
     """
@@ -69,7 +75,9 @@ def _relative_ball_wear(life: xr.Dataset, extreme: Callable[[np.ndarray], float]
 
 
 def _worn_volume(life: xr.Dataset, part: str) -> float:
-    """Returns the worn volume of all pockets, or of the land, at the end [m3]; NaN without cage.
+    """Returns the worn volume of all pockets, or of the land, at the last step [m3].
+
+    It is NaN for a life without a cage.
 
     part {"pocket", "land"}
     """

@@ -13,18 +13,21 @@ from scipy import stats
 from bearingwear.results.quantiles import CONFIDENCE
 
 TAILS = 0.5 * (1.0 - CONFIDENCE), 0.5 * (1.0 + CONFIDENCE)
+"""Probabilities at both ends of a confidence interval."""
 
 
 class Quantile(NamedTuple):
     """A quantile of lives, and its confidence interval due to the size of the sample."""
 
-    value: float
-    low: float  # NaN where the end lies beyond the sample
-    high: float
+    value: float  # in the unit of the lives; NaN of no life
+    low: float  # lower end of the interval; NaN where it lies beyond the sample
+    high: float  # upper end, likewise
 
 
 def life_quantile(lives: np.ndarray, factors: np.ndarray, p: float) -> Quantile:
     """Returns the quantile at a probability of the lives of independent bearings.
+
+    It is NaN without a solved life, and so is an end of the interval that the sample cannot give.
 
     The share of bearings below the quantile is known as well as by an effective number of bearings,
     whose binomial interval (Clopper and Pearson 1934; Korn and Graubard 1998) is carried over to
@@ -32,11 +35,9 @@ def life_quantile(lives: np.ndarray, factors: np.ndarray, p: float) -> Quantile:
     statistics. Otherwise it allows for one bearing more that fails at once and one that lasts: few
     lives may all have missed an end of life that few bearings meet.
 
-    lives (n,): NaN where one was not solved; these are left out.
-    factors (n, draws): by which wear scales each life, equally probable.
-    p: probability.
-
-    Returns NaN for the quantile of no life, and for an interval that the sample cannot give.
+    lives: NaN where one was not solved; these are left out (n,).
+    factors: by which wear scales each life, equally probable (n, draws).
+    p: probability of a shorter life, between 0 and 1.
     """
     solved = np.isfinite(lives)
     scaled = lives[solved, None] * factors[solved]
@@ -68,9 +69,10 @@ def longest_shares(lives: np.ndarray) -> np.ndarray:
     """Returns the share of bearings that live longest with each preload method (methods, 3).
 
     A row is the share and the ends of its confidence interval (Clopper and Pearson 1934); NaN if no
-    bearing has a life with all methods.
+    bearing has a life with all methods. Bearings without a life with some method are left out. One
+    that lives equally long with several methods counts for none of these.
 
-    lives (methods, n): of the same bearings with each method; NaN where one was not solved.
+    lives: of the same bearings with each method; NaN where one was not solved (methods, n).
     """
     lives = lives[:, np.isfinite(lives).all(axis=0)]
     count = lives.shape[1]
@@ -90,20 +92,20 @@ RESAMPLES = 200
 
 
 def sobol_indices(lives: np.ndarray, seed: int) -> dict[str, np.ndarray]:
-    """Returns Sobol indices (outputs, values) of log lives, and half-widths of their intervals.
+    """Returns Sobol indices of log lives, and half-widths of their intervals (outputs, values).
 
-    They are those of `scipy.stats.sobol_indices` (Saltelli et al. 2010), which takes a power of
-    two of base samples: the first of those of which every life is above zero. With fewer than two
-    of these, all indices are NaN.
+    The arrays have the names `first_index`, `total_index`, and these with `_error`. The indices are
+    those of `scipy.stats.sobol_indices` (Saltelli et al. 2010), which takes a power of two of base
+    samples: the first of those of which every life is above zero. With fewer than two of these,
+    all arrays are NaN. Half-widths come from a bootstrap of the base samples.
 
-    lives (values + 2, outputs, n): at A, at B, and at A with each value of B.
+    lives: at A, at B, and at A with each value from B; NaN where not solved (values + 2, outputs,
+        n).
     seed: of the bootstrap.
-
-    Returns arrays by the names `first_index`, `total_index`, and these with `_error`.
     """
     count_of_values = lives.shape[0] - 2
     outputs = lives.shape[1]
-    usable = (lives > 0.0).all(axis=(0, 1))
+    usable = (lives > 0.0).all(axis=(0, 1))  # False for NaN
     if usable.sum() < 2:
         unknown = np.full((outputs, count_of_values), np.nan)
         names = "first_index", "total_index", "first_index_error", "total_index_error"
@@ -112,7 +114,10 @@ def sobol_indices(lives: np.ndarray, seed: int) -> dict[str, np.ndarray]:
     logs = np.log(lives[..., usable][..., :n])
 
     def indices(samples: np.ndarray) -> np.ndarray:
-        """Returns first and total indices (2, outputs, values) of some base samples (n,)."""
+        """Returns first and total indices of some base samples (2, outputs, values).
+
+        samples: indices of base samples, which may repeat (n,).
+        """
         chosen = logs[..., samples]
         outputs_at = {"f_A": chosen[0], "f_B": chosen[1], "f_AB": chosen[2:]}
         result = stats.sobol_indices(func=outputs_at, n=n)

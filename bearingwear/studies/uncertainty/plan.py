@@ -14,15 +14,18 @@ from bearingwear.studies.answers import Tell
 from bearingwear.studies.solve import life_scene
 
 OWN, AS_RECOMMENDED = PRELOAD_CHOICES = ("own", "recommended")
-"""The preloads at which lives are sampled: the scene's own, and the design study's."""
+"""The preloads at which lives are sampled: the scene's own, and that of the design study."""
 
 
 def uncertain_scene(scene: Source, settings: Sequence[str] = (), tell: Tell | None = None) -> Scene:
     """Returns a scene whose lives can be sampled: one for the steady model, with distributions.
 
+    A scene without `uncertainty` gets the usual spread of the table of coefficients.
+
     settings: changes `KEY=VALUE`.
-    tell: takes a line on the distributions that are assumed where the scene has none.
-    SceneError: a life that requires another model, or a lognormal distribution around 0.
+    tell: takes a line on the distributions that are assumed, if any are.
+    SceneError: the life requires another model, or a lognormal distribution is one about a value
+        that is not above 0.
     """
     source = source_name(scene)
     scene, assumption = with_usual_spread(life_scene(scene, settings, films=True))

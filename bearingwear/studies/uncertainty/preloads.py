@@ -15,11 +15,11 @@ from bearingwear.studies.design.recommend import recommended_for
 def recommended_preloads(
     scene: Scene, recommendation: Path, methods: Sequence[str] = ()
 ) -> dict[str, float]:
-    """Returns the recommended preload [N] of each method in a file; NaN where there is none.
+    """Returns the recommended preload [N] by the methods in a file; NaN where none is allowed.
 
     recommendation: file of `bearingwear recommend`.
-    methods: those that the file must have.
-    CaseFileError: a file that is no recommendation for this scene, or lacks a method.
+    methods: those that the file must have, with a preload or NaN.
+    CaseFileError: the file is no recommendation for this scene, or lacks a method.
     """
     dataset = recommended_for(scene, load(recommendation))
     names = [PRELOAD_METHODS[flag] for flag in dataset["preload_method"].values.tolist()]
@@ -33,7 +33,10 @@ def recommended_preloads(
 def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
     """Returns the scene with a preload method and a preload [N].
 
-    A distribution of the preload keeps its shape: its mean, spread and ends change in proportion.
+    A distribution of the preload keeps its shape: its mean, spread and ends change in proportion to
+    the preload. One by a factor about the preload of the scene needs no change.
+
+    scene: with a preload above 0 if that is uncertain.
     """
     distributions = dict(scene.uncertainty or {})
     if "preload_N" in distributions:

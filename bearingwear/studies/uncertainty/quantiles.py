@@ -63,10 +63,13 @@ MEMBERS = 512
 
 
 class MethodLives(NamedTuple):
-    """Sampled lives with a preload method at one preload; none where no preload is recommended."""
+    """Sampled lives with a preload method at one preload.
 
-    row: dict[str, Any]  # values of `ANALYSED`
-    life: np.ndarray  # (n,) [h] of bearings in which everything uncertain varies
+    Where no preload is recommended, there are no lives, and the row has the preload NaN alone.
+    """
+
+    row: dict[str, Any]  # values of `ANALYSED` by their names
+    life: np.ndarray  # of bearings in which everything uncertain varies (n,) [h]
 
 
 def uncertain_lives(
@@ -78,22 +81,29 @@ def uncertain_lives(
     workers: int = 1,
     tell: Tell | None = None,
 ) -> xr.Dataset:
-    """Returns quantiles of the life at a scene's own preload.
+    """Returns quantiles of the life at a scene's own preload [h], as a dataset.
 
-    frictions: coefficients of ball and race [1]; without any, that of the scene. With some, the
-        dataset has the dimension `friction`.
-    methods: preload methods, if not the scene's own alone.
+    Its variables are those of `ANALYSED` but Sobol indices, over friction, preload method, choice
+    of preload, inputs that vary, and probability. Where the scene has no `uncertainty`, usual
+    distributions are assumed, and the attribute `ASSUMED_SPREAD` describes them.
+
+    frictions: coefficients of ball and race [1], which replace that of the scene. Without any, the
+        dataset has no dimension `friction`.
+    methods: preload methods; without any, that of the scene alone.
     samples: number of bearings in each sample, a power of two.
+    seed: of the samples.
     workers: processes that solve lives.
     tell: takes lines of progress, and a line on distributions that are assumed.
 
-    Returns the variables of `ANALYSED` over friction, preload method, choice of preload, inputs
-        that vary, and probability.
+    SceneError: as `uncertain_scene`; or `samples` or `seed` is invalid. NotAvailable: no life could
+    be solved by any model.
     """
     plan = sampling_of(samples, seed)
     assumptions: list[str] = []
+    # the changes `KEY=VALUE` of each scene: one for each friction, or the scene without changes
     settings = [[f"friction.ball_race={mu!r}"] for mu in frictions] if len(frictions) else [[]]
     scenes = [uncertain_scene(scene, changes, assumptions.append) for changes in settings]
+    # all scenes have the same assumption
     if tell and assumptions:
         tell(assumptions[0])
     operation = scenes[0].operation
@@ -107,7 +117,9 @@ def uncertain_lives(
 def recommended_life_quantiles(
     scene: Path, recommendation: Path, samples: int = SAMPLES, seed: int = 1, workers: int = 1
 ) -> xr.Dataset:
-    """Step: returns quantiles of the life at the recommended preload of each method with one.
+    """Step: returns quantiles of the life at the recommended preload of each method that has one.
+
+    Without any, the dataset has no method.
 
     recommendation: file of `bearingwear recommend`.
     samples, seed, workers: as of `uncertain_lives`.
@@ -130,6 +142,8 @@ def quantiles_and_indices(
     workers: int = 1,
 ) -> xr.Dataset:
     """Step: returns quantiles and Sobol indices of the life, at the own and recommended preload.
+
+    They are NaN at a recommended preload where none is recommended.
 
     recommendation: file of `bearingwear recommend`.
     methods: preload methods.
@@ -157,12 +171,13 @@ def life_quantiles(
 ) -> xr.Dataset:
     """Returns quantiles of the lives of a scene, and Sobol indices if asked for.
 
+    The dataset has the variables of `ANALYSED` over the axes of `_quantile_axes`.
+
     scenes: one at each of `frictions`, or a single one.
     preloads: [N] by preload method and choice, of `PRELOAD_CHOICES`; NaN where none is recommended.
     plan: size and seed of the samples.
     workers, tell: as of `uncertain_lives`.
-
-    Returns the variables of `ANALYSED` over the axes of `_quantile_axes`.
+    with_indices: whether to compute the indices, too, which takes many more lives.
     """
     rows = []
     with Workers(workers, "uncertainty", tell or False) as pool:
@@ -239,10 +254,10 @@ def _rows_at_preloads(
 
 
 def _method_lives(scene: Scene, plan: Sampling, pool: Workers, tell: Tell | None) -> MethodLives:
-    """Returns lives at the scene's preload, with their quantiles and statuses.
+    """Returns lives at the scene's preload, with the row of their quantiles and statuses.
 
-    The quantiles are those of all bearings, of all bearings with the wear coefficient and hardness
-    of the scene, within a batch, and over batches.
+    The quantiles (inputs, probabilities) are those of all bearings, of all bearings with the wear
+    coefficient and hardness of the scene, within a batch, and over batches.
     """
     if tell:
         tell(
@@ -251,7 +266,7 @@ def _method_lives(scene: Scene, plan: Sampling, pool: Workers, tell: Tell | None
         )
     solved_inputs = ALL_INPUTS, SCATTER_ONLY, BATCH_ONLY
     samples = {inputs: sample_of(scene, inputs, plan) for inputs in solved_inputs}
-    medians = np.array([_medians(scene)])
+    medians = np.array([_medians(scene)])  # the first row, whose life is the nominal one
     rows = np.vstack([medians, *(sample.rows for sample in samples.values())])
     solved = sampled_lives(scene, rows, pool)
     all_hours = solved.life * HOURS_PER_SECOND
@@ -292,7 +307,7 @@ def _evenly_spaced_lives(hours: np.ndarray, factors: np.ndarray) -> np.ndarray:
 def _add_longest_shares(methods: Sequence[MethodLives]) -> None:
     """Adds to the row of each method the share of bearings that it gives the longest life.
 
-    Methods without lives are left out; a single one gets no share.
+    Methods without lives are left out. If only one has lives, no share is added.
 
     methods: lives with each method at the same choice of preload.
     """
@@ -311,9 +326,10 @@ def _medians(scene: Scene) -> list[float]:
 def _effects_of_values(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
     """Returns how much each uncertain value changes the life, by the names of `ANALYSED`.
 
-    These are Sobol indices of the lives with their errors, the share of base samples that they
-    use, and the lives [h] with one value at its 10 or 90 % quantile and the others at their
-    medians.
+    These are Sobol indices of the lives with their errors (inputs, values), the share of base
+    samples that they use, and the lives [h] with one value at its 10 or 90 % quantile and the
+    others at their medians (values, 2). Indices are NaN for inputs that vary within a batch or over
+    batches alone.
     """
     names = list(scene.uncertainty or {})
     base_rows = sobol_rows(scene, plan)
@@ -342,11 +358,12 @@ def _effects_of_values(scene: Scene, plan: Sampling, pool: Workers) -> dict[str,
 def sobol_rows(scene: Scene, plan: Sampling) -> np.ndarray:
     """Returns the base samples of Sobol indices (values + 2, samples, values).
 
-    These are A, B, and A with each value of B in turn (Saltelli et al. 2010).
+    The first index counts the samples A, B, and A with each value in turn from B (Saltelli et al.
+    2010). Values are those of `uncertainty`, in its order and units.
     """
     names = list(scene.uncertainty or {})
     columns = np.arange(len(names))
     points = qmc.Sobol(2 * len(names), seed=plan.seed).random(plan.samples)
-    a, b = np.hsplit(points, 2)
+    a, b = np.hsplit(points, 2)  # probabilities, of which `sampled_values` makes values
     matrices = [a, b, *(np.where(columns == k, b, a) for k in columns)]
     return np.stack([sampled_values(scene, names, matrix) for matrix in matrices])

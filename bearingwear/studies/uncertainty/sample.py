@@ -23,15 +23,16 @@ from bearingwear.studies.answers import PROBLEM, Workers
 from bearingwear.studies.sampling import Sampling, scene_with_values, wear_factor
 
 POOLED = 2**15
-"""Lives that a quantile is taken from, at least: each life solved, times many wear factors."""
+"""Least number of lives from which a quantile is taken, if wear varies: that of the lives solved,
+each of them with many wear factors."""
 
 
 class SampledLives(NamedTuple):
     """Lives of the members of a sample."""
 
-    life: np.ndarray  # (n,) [s]; NaN where it was not solved
-    status: np.ndarray  # (n,); REFUSED where no model takes the values
-    solves: int  # lives that were solved; members that differ in K_s and H alone share one
+    life: np.ndarray  # NaN where it was not solved (n,) [s]
+    status: np.ndarray  # REFUSED where no model takes the values (n,)
+    solves: int  # number of lives tried; members that differ in K_s and H alone share one
 
     @property
     def solved_share(self) -> float:
@@ -42,8 +43,8 @@ class SampledLives(NamedTuple):
 class Sample(NamedTuple):
     """Bearings of which some of the uncertain values vary; the others are at their medians."""
 
-    rows: np.ndarray  # (n, names) values, with the wear coefficient and hardness of the scene
-    factors: np.ndarray  # (n, draws) by which the wear coefficient and hardness scale each life
+    rows: np.ndarray  # values, with the wear coefficient and hardness of the scene (n, names)
+    factors: np.ndarray  # by which wear coefficient and hardness scale each life (n, draws)
 
 
 def varied_names(scene: Scene, inputs: int) -> list[str]:
@@ -76,6 +77,8 @@ def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:
     """Returns a sample of bearings in which some uncertain values vary.
 
     Samples of a scene share their points, so that a life which two of them need is solved once.
+    Wear coefficient and hardness vary by the factors, not in the rows. If they vary, there are
+    enough factors for `POOLED` lives; else each life has one.
 
     inputs: flag of `UNCERTAIN_INPUTS`, see `varied_names`.
     plan: size and seed.
@@ -116,9 +119,9 @@ def sampled_lives(scene: Scene, rows: np.ndarray, pool: Workers | None = None) -
 
     Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
 
-    rows: values (n, names) of the uncertain keys.
+    rows: values of the keys of `uncertainty`, in its order (n, names).
     pool: processes that solve the lives; without one, this process does.
-    NotAvailable: no row could be solved by any model.
+    NotAvailable: no model takes the values of any row.
     """
     names = list(scene.uncertainty or {})
     wear = _wear_columns(names)
@@ -141,7 +144,10 @@ def quick_life_answer(
 ) -> dict[str, float]:
     """Returns the `status` of a quick life at uncertain values, and the `life` [s] if it is OK.
 
-    The life has the grooves that the full model would follow.
+    The life has the grooves that the full model would follow. Where balls become too large for the
+    play between the grooves, the status is BEYOND_GROOVE.
+
+    names, values: keys of `uncertainty`, and values that replace those of the scene.
     """
     changed = scene_with_values(scene, dict(zip(names, values, strict=True)))
     if changed is None:

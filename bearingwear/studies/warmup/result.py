@@ -10,11 +10,13 @@ import xarray as xr
 
 from bearingwear.kernels import status as code
 from bearingwear.results.variable import STATUS, Variable, table
+from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.warmup.transient import (
     COARSER,
     STEP_TOLERANCE,
     Instant,
+    NoState,
     SpeedCourse,
     WarmUp,
     warm_up,
@@ -79,15 +81,25 @@ _SUMMARY = table(
 
 
 def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = None) -> xr.Dataset:
-    """Returns the warm-up of a scene along time, with its peaks and how it ended.
+    """Returns the warm-up of a scene along `time` [s], with its peaks and how it ended.
 
-    course: of the speed.
-    duration: [s]; None up to the steady temperatures.
+    It is solved twice: the error of the peaks is estimated from a second warm-up with coarser
+    steps. Values of bearings are over `side`, which has the length 1 for a symmetric pair, too.
+
+    course: of the speed, an attribute of the dataset: its times, then its shares of the full speed.
+    duration: [s]; None up to the steady temperatures, or to the longest time that is followed.
+    NotAvailable: the bearings have no state as mounted, so that there is no instant.
     """
-    warmup = warm_up(scene, course, duration)
+    try:
+        warmup = warm_up(scene, course, duration)
+    except NoState as unsolved:
+        name = code.STATUS_NAMES[unsolved.status]
+        problem = f"no state at the start ({name}: {code.STATUS_SENTENCES[name]})"
+        raise NotAvailable(f"{scene.name}: {problem}") from None
     times = [instant.time for instant in warmup.instants]
     rows = [_instant_values(scene, instant) for instant in warmup.instants]
     peaks = _peaks(times, rows)
+    # over the same time, unless no step had a state (0 s)
     coarse_warmup = warm_up(scene, course, times[-1] or None, COARSER * STEP_TOLERANCE)
     coarse_peaks = peaks_of(scene, coarse_warmup)
     T = np.array([instant.temperatures.ravel() for instant in warmup.instants])
@@ -116,14 +128,19 @@ def warm_up_dataset(scene: Scene, course: SpeedCourse, duration: float | None = 
 def peaks_of(scene: Scene, warmup: WarmUp) -> dict[str, float]:
     """Returns the peaks of a warm-up, their times and the last values [SI].
 
-    The names are `peak_NAME`, `peak_NAME_time` and `end_NAME` for the names of `PEAKS`.
+    A value is the largest over all bearings and contacts; of equal peaks, the first gives the time.
+    The names are `peak_NAME`, `peak_NAME_time` and `end_NAME` for the names of `PEAKS`. Those of a
+    spring are 0 where it moves only the other way, and missing without a constant force.
     """
     times = [instant.time for instant in warmup.instants]
     return _peaks(times, [_instant_values(scene, instant) for instant in warmup.instants])
 
 
 def _instant_values(scene: Scene, instant: Instant) -> dict[str, Any]:
-    """Returns the values of an instant [SI] by the names of variables over time."""
+    """Returns the values of an instant [SI, r/min, degC] by the names of variables over time.
+
+    Lists and arrays have an item for each bearing. `spring_travel` is missing in a fixed position.
+    """
     states = instant.states
     values = {
         "shaft_speed": instant.share * scene.operation.shaft_speed_rpm,
@@ -143,10 +160,11 @@ def _peaks(times: Sequence[float], rows: Sequence[Mapping[str, Any]]) -> dict[st
 
     rows: values at each time, of `_instant_values`.
     """
-    T = np.array([row["part_temperature"] for row in rows])
+    T = np.array([row["part_temperature"] for row in rows])  # (times, bearings, parts)
     courses = {
         "residual_preload": np.max([row["residual_preload"] for row in rows], axis=1),
         "maximum_pressure": np.max([row["maximum_pressure"] for row in rows], axis=1),
+        # inner less outer ring, in the order of `_PARTS`
         "temperature_difference": (T[:, :, 0] - T[:, :, 2]).max(axis=1),
     }
     if "spring_travel" in rows[0]:
@@ -162,9 +180,12 @@ def _peaks(times: Sequence[float], rows: Sequence[Mapping[str, Any]]) -> dict[st
 
 
 def _error_of_peaks(peaks: Mapping[str, float], coarse_peaks: Mapping[str, float]) -> float:
-    """Returns the largest relative difference of peaks from those of coarser steps.
+    """Returns the largest magnitude of the relative differences of peaks from the coarse ones.
 
-    The differences of the spring are relative to its longer way. Peaks of 0 are left out.
+    The differences of the spring are relative to the larger of its compression and extension. Peaks
+    of 0 are left out.
+
+    peaks, coarse_peaks: of `peaks_of`, of a warm-up and of one with coarser steps.
     """
     sizes = {name: abs(peaks[f"peak_{name}"]) for name in PEAKS if f"peak_{name}" in peaks}
     longer_way = max((sizes[name] for name in SPRING if name in sizes), default=0.0)
@@ -179,6 +200,9 @@ def _error_of_peaks(peaks: Mapping[str, float], coarse_peaks: Mapping[str, float
 def _ending(warmup: WarmUp, duration: float | None) -> str:
     """Returns how a warm-up ended, one of `ENDINGS`.
 
+    "steady" also stands for one that reached the longest time that is followed; `distance_left` of
+    the file then says how far it was from the steady temperatures.
+
     duration: that it was to last [s]; None up to the steady temperatures.
     """
     if warmup.status != code.OK:
@@ -187,7 +211,10 @@ def _ending(warmup: WarmUp, duration: float | None) -> str:
 
 
 def _time_to_share(times: np.ndarray, T: np.ndarray, share: float) -> float:
-    """Returns the time [s] from which on every temperature has made a share of its rise.
+    """Returns the time [s] from which on every temperature T has made a share of its rise.
+
+    That is, abs(T - T_last) <= (1 - share) abs(T_first - T_last) from then on. The time is
+    interpolated linearly between instants; it is 0 if that holds from the first one.
 
     times: (n,) [s].
     T: temperatures (n, parts) at these times; the last ones end the rise.

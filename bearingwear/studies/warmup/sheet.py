@@ -48,13 +48,19 @@ def warm_up_sheet(file: Any) -> Document:
 def _course_times(course: np.ndarray) -> np.ndarray:
     """Returns the times (n,) [s] of the course of the speed in a file of a warm-up.
 
+    A single time, 0, stands for the full speed from the start.
+
     course: attribute (2 n,): the times, then the shares of the full speed at these times.
     """
     return np.reshape(np.atleast_1d(course), (2, -1))[0]
 
 
 def _peaks_block(file: Any) -> Block:
-    """Returns a table of the peaks, their times and the last values."""
+    """Returns a table of the peaks, their times [s] and the last values.
+
+    Peaks that the file lacks, such as those of a spring, have no row. Peak and last value are in a
+    unit chosen for the peak.
+    """
     rows = []
     for name, (units, words) in PEAKS.items():
         if f"peak_{name}" not in file.variables:
@@ -69,7 +75,7 @@ def _peaks_block(file: Any) -> Block:
 
 
 def _temperatures_block(file: Any) -> Block:
-    """Returns a table of the last temperatures, of each part and bearing."""
+    """Returns a table of the last temperatures [degC]: a row for each part, a column a bearing."""
     T = variable_values(file, "part_temperature")[-1]
     columns = tuple(f"bearing {k + 1}" for k in range(len(T))) if len(T) > 1 else ("",)
     rows = [Row(part, "degC", tuple(T[:, k].tolist())) for k, part in enumerate(PART_WORDS)]
@@ -77,7 +83,12 @@ def _temperatures_block(file: Any) -> Block:
 
 
 def _closing_lines(file: Any, ending: str) -> list[str]:
-    """Returns lines on the rise of the temperatures, their stability and the numerical error."""
+    """Returns lines on the rise of the temperatures, their stability and the numerical error.
+
+    They include warnings: of a spring at its stop, and of a thermal margin little above 1.
+
+    ending: one of `ENDINGS`; the line on the rise is left out where there was no state.
+    """
     lines = []
     if ending in ("steady", "duration"):
         seconds = float(variable_values(file, "time_to_95_percent"))
@@ -129,7 +140,8 @@ def _ending_sentence(file: Any, ending: str) -> str:
 def warm_up_figure(warmup: xr.Dataset) -> Figure:
     """Returns a figure of temperatures, preload and contact pressure over time.
 
-    The axis of time is logarithmic once the machine is at speed.
+    The axis of time is logarithmic once the machine is at speed, from 1 s on at the soonest. Lines
+    of a second bearing are dashed.
 
     warmup: dataset of `warm_up_dataset`.
     """

@@ -8,16 +8,22 @@ from typing import NamedTuple
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.warmup.transient import COARSER, STEP_TOLERANCE, ramp, warm_up
+from bearingwear.solvers.warmup.transient import (
+    COARSER,
+    STEP_TOLERANCE,
+    NoState,
+    ramp,
+    warm_up,
+)
 from bearingwear.studies.warmup.result import peaks_of
 
 
 class PeakLimit(NamedTuple):
     """A peak of a warm-up that a ramp may keep below a limit."""
 
-    peak: str
-    unit_size: float  # [SI]
-    unit: str
+    peak: str  # of `result.PEAKS`
+    unit_size: float  # of the unit of the limit [SI]
+    unit: str  # of the limit
 
 
 LIMITS = {
@@ -47,11 +53,17 @@ def limits_hold(
 ) -> bool:
     """Whether all limits hold from rest to the steady temperatures at speed.
 
+    They do not if the bearings have no state at the start or on the way, as when they run away. A
+    peak may equal its limit.
+
     seconds: duration of the ramp to speed [s].
     limits: values in the units of `LIMITS`, by its names.
     tolerance: of a time step, relative.
     """
-    warmup = warm_up(scene, ramp(seconds), tolerance=tolerance)
+    try:
+        warmup = warm_up(scene, ramp(seconds), tolerance=tolerance)
+    except NoState:
+        return False
     if warmup.status != code.OK:
         return False
     peaks = peaks_of(scene, warmup)
@@ -83,8 +95,12 @@ def shortest_ramp(scene: Scene, limits: Mapping[str, float]) -> ShortestRamp | N
 def _fine_ramp(scene: Scene, limits: Mapping[str, float], k: int) -> float | None:
     """Returns the shortest ramp [s] up to `RAMPS[k]` that keeps all limits with fine time steps.
 
-    None if `RAMPS[k]`, which keeps them with coarse time steps, does not.
+    None if `RAMPS[k]`, which keeps them with coarse time steps, does not. A shorter ramp that
+    breaks a limit with fine steps is lengthened by `RAMP_TOLERANCE` until it keeps all of them.
+
+    limits: values in the units of `LIMITS`, by its names.
     """
+    # up to the shortest ramp but none, there is no range of a ratio to bisect
     seconds = _bisected_ramp(scene, limits, k) if k > 1 else RAMPS[k]
     while not limits_hold(scene, seconds, limits, STEP_TOLERANCE):
         seconds = float(f"{(1.0 + RAMP_TOLERANCE) * seconds:.3g}")
@@ -95,6 +111,8 @@ def _fine_ramp(scene: Scene, limits: Mapping[str, float], k: int) -> float | Non
 
 def _bisected_ramp(scene: Scene, limits: Mapping[str, float], k: int) -> float:
     """Returns the shortest ramp [s] above `RAMPS[k - 1]` that keeps all limits, rounded up.
+
+    It is bisected in logarithm, with coarse time steps, to `RAMP_TOLERANCE`.
 
     limits: values in the units of `LIMITS`, by its names; `RAMPS[k]` keeps them.
     """

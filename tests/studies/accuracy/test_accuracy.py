@@ -24,6 +24,7 @@ from bearingwear.studies.dataset import write_dataset
 from workflow.studies.accuracy.cages import cages_part
 from workflow.studies.accuracy.checked_table import Agreement, CheckedTable, table_cells
 from workflow.studies.accuracy.docs import DOCS_PARTS, differences
+from workflow.studies.accuracy.figures import integration_figure
 from workflow.studies.accuracy.gather import gathered_sweeps
 from workflow.studies.accuracy.plan import (
     ACCURACY_FILE,
@@ -225,6 +226,14 @@ def test_figures_are_drawn_without_a_warning(trade, which, tmp_path):
     settings, output = {"which": which}, tmp_path / "a.svg"
     assert step("figures.figure", output, trade=trade, settings=settings) == 0
     assert output.stat().st_size > 0
+
+
+@pytest.mark.long
+def test_the_title_on_integrators_states_every_ratio_of_times(trade):
+    """A dash would stand for a ratio without any scene."""
+    title = integration_figure(load(trade)).get_suptitle()
+    assert "Runge-Kutta" in title
+    assert "–" not in title
 
 
 @pytest.mark.long

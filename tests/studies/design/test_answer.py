@@ -20,7 +20,7 @@ from bearingwear.studies.design.best import SIMILAR
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.charts import design_charts
 from bearingwear.studies.design.document.sentences import recommended_points
-from bearingwear.studies.design.document.sheets import preload_document
+from bearingwear.studies.design.document.sheets import NO_TOLERANCE, preload_document
 from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.map import design_point
 
@@ -72,7 +72,7 @@ def test_the_answer_has_the_numbers_of_the_files(files, tmp_path):
     assert numbers_in(answer.title) == [preload, 3.0, 30000.0]  # N, N/um, r/min
     assert numbers_in(answer.heading[1]) == [30000.0, 0.08]  # r/min, friction
     sentences = sentences_of(answer)
-    assert f"{Rough(spring).text} h" in sentences["verdict"]
+    assert f"{digits(spring)} h" in sentences["verdict"]
     assert "temperature.inner_ring_C" in sentences["strip"]
     tables = tables_of(answer)
     recommended = rows_of(tables["open"])
@@ -213,6 +213,18 @@ def test_achieved_values_have_no_power_of_ten(files, tmp_path):
     assert "1230 W" in question.replace("\N{NO-BREAK SPACE}", " ")
 
 
+def test_the_chart_of_life_has_the_required_life(files, tmp_path):
+    """In hours, as its lines; the stiffness beside it is in N/um."""
+    required = {"life_h": 1.5, STIFFNESS: 3.0}
+    for name, path in files.items():
+        changed = load(path).assign_attrs(limits=json.dumps(required))
+        changed.to_netcdf(tmp_path / f"{name}.nc")
+    charts = json.loads(design_charts(*(tmp_path / f"{name}.nc" for name in files)))["charts"]
+    limits = {chart["title"]: (chart["limit"], chart["at_least"]) for chart in charts}
+    assert limits["Life versus initial preload"] == (1.5, True)
+    assert (3.0, True) in [limits[title] for title in limits if "tiffness" in title]
+
+
 def test_a_method_without_a_preload_has_no_groove_model(files):
     """Its cell in the row `groove` is empty; that of the other method is not."""
     dataset = load(files["recommendation"])
@@ -220,6 +232,29 @@ def test_a_method_without_a_preload_has_no_groove_model(files):
     (table,) = [b for b in preload_document(dataset).blocks if b.title == "recommended"]
     first, second = rows_of(table)["groove"].values
     assert first and not second
+
+
+def test_a_tolerance_that_was_not_sought_says_so(files):
+    """Only the longest life has one; a method without a preload has none to seek."""
+    dataset = load(files["recommendation"])
+    dataset["least_preload"][1] = dataset["most_preload"][1] = np.nan
+
+    def limits_of_second():
+        (table,) = [b for b in preload_document(dataset).blocks if b.title == "recommended"]
+        return [rows_of(table)[name].values[1] for name in ("least_preload", "most_preload")]
+
+    assert limits_of_second() == [NO_TOLERANCE] * 2
+    dataset["preload"][1] = np.nan
+    assert np.isnan(limits_of_second()).all()
+
+
+@pytest.mark.parametrize("ratio, is_stated", [(0.99, True), (0.5, False)])
+def test_another_method_with_about_the_same_life_is_stated(files, ratio, is_stated):
+    dataset = load(files["recommendation"])
+    dataset["life"][1] = ratio * float(dataset["life"][0])
+    verdict = sentences_of(preload_document(dataset))["verdict"]
+    assert ("gives the same life" in verdict) == is_stated
+    assert (float(dataset["preload"][1]) in numbers_in(verdict)) == is_stated
 
 
 def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(files):

@@ -80,7 +80,7 @@ def test_the_recommended_preload_is_stiff_enough_at_every_speed(spindle):
 
     The least stiffness over the speed is only found to `SPEED_FOUND_TO`, so that much may lack.
     """
-    required_life = 0.2  # h; low enough for the stiffness to decide: without it, lives reach 1.4 h
+    required_life = 0.2  # h; low enough for the stiffness to decide: without it, lives reach 0.4 h
     recommended = recommendation(spindle, replace(STIFF, life_h=required_life))
     assert (recommended["life"] >= required_life).all()
     for k, method in enumerate(PRELOAD_METHODS):
@@ -380,6 +380,25 @@ def test_a_preload_that_must_be_kept_may_decide(contact):
     recommended = recommendation(scene, DesignLimits(preload_kept=0.8))
     (limit,) = preload_document(recommended).facts["limits"]
     assert "residual preload" in limit and numbers_in(limit) == [80.0]
+
+
+def test_a_stiffness_that_is_not_known_at_a_lower_speed_is_that_of_the_others(spindle):
+    """Balls that change their motion at half of the speed have no dynamic stiffness there."""
+
+    def states_without_stiffness_at_half_speed(scene):
+        states = new_states(scene)
+        if scene.operation.shaft_speed_rpm != pytest.approx(9000.0):
+            return states
+        unknown = dict.fromkeys(("axial_stiffness", STIFFNESS), math.nan)
+        return tuple(state.with_values(unknown) for state in states)
+
+    at_speed = state_extremes(spindle, new_states(spindle), OperatingCondition(spindle).where())
+    conditions = OtherConditions(spindle, STIFF.effective, quick=True)
+    known, unknown = (
+        conditions.extremes(at_speed, solve_states, "new").extremes[STIFFNESS]["value"]
+        for solve_states in (new_states, states_without_stiffness_at_half_speed)
+    )
+    assert unknown == pytest.approx(known, rel=0.05) and math.isfinite(known)
 
 
 def test_a_rotor_whose_stiffness_is_not_known_has_no_frequency():

@@ -59,7 +59,7 @@ def recommended(scene):
     return recommendation(scene, STIFF)
 
 
-BY_METHOD = pytest.mark.parametrize(("k", "method"), enumerate(METHODS))
+BY_METHOD = pytest.mark.parametrize(("k", "method"), [*enumerate(METHODS)])
 
 
 @BY_METHOD

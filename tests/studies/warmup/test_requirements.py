@@ -19,6 +19,7 @@ from bearingwear.studies.design.conditions import DECIDING, WARMING, condition_w
 from bearingwear.studies.design.map import NOT_SOLVED_AT, design_point, new_point
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import preload_map, recommendation
+from bearingwear.studies.design.warm_up_extremes import warm_up_extremes
 
 
 @pytest.fixture(scope="module")
@@ -273,3 +274,11 @@ def test_a_warm_up_in_python_follows_its_course_to_its_duration(spindle):
     assert_allclose(float(warmed["peak_residual_preload"]), float(peak))
     inner = warmed["part_temperature"].sel(part="inner_ring")
     assert np.all(np.diff(inner.isel(side=0)) >= 0.0)
+
+
+def test_bearings_without_a_state_as_mounted_fail_the_warm_up_of_a_requirement(spindle):
+    """60 um of wear are far more than the elastic approach of both races, a few um at 140 N."""
+    worn = spindle.with_({"wear.ball_diameter_loss_um": 60.0})
+    extremes = warm_up_extremes(worn, 10.0, quick=True)
+    assert (extremes.extremes, extremes.status) == ({}, code.CONTACT_LOST)
+    assert extremes.unsolved["status"] == "contact_lost" and extremes.unsolved["time_s"] == 0.0

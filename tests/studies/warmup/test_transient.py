@@ -10,7 +10,7 @@ from support import SLOW_HOUSING, benchmark, warm_spindle
 
 import bearingwear
 from bearingwear.kernels import status as code
-from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.errors import NotAvailable, SceneError
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.thermal import HeatFlow
@@ -294,6 +294,14 @@ def test_the_margin_is_one_where_steady_states_end(spindle):
             low = middle
     assert_allclose(margins[-1], 1.0, rtol=1e-2)
     assert margins[0] > 1.5  # at 1.1 W/K, far from the end
+
+
+def test_bearings_without_a_state_as_mounted_have_no_warm_up(spindle):
+    """60 um of wear are far more than the elastic approach of both races, a few um at 140 N."""
+    worn = spindle.with_({"wear.ball_diameter_loss_um": 60.0})
+    with pytest.raises(NotAvailable, match=r": no state at the start \(contact_lost: "):
+        warm_up_dataset(worn, ramp(0.0))
+    assert shortest_ramp(worn, {"pressure": 5.0}) is None
 
 
 def test_times_and_speeds_are_followed(spindle):

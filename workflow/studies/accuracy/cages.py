@@ -19,7 +19,7 @@ _COLUMNS = (*_MEANS, "90 %, +-", "same motion")
 def gathered_cages(paths: Sequence[Path]) -> xr.Dataset:
     """Step: returns turns, work and motion of every run along `point` (the ensemble) and `run`.
 
-    paths: files of ensembles, in the order of the plan.
+    paths: files of ensembles, in the order of the plan; all have the same number of runs.
     """
     parts = [load(path)[[*_MEANS.values(), "motion"]] for path in paths]
     return xr.concat(parts, "point", combine_attrs="override")
@@ -28,10 +28,11 @@ def gathered_cages(paths: Sequence[Path]) -> xr.Dataset:
 def cages_part(trade: xr.Dataset, plan: Plan) -> list[str | CheckedTable]:
     """Returns a paragraph and a table of each ensemble relative to the first.
 
-    The runs of all ensembles have the same samples, so that they can be compared one by one.
+    The runs of all ensembles have the same samples, so that they can be compared one by one. A row
+    has means over the runs that were solved in both its ensemble and the first.
 
+    trade: dataset of `gathered_cages`.
     plan: data of config/accuracy.yaml.
-    trade: of `gathered_cages`.
     """
     cages = plan["cages"]
     first_ensemble = trade.isel(point=0)

@@ -15,7 +15,7 @@ from bearingwear.results.units import digits
 ANSWER = 1.02
 """Factor within which two runs of the same program give the same answer."""
 _ROUNDING = 1e-3
-"""Difference of two numbers that their digits may round off."""
+"""Difference of two numbers of a table, in their unit, that their digits may round off."""
 
 ROUNDED_DIGITS = 1.05
 """Factor on tolerances of errors, which tables give with two digits."""
@@ -32,10 +32,14 @@ class Agreement(NamedTuple):
     unit: str = ""
 
     def is_met(self, old: str, new: str) -> bool:
-        """Whether two cells agree; words must be the same.
+        """Whether two cells agree: numbers within the factor, words if they are the same.
 
-        A cell "< x" gives only an upper bound, and numbers below the floor do not matter: the sizes
-        of both numbers are raised to the largest of bounds and floor before they are compared.
+        A cell "< x" gives only an upper bound, and numbers below the floor do not matter: the
+        magnitudes of both numbers are raised to the largest of bounds and floor. Their ratio must
+        then not exceed the factor, or their difference `_ROUNDING`. The smaller of two numbers of
+        different signs counts as that largest of bounds and floor.
+
+        old, new: cells as text.
         """
         cells = old, new
         try:
@@ -47,7 +51,7 @@ class Agreement(NamedTuple):
         smaller, larger = sorted(numbers, key=abs)
         if abs(larger) <= least:
             return True
-        # numbers of different signs do not agree: the smaller one then counts as the least
+        # a smaller number of the other sign is negative here
         low = max(smaller * math.copysign(1.0, larger), least)
         high = abs(larger)
         return high <= self.factor * low or math.isclose(low, high, abs_tol=_ROUNDING)
@@ -76,7 +80,11 @@ class CheckedTable:
         return block_markdown(self.block, "**{}**")
 
     def differences(self, text: str) -> Iterator[str]:
-        """Yields a line for each number that is missing or does not agree in a Markdown text."""
+        """Yields a line for each number of the table that a Markdown text lacks or contradicts.
+
+        A row that the text lacks, or has with another number of cells, gives one line. Rows of the
+        text that the table lacks give none.
+        """
         old_rows = table_cells(text, len(self.axes))
         for row, new_cells in table_cells(self.text, len(self.axes)).items():
             place = ": ".join([row[0], ", ".join(row[1:])])
@@ -93,6 +101,8 @@ class CheckedTable:
 
 def table_cells(text: str, axes: int = 1) -> TableCells:
     """Returns the cells of all tables in a Markdown text whose titles stand above in bold.
+
+    The heads of a table are a row, too. Of equal rows, the last one counts.
 
     axes: number of first cells, which name a row.
     """

@@ -49,7 +49,8 @@ def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
 def docs_with_part(trade: Path, plan: Path, docs: Path, part: str) -> str:
     """Step: returns the text of the docs with a part of this run instead of the old one.
 
-    A part that the docs lack is added at the end.
+    A part that the docs lack is added at the end. If they have only the mark at its begin, all that
+    follows the mark is replaced. Docs that do not exist begin with a title.
     """
     begin, end = _marks(part)
     text = "\n\n".join(_markdown_texts(docs_part(trade, plan, part)))
@@ -65,7 +66,9 @@ def check_docs(trade: Path, plan: Path, docs: Path, cages: Path) -> str:
     """Step: returns a line that says that the docs agree with a run.
 
     trade, cages: files of all points, and of the cage ensembles.
+    plan, docs: files of the plan, and of the docs.
     NotSolved: a line for each number that differs.
+    CaseFileError: the docs lack a part.
     """
     trade_by_part = dict.fromkeys(DOCS_PARTS, trade) | {"cages": cages}
     lines = []
@@ -96,7 +99,7 @@ def tables_in(part: list[str | CheckedTable]) -> list[CheckedTable]:
 
 
 def _markdown_texts(part: Iterable[str | CheckedTable]) -> list[str]:
-    """Returns paragraphs, with lines of at most 100 columns, and tables as Markdown."""
+    """Returns each paragraph, with lines of at most 100 columns, and each table as Markdown."""
     texts = []
     for item in part:
         if isinstance(item, CheckedTable):

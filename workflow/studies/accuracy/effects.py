@@ -23,7 +23,8 @@ EFFECT_COLUMNS = {
 def effect_rows(trade: xr.Dataset, row: Plan) -> Iterator[list]:
     """Yields a row for each scene: words, scene, and the factors of an effect on the columns.
 
-    Factors are relative to the first point of the sweep on the scene; NaN where either is unsolved.
+    Factors are relative to the first point of the sweep on the scene; NaN where either is unsolved,
+    whose status then follows the words.
 
     trade: all points of the study over `point`.
     row: block of the plan's `effects`, with `sweep`, `label` and `text`.

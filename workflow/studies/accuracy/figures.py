@@ -62,6 +62,8 @@ def drawn_error(error: np.ndarray) -> np.ndarray:
 def draw_panel(axes: Any, points: xr.Dataset, quantity: str, time: str = "wall_time") -> None:
     """Draws errors over computing time: lines of sweeps, the Pareto front and the presets.
 
+    Errors are magnitudes, at least `LEAST_ERROR`; unsolved points are left out.
+
     points: of one scene, or medians over scenes.
     quantity: key of `QUANTITY`.
     time: name of the variable with the computing time.
@@ -86,14 +88,18 @@ def draw_panel(axes: Any, points: xr.Dataset, quantity: str, time: str = "wall_t
 
 
 def set_log_scales(axes: Any) -> None:
-    """Sets both scales to logarithmic."""
+    """Sets both scales to logarithmic, and at most six ticks on the axis of errors."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(numticks=6))
 
 
 def label_times(axes: Any) -> None:
-    """Sets few tick labels on the axis of time where it spans little more than a decade."""
+    """Sets few tick labels on the axis of time where it spans little more than a decade.
+
+    A range up to a factor of 5 has three labels, one up to 20 has those of 1, 2 and 5 in a decade.
+    A longer one stays as it is.
+    """
     low, high = axes.get_xlim()
     if high < 5.0 * low:
         axes.xaxis.set_major_locator(MaxNLocator(3))
@@ -105,6 +111,8 @@ def draw_uncertainty_of_reference(
     axes: Any, trade: xr.Dataset, scene: str, against: str, quantity: str
 ) -> None:
     """Draws a line at the uncertainty of a reference on a scene: the error of its check.
+
+    Without a solved check, it draws nothing.
 
     trade: all points of the study over `point`.
     against: name of the reference.
@@ -281,7 +289,8 @@ def overview_figure(trade: xr.Dataset) -> Figure:
 def median_over_scenes(points: xr.Dataset) -> xr.Dataset:
     """Returns one point for each sweep and label, with medians over the scenes that solved it.
 
-    The medians are those of CPU times and of the magnitudes of errors.
+    The medians are those of CPU times and of the magnitudes of errors. Other variables are those of
+    the first scene.
 
     points: of one scene or of several, over `point`.
     """
@@ -350,9 +359,13 @@ def models_figure(trade: xr.Dataset) -> Figure:
 def _draw_differences(
     axes: Any, trade: xr.Dataset, quantity: str, marks: Mapping[str, Mapping[str, Any]]
 ) -> None:
-    """Draws a row of marks for each simpler model, a mark for each scene.
+    """Draws a row of marks for each simpler model, a mark for each scene that was solved.
+
+    A mark is at the magnitude of the difference, at least `LEAST_DIFFERENCE`. The marks of a row
+    are a little apart in height, so that they do not hide each other.
 
     trade: all points of the study over `point`.
+    quantity: key of `QUANTITY`; the panel of total QV also has the work of neglected forces.
     marks: looks by scene.
     """
     points = (*SIMPLER, *NEGLECTED_WORK) if quantity == "total_qv" else SIMPLER
@@ -422,7 +435,10 @@ def accuracy_plot(trade: xr.Dataset) -> Figure:
 
 
 def time_ratios(points: xr.Dataset, others: xr.Dataset) -> np.ndarray:
-    """Returns the wall times of points over those of others, in each scene that solved both."""
+    """Returns the wall times of points over those of others, in each scene that solved both.
+
+    points, others: a point of each scene at most; the array may be empty.
+    """
     times, other_times = (
         dict(zip(dataset["scene"].values, dataset["wall_time"].values, strict=True))
         for dataset in (points, others)
@@ -432,13 +448,14 @@ def time_ratios(points: xr.Dataset, others: xr.Dataset) -> np.ndarray:
 
 
 def _largest_text(ratios: np.ndarray) -> str:
-    """Returns the largest of some ratios as text; NaN gives a dash."""
-    return Rough(ratios.max(initial=np.nan)).text
+    """Returns the largest of some ratios as text with two digits; a dash if there are none."""
+    return Rough(finite_statistic(np.max, ratios)).text
 
 
 def _largest_error(points: xr.Dataset, quantity: str) -> float:
-    """Returns the largest magnitude of the errors in a quantity; NaN without any.
+    """Returns the largest magnitude of the relative errors in a quantity; NaN without any.
 
     points: of one scene or of several, over `point`.
+    quantity: key of `QUANTITY`.
     """
     return finite_statistic(np.max, np.abs(points[f"error_{quantity}"].values))

@@ -53,7 +53,7 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
 
 
 def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Dataset]:
-    """Returns the datasets of files by scene and sweep.
+    """Returns the datasets of files by the names of scene and sweep.
 
     CaseFileError: a file of another kind or of other sources, or no file.
     """
@@ -80,8 +80,12 @@ def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Datas
 def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
     """Returns variables of the errors of points against a reference point, and of its wall time.
 
-    They are tuples that `xr.Dataset.assign` takes, by name; errors are NaN where a point was not
-    solved.
+    An error is the value over that of the reference, less 1. It is NaN where either was not solved,
+    or where the reference is 0. `error_contact_qv` is the larger magnitude of both contacts.
+
+    points: of a sweep, over `point`.
+
+    Returns tuples that `xr.Dataset.assign` takes, by name: dimension, values, attributes.
     """
     solved = points["status"].values == OK
     columns: dict[str, tuple[np.ndarray, str]] = {}

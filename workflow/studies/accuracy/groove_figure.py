@@ -30,10 +30,11 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
     figure, panels = new_figure(2, 3, 10.4, 6.4, sharex="col")
     first_sweep, _ = _SWEEPS[0]
     scenes = distinct_texts(points_where(trade, sweep=first_sweep), "scene")
-    colours = dict(zip(scenes, SERIES, strict=False))
+    colours = dict(zip(scenes, SERIES, strict=False))  # more colours than scenes
     ratios: dict[str, list[float]] = {"life": [], "end_qv": []}
     for row, (groove_sweep, cell_sweep), method in zip(panels, _SWEEPS, _TITLES, strict=True):
         points = points_where(trade, sweep=groove_sweep)
+        # the third panel is that of the costs
         for axes, name in zip(row, ratios, strict=False):
             ratios[name] += _draw_ratios(axes, points, name, colours)
         row[0].set_ylabel(f"{method}\nlife / life with Hertzian contact")
@@ -61,7 +62,9 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
 def _draw_ratios(axes: Any, points: xr.Dataset, name: str, colours: dict[str, str]) -> list[float]:
     """Draws values with worn over those with Hertzian grooves over the loss; returns the ratios.
 
-    points: of a sweep.
+    A dotted line is at the loss from which on `auto` follows worn grooves.
+
+    points: of a sweep of `groove_sweeps`.
     name: of the variable.
     colours: by scene.
     """
@@ -79,9 +82,11 @@ def _draw_ratios(axes: Any, points: xr.Dataset, name: str, colours: dict[str, st
 
 
 def _draw_costs(axes: Any, points: xr.Dataset, colours: dict[str, str]) -> None:
-    """Draws errors of lives, relative to the finest cells and steps, over the CPU time.
+    """Draws magnitudes of errors of lives against the finest cells and steps, over the CPU time.
 
-    points: of a sweep.
+    Errors below `_LEAST` are drawn there; the finest point itself has none.
+
+    points: of a sweep of `cell_sweeps`.
     colours: by scene.
     """
     for scene in distinct_texts(points, "scene"):

@@ -23,11 +23,11 @@ _LEAST_ERROR = 0.01  # percent
 
 
 class TwoLives(NamedTuple):
-    """Lives up to the same loss with Hertzian and with worn grooves."""
+    """Lives of a scene up to the same loss with Hertzian and with worn grooves."""
 
-    end: str  # loss over the gap
-    hertz: xr.Dataset
-    worn: xr.Dataset
+    end: str  # loss at the end over the gap at the edge of the contact, as a label has it
+    hertz: xr.Dataset  # point of the study
+    worn: xr.Dataset  # point of the study
 
     def ratio(self, name: str) -> float:
         """Returns a value with worn grooves over that with Hertzian ones."""
@@ -35,7 +35,7 @@ class TwoLives(NamedTuple):
 
     @property
     def needs_worn(self) -> bool:
-        """Whether `auto` uses worn grooves."""
+        """Whether `auto` uses worn grooves: the loss exceeds `REQUIRED` times the gap."""
         return float(self.worn["wear_over_gap"]) > REQUIRED
 
 
@@ -76,7 +76,9 @@ def groove_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
 def errors_against_finest(points: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
     """Yields the settings of each life, and its point with variables against the finest one.
 
-    These are `error_life`, `error_end_qv` and `faster`, the CPU time of the finest over its own.
+    These are the magnitudes of relative errors `error_life` and `error_end_qv`, and `faster`, the
+    CPU time of the finest over its own. The settings are a label such as "0.25, 32 x 8": step over
+    the gap, and cells. The finest point of each scene is among them.
 
     points: of a sweep of `cell_sweeps`, whose first point on each scene is the finest.
     """
@@ -95,9 +97,10 @@ def errors_against_finest(points: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]
 
 
 def cell_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
-    """Returns a table of the largest errors over the scenes, and of the median speed.
+    """Returns a table of the largest errors [%] over the scenes, and of the median speed.
 
-    It has a row for each choice of cells and steps in a sweep of `cell_sweeps`.
+    It has a row for each choice of cells and steps in a sweep of `cell_sweeps`. Errors and speeds
+    are relative to the finest choice.
 
     trade: all points of the study over `point`.
     plan: data of config/accuracy.yaml.
@@ -125,6 +128,9 @@ def cell_table(trade: xr.Dataset, plan: Plan, sweep: str) -> CheckedTable:
 
 def auto_savings_sentence(trade: xr.Dataset, plan: Plan) -> str:
     """Returns sentences on the lives for which `auto` uses Hertzian contact: error, time saved.
+
+    The error is the largest magnitude of Hertzian over worn life, less 1. Without such lives, a
+    sentence says that `auto` uses worn grooves for all.
 
     trade: all points of the study over `point`.
     plan: data of config/accuracy.yaml.

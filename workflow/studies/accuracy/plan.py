@@ -90,6 +90,8 @@ class SweepPoint:
     def overrides(self, scene_settings: Mapping[str, str]) -> list[str]:
         """Returns its settings and those of its scene that it does not change, for `--set`.
 
+        They are texts `KEY=VALUE`; a setting of the point takes precedence.
+
         scene_settings: YAML texts by key.
         """
         point_settings = dict(text.split("=", 1) for text in self.settings)
@@ -122,6 +124,7 @@ def _check_references(plan: Plan) -> None:
     """Refuses unknown references and scenes of sweeps, and impossible points.
 
     plan: data of config/accuracy.yaml.
+    ValueError: the first of them, in one line with the key, its value and the allowed ones.
     """
     references = plan["references"]
     for name, scene in plan["scenes"].items():
@@ -137,9 +140,12 @@ def _check_references(plan: Plan) -> None:
 
 
 def _check_rows(plan: Plan) -> None:
-    """Refuses unknown sweeps and labels in rows of tables.
+    """Refuses unknown sweeps and labels in rows of tables, and effects against a reference.
+
+    The sweep of an effect has to be compared with its own first point.
 
     plan: data of config/accuracy.yaml.
+    ValueError: the first of them, in one line with the key, its value and the allowed ones.
     """
     for table in ("table", "effects"):
         for row in plan[table]:
@@ -168,7 +174,7 @@ def scene_settings(plan: Plan, scene: str) -> dict[str, str]:
 
 
 def sweep_jobs(plan: Plan) -> list[tuple[str, str]]:
-    """Returns pairs of names: every scene with each of its references, and each sweep run on it.
+    """Returns pairs of names of a scene, and of one of its references or a sweep run on it.
 
     plan: data of config/accuracy.yaml.
     """
@@ -181,7 +187,10 @@ def sweep_jobs(plan: Plan) -> list[tuple[str, str]]:
 
 
 def _takes_part(plan: Plan, scene: str, name: str) -> bool:
-    """Whether a sweep of a name is run on a scene, which must have its reference.
+    """Whether a sweep of a name is run on a scene.
+
+    It is run on the scenes of its `only`, else on all that have references; in both cases only if
+    the scene has the reference of the sweep, or its reference is its first point.
 
     plan: data of config/accuracy.yaml.
     """
@@ -303,7 +312,12 @@ def check_allowed(value: Any, allowed: Iterable[Any], place: str) -> None:
 
 
 def _texts(settings: Mapping[str, Any]) -> dict[str, str]:
-    """Returns settings as YAML texts by keys of a scene; some settings set several keys."""
+    """Returns settings as YAML texts by keys of a scene; some settings set several keys.
+
+    These are `rule`, such as "split 32" (quadrature and points), `preset` and `groove`.
+
+    ValueError: an unknown preset or groove.
+    """
     texts: dict[str, str] = {}
     for key, value in settings.items():
         if key == "rule":

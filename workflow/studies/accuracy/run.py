@@ -74,6 +74,7 @@ def solved_sweep(plan: Path, scene: str, sweep: str) -> xr.Dataset:
     )
     # one after the other: points that share the cores would take longer
     answers = answers_at(values_at, points, workers=1, label=f"{scene}, {sweep}")
+    # of a refused point, the only value is the status
     rows = [
         {"label": point.label, "value": point.value, "settings": point.text} | answer_values(answer)
         for point, answer in zip(points, answers, strict=True)
@@ -107,15 +108,17 @@ def _values_at(
 def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:
     """Solves and times a point; returns its values by the names of `SWEEP`.
 
-    Where it was not solved, they are the status alone.
+    Where it was not solved, they are the status alone. In a pair, they are those of the first
+    bearing. A short solve before the timed ones compiles the kernels.
 
     repeats, seconds: as of `timed_solve`.
     """
     base_scene = scene_with_end(scene_with_growth(scene, point.warmth), point.end)
     scene = scene_on_rotor(base_scene, point.machine)
     run = runner(scene, point)
+    # a quarter of a turn calls all kernels
     short_model = replace(scene.model, simulated_turns=0.25, evaluated_turns=None)
-    runner(replace(scene, model=short_model), point)()  # compiles the kernels
+    runner(replace(scene, model=short_model), point)()
     values, wall, processor = timed_solve(run, repeats, seconds)
     row = {"status": float(values["status"])}
     if values["status"] != code.OK:
@@ -141,10 +144,13 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
 def life_quantities(
     new_scene: Scene, point: SweepPoint, repeats: int, seconds: float
 ) -> dict[str, float]:
-    """Computes and times the life from new; returns its values by the names of the variables.
+    """Computes and times the life from new; returns its values by the names of `SWEEP`.
 
-    The values are {} where the model computes no life.
+    Only the steady model computes a life here: the dict is empty for other points, for scenes that
+    are not symmetric about the axis, and for those without an end of life. A life that was not
+    solved has `wear_over_gap` alone. In a pair, `end_qv` is that of the first bearing.
 
+    new_scene: scene without wear.
     point: setting of the sweep.
     repeats, seconds: as of `timed_solve`.
     """
@@ -177,11 +183,11 @@ class TimedSolve(NamedTuple):
 
 
 def timed_solve(run: Callable[[], dict], repeats: int, seconds: float) -> TimedSolve:
-    """Runs a solve several times, and returns the last values and all times.
+    """Runs a solve several times, at least once, and returns the last values and all times.
 
     run: solves, and returns the values by name.
-    repeats: most repeats.
-    seconds: time [s] after which no further one is started.
+    repeats: largest number of solves, 1 or more.
+    seconds: wall time [s] of all solves after which no further one is started, above 0.
     """
     wall: list[float] = []
     processor: list[float] = []
@@ -202,7 +208,7 @@ def quantities(scene: Scene, values: dict) -> dict[str, float]:
     """
     if scene.pair is not None:
         values = values_of_bearing(values, 0)
-    qv = values["qv"].mean(axis=0)
+    qv = values["qv"].mean(axis=0)  # (balls, races): inner, outer
     row = {
         "total_qv": float(values["total_qv"]),
         "qv_inner": float(qv[0]),
@@ -221,7 +227,8 @@ def quantities(scene: Scene, values: dict) -> dict[str, float]:
 def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
     """Returns a function without arguments that solves a scene as a point states.
 
-    It returns the values of the solve by name.
+    That function returns the values of the solve by name. The steady model and three balls solve
+    the scene under thrust alone.
     """
     fidelity = point.fidelity
     if fidelity == "race_control":
@@ -241,8 +248,9 @@ def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
 def three_balls(scene: Scene) -> dict:
     """Returns values of the dynamic model with three balls under their share of the preload.
 
-    Only thrust acts, and there is no cage. A single ball would push the race aside. The values are
-    converted to those of the whole bearing.
+    Only thrust acts, and there is no cage. A single ball would push the race aside. Total QV,
+    preload, and wear rates of races and of the loss are converted to those of the whole bearing;
+    values over balls are of three balls. Where the status is not OK, nothing is converted.
     """
     share = FEWEST_BALLS / scene.bearing.ball_count
     full = thrust_alone(scene)
@@ -257,6 +265,7 @@ def three_balls(scene: Scene) -> dict:
         for name in ("total_qv", "residual_preload", "race_wear_rate"):
             values[name] = values[name] / share
         # A ball wears as in the whole bearing; the grooves, the rest of the loss, by fewer balls.
+        # of the diameter D [m]: twice the volume rate of the ball over its surface
         D = 1e-3 * three.bearing.ball_diameter_mm - values["ball_diameter_loss"]
         ball_rate = np.mean(2.0 * values["ball_wear_rate"] / (np.pi * D * D))
         groove_rate = values["ball_diameter_loss_rate"] - ball_rate
@@ -267,7 +276,8 @@ def three_balls(scene: Scene) -> dict:
 def dynamic_values(scene: Scene, start: str, fit: bool) -> dict:
     """Returns values of the dynamic model from a start, with exact or fitted Hertz factors.
 
-    Where the status is not OK, it may be the only value.
+    Where the status is not OK, it may be the only value. With the fit, the values of wear are those
+    of its semi-major axes, and `semi_major_axis` itself remains the exact one.
 
     start: of `STARTS`.
     fit: whether the Hertz factors are those of Hamrock and Brewe's fit.
@@ -307,7 +317,11 @@ def first_motion(scene: Scene, start: str) -> np.ndarray:
 
 
 def use_fitted_hertz(scene: Scene, system: DynamicSystem) -> None:
-    """Replaces the exact Hertz factors of a system by fitted ones. The system has no cage."""
+    """Replaces the exact Hertz factors of a system by fitted ones, in place.
+
+    The race starts from the axial displacement [m] at which the fit carries the preload. The system
+    has no cage.
+    """
     bearing = system.bearing
     table = hertz_table(bearing.g, bearing.D, fitted_factors)
     system.bearing = bearing._replace(hertz=table)

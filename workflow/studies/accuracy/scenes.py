@@ -55,8 +55,9 @@ def scene_with_growth(scene: Scene, warmth: str) -> Scene:
 
     warmth: "mounted" or "" for the scene itself; "at_speed" for rings that grow at speed, where a
         missing bore is assumed; "warm_ring" for, besides, an inner ring that is 5 K and balls that
-        are 2.5 K warmer than the outer ring; "network" for temperatures by the friction heat, which
-        each conductance alone carries away at `NETWORK_KELVIN`.
+        are 2.5 K warmer than the outer ring; "network" for temperatures by the friction heat of the
+        scene itself, which each conductance alone carries away at `NETWORK_KELVIN`. Conductances
+        are 1 W/K if the scene has no steady state.
     """
     if warmth in ("", "mounted"):
         return scene
@@ -78,7 +79,7 @@ PRELOAD_LEFT = 0.4
 
 
 def scene_with_end(scene: Scene, end: str) -> Scene:
-    """Returns the scene with a life that ends at a loss, or at `PRELOAD_LEFT` before.
+    """Returns the unworn scene with a life that ends at a loss, or at `PRELOAD_LEFT` before.
 
     end: number as text, the loss over the gap A a^2 at the contact's edge; empty for the scene
         itself.
@@ -93,12 +94,16 @@ def scene_with_end(scene: Scene, end: str) -> Scene:
         wear = replace(scene.wear, end_of_life=limits, ball_diameter_loss_um=(0.0,))
         return replace(scene, operation=operation, wear=wear)
 
+    # a loss of 1 um over the gap; under a constant force, no preload is lost that ends it before
     gaps_of_1_um = wear_over_gap(with_end(1.0, "constant_force"))
     return with_end(float(end) / gaps_of_1_um, scene.operation.preload_method)
 
 
 def life_of_point(new_scene: Scene, point: SweepPoint) -> dict:
-    """Returns the values of a life by name, with the cells and steps of a point if it has any."""
+    """Returns the values of a life by name, with the cells and steps of a point if it has any.
+
+    A point with either has a life with worn grooves and without error estimates.
+    """
     if not (point.cells or point.step):
         return life(new_scene, point.fidelity).values
     along, across = map(int, point.cells.split(" x ")) if point.cells else EXACT_GROOVES.cells

@@ -61,7 +61,11 @@ def points_csv(trade: xr.Dataset) -> str:
 
 
 def row_cells(trade: xr.Dataset, row: Plan) -> list:
-    """Returns the cells of a row: number of scenes, errors [%] and relative speed; NaN for none.
+    """Returns the cells of a row: number of scenes, errors [%] and relative speed.
+
+    The number is of the scenes that were solved. Errors are magnitudes: the median of that in total
+    QV over these scenes, and the largest in each quantity of `ERRORS`. The speed is the median of
+    the wall time of the reference over that of the point. Errors and speed are NaN for no scene.
 
     trade: all points of the study over `point`.
     row: block of the plan's `table`, with `sweep` and `label`.
@@ -196,7 +200,7 @@ def neglected_work_words(trade: xr.Dataset) -> str:
 def presets_table(trade: xr.Dataset) -> CheckedTable:
     """Returns a table of the errors of draft and standard in each scene, and of their speeds.
 
-    The speed is relative to that of the next finer preset.
+    Errors are magnitudes in percent. The speed is relative to that of the next finer preset.
 
     trade: all points of the study over `point`.
     """
@@ -251,7 +255,9 @@ def estimates_table(trade: xr.Dataset) -> CheckedTable:
 def _estimate_cells(trade: xr.Dataset, name: str, reference: str) -> tuple[int, float, float]:
     """Returns how many points have an estimate, the share [%] covered, and estimate over error.
 
-    An error is covered if it exceeds its estimate by no more than the reference's uncertainty.
+    An error is covered if it exceeds its estimate by no more than the reference's uncertainty. The
+    last value is the median ratio, where errors count as at least `_LEAST_TRUE_ERROR`. Without any
+    point, share and ratio are NaN.
 
     trade: all points of the study over `point`.
     name: of the quantity.
@@ -275,7 +281,8 @@ def _estimate_cells(trade: xr.Dataset, name: str, reference: str) -> tuple[int, 
 def reference_uncertainty(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
     """Returns the relative uncertainty of a reference on a scene, in a quantity of a name.
 
-    It is the reference's error estimate plus its difference from its check.
+    It is the reference's error estimate plus the magnitude of its difference from its check. Either
+    counts as 0 where it is missing.
 
     trade: all points of the study over `point`.
     """

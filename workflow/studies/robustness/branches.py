@@ -71,8 +71,11 @@ def _next_state(
 ) -> tuple[dict[str, Any], np.ndarray | None]:
     """Returns the values of a steady state by name, and the motion from which to start the next.
 
+    Where it is not solved, the status is its only value, and the motion is the previous one.
+
     data: plain data of the scene.
-    previous: motion (4,) of the state before, from which the solver starts; None for a new search.
+    previous: motion w_x, w_y, w_z, Omega (4,) [rad/s] of the state before, from which the solver
+        starts; None for a new search.
     """
     scene = scene_from_dict(data)
     problem = ThrustProblem.of(scene)

@@ -34,7 +34,8 @@ def with_values(base: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str,
     """Returns a copy of a scene's data with other values of its keys.
 
     base: plain data of a scene.
-    values: by keys such as `operation.preload_N`; keys without a point are left out.
+    values: by keys such as `operation.preload_N`; keys without a point are left out. The number of
+        strips is rounded, the others are not checked.
     """
     changes = {key: value for key, value in values.items() if "." in key}
     if "model.strips" in changes:
@@ -89,6 +90,8 @@ def drawn_scene(base: Mapping[str, Any], draw: Mapping[str, Any]) -> Scene:
 def _set_size_and_speed(data: dict[str, Any], draw: Mapping[str, Any]) -> None:
     """Sets the drawn diameters, number of balls and speeds in a scene's data.
 
+    Values that are not drawn stay, but the outer race, which then does not turn.
+
     draw: drawn values; see `drawn_scene`.
     """
     bearing, operation = data["bearing"], data["operation"]
@@ -106,11 +109,12 @@ def _set_size_and_speed(data: dict[str, Any], draw: Mapping[str, Any]) -> None:
 
 
 def _set_preload_and_loss(data: dict[str, Any], draw: Mapping[str, Any], D: float) -> None:
-    """Sets the drawn preload and loss of ball diameter in a scene's data.
+    """Sets the drawn preload and loss of ball diameter in a scene's data, if they are drawn.
 
-    D: ball diameter [mm].
+    The loss is at most `_LARGEST_LOSS_UM`.
 
     draw: drawn values; see `drawn_scene`.
+    D: ball diameter [mm].
     """
     if "stress_GPa" in draw or "loss_ratio" in draw:
         scene = scene_from_dict(data)
@@ -125,6 +129,8 @@ def _set_preload_and_loss(data: dict[str, Any], draw: Mapping[str, Any], D: floa
 def _end_of_life(data: dict[str, Any], worn_ratio: float, D: float) -> dict[str, float]:
     """Returns the end of life of a scene's data: limits of the loss and of the residual preload.
 
+    It replaces the end of life in the data by a preliminary one.
+
     worn_ratio: further loss, over the gap at the edge of a contact.
     D: ball diameter [mm].
     """
@@ -132,7 +138,7 @@ def _end_of_life(data: dict[str, Any], worn_ratio: float, D: float) -> dict[str,
     data["wear"]["end_of_life"] = {"ball_diameter_loss_um": present_um + 1.0}
     scene = scene_from_dict(data)
     scene = replace(scene, operation=replace(scene.operation, preload_method="constant_force"))
-    gaps_of_1_um = wear_over_gap(scene)
+    gaps_of_1_um = wear_over_gap(scene)  # of 1 um beyond the present loss
     loss_um = present_um + worn_ratio / gaps_of_1_um
     return {
         "ball_diameter_loss_um": min(loss_um, _LARGEST_LOSS_UM * D),
@@ -143,8 +149,10 @@ def _end_of_life(data: dict[str, Any], worn_ratio: float, D: float) -> dict[str,
 def _drawn_pair(data: dict[str, Any], draw: Mapping[str, Any], D: float) -> dict[str, Any]:
     """Returns the arrangement of a pair, as plain data; the preload method decides its kind.
 
-    draw: drawn values; see `drawn_scene`.
+    Its rotor has a mass of 30 g, and the bearings are five ball diameters apart.
+
     data: of the scene of a bearing.
+    draw: drawn values; see `drawn_scene`.
     D: ball diameter [mm].
     """
     scene = scene_from_dict(data)
@@ -169,11 +177,13 @@ def _drawn_pair(data: dict[str, Any], draw: Mapping[str, Any], D: float) -> dict
 
 
 def _fit_cage(data: dict[str, Any], draw: Mapping[str, Any], D: float, dm: float) -> None:
-    """Scales the cage in a scene's data to the pitch circle dm [mm], or removes it.
+    """Scales the cage in a scene's data to the balls, or removes it.
 
-    D: ball diameter [mm]. The cage is usual for it: 0.9 D thick and 1.5 D wide.
+    The cage is usual for its balls: 0.45 D on either side of the pitch circle, and 1.5 D wide. The
+    largest clearances are 0.9 of the gap between two balls in a pocket, and 0.5 D at the land.
 
     draw: drawn values; see `drawn_scene`.
+    D, dm: diameters of balls and pitch circle [mm].
     """
     guide = draw.get("cage", "none")
     if guide == "none":
@@ -192,9 +202,10 @@ def _fit_cage(data: dict[str, Any], draw: Mapping[str, Any], D: float, dm: float
 def _warm(data: dict[str, Any], draw: Mapping[str, Any], D: float, dm: float) -> None:
     """Sets the source of temperatures in a scene's data, and rings and fits for the pitch circle.
 
-    D, dm: diameters of balls and pitch circle [mm].
+    Without a drawn `warmth`, it changes nothing.
 
     draw: drawn values; see `drawn_scene`.
+    D, dm: diameters of balls and pitch circle [mm].
     """
     if "warmth" not in draw:
         return
@@ -214,6 +225,7 @@ def at_rest(scene: Scene) -> tuple[Geometry, BallState]:
     """Returns geometry and state of a ball of the unworn bearing at rest under its preload."""
     geometry = mounted_geometry(scene)
     no_load = orbit_load(0.0, 0.0, 0.0)
+    # from a displacement of 0, under a constant force
     _, state = thrust_equilibrium(
         geometry, geometry.D0, no_load, float(scene.operation.preload_N), 0.0, True, cold_start()
     )
@@ -229,9 +241,11 @@ def elastic_approach(scene: Scene) -> float:
 def preload_at_pressure(scene: Scene, pressure: float) -> float:
     """Returns the preload [N] at which the outer contact has about a pressure [Pa], at rest.
 
-    It lies within what a scene may have.
+    The Hertz factors are those under the scene's preload, and the contact angle is the free one, at
+    least 0.1 rad. The result is limited to the range from 1e-3 to 1e5 N, which a scene may have.
     """
     geometry, state = at_rest(scene)
     hertz = state.hertz_o
+    # pressure = 1.5 Q / (pi a b) with the semi-axes a = c_a Q^(1/3), b = c_b Q^(1/3)
     Q = (pressure * math.pi * hertz.c_a * hertz.c_b / 1.5) ** 3
     return min(max(geometry.n_balls * Q * math.sin(max(geometry.alpha0, 0.1)), 1e-3), 1e5)

@@ -60,6 +60,9 @@ SHARES = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5, 0.7, 1.0]
 def edges(values: np.ndarray, log: bool) -> np.ndarray:
     """Returns the edges (n + 1,) of the cells around the points (n,) of an axis.
 
+    They lie midway between neighbours, and as far beyond the first and last point as before them.
+
+    values: rising, at least two.
     log: whether the points are evenly spaced in logarithm.
     """
     points = np.log(values) if log else values
@@ -114,6 +117,8 @@ def figure_of_map(solved: xr.Dataset) -> Figure:
 def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
     """Draws the boundaries in a map and their closed forms; returns their entries of the legend.
 
+    A boundary that is nowhere in the map is left out, with its closed form.
+
     solved: dataset of `state_map`.
     """
     handles = []
@@ -124,7 +129,7 @@ def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
         line: dict[str, Any] = {"color": style.colour, "linewidth": 2.0}
         axes.plot(solved["x"].values, boundary, **line)
         axes.plot(solved["x"].values, solved[f"estimate_{limit}"], **line | {"linestyle": ":"})
-        text = style.text.format(boundary.attrs.get("limit"))
+        text = style.text.format(boundary.attrs.get("limit"))  # that of contact has no number
         handles.append(key(text, **line | {"color": style.legend_colour}))
     return [*handles, key("closed-form estimate", color="0.3", linestyle=":", linewidth=2.0)]
 
@@ -191,6 +196,9 @@ def figure_of_branches(solved: xr.Dataset) -> Figure:
 
 def hysteresis(solved: xr.Dataset) -> str:
     """Returns a phrase on whether both directions give the same states, or on where they differ.
+
+    States differ if their QV does by more than a ten-thousandth, or if one is missing. The phrase
+    gives the range from the first to the last such value of the key.
 
     solved: dataset of `branch_states`.
     """

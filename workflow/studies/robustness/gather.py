@@ -23,6 +23,7 @@ def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
     difference of QV among these), refused (with a physical reason), unexplained (without one),
     violations (verified by the solver but wrong, or crashed) and first_violation.
 
+    paths: at least one.
     CaseFileError: a file of another kind.
     """
     rows: list[dict[str, Any]] = []
@@ -46,7 +47,10 @@ def counted_ends(paths: Iterable[str | Path]) -> xr.Dataset:
 
 
 def _outcomes(dataset: xr.Dataset) -> dict[str, Any]:
-    """Returns the variables of `counted_ends` for the dataset of a file."""
+    """Returns the variables of `counted_ends` for the dataset of a file, without `set`.
+
+    `count` is a list with a number for each status.
+    """
     status = dataset["status"].values.ravel()
     messages = dataset["violations"].values.ravel().astype(str)
     is_crash = np.char.startswith(messages, "crashed")
@@ -54,7 +58,7 @@ def _outcomes(dataset: xr.Dataset) -> dict[str, Any]:
     is_wrong = is_crash | ((status == OK) & (messages != ""))
     is_unexplained = np.isin(status, WITHOUT_REASON)
     is_verified = (status == OK) & ~is_wrong
-    # maps have neither
+    # maps have neither of these: no point then counts as one with several states
     states = dataset["states"].values if "states" in dataset else np.zeros(1)
     qv_ratio = dataset["largest_qv_ratio"].values if "largest_qv_ratio" in dataset else np.zeros(1)
     return {

@@ -25,7 +25,8 @@ _MAY_BE_MISSING = frozenset(
 def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
     """Returns lines on what is wrong with a life; the list is empty for a valid one.
 
-    A life that stops early, and has a status that says so, is valid.
+    A life that stops early, and has a status that says so, is valid; one that failed verification
+    is not. A life of 0 is not checked.
 
     values: of the result of the life.
     """
@@ -42,7 +43,9 @@ def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
 
 
 def _finiteness_violations(values: Mapping[str, Any]) -> list[str]:
-    """Returns a line for each value that should be a number or infinite and is not.
+    """Returns a line for each value that is neither finite nor positive infinity.
+
+    Estimates and temperatures, which a life may lack, are left out.
 
     values: of the result of the life, by name.
     """
@@ -58,6 +61,8 @@ def _finiteness_violations(values: Mapping[str, Any]) -> list[str]:
 
 def _balance_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
     """Returns lines on a preload that is not the spring's, and on a loss beyond the limit.
+
+    The preload is compared under a constant force alone.
 
     values: of the result of the life, by name.
     """
@@ -79,13 +84,16 @@ def _balance_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
 
 
 def _wear_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
-    """Returns a line for each volume that breaks Archard's law, and for depths that shrink.
+    """Returns a line for each volume that breaks Archard's law, and for what does not increase.
+
+    A worn volume at the end is compared with the integral of its rate over time. The deepest place
+    of a groove must not become shallower, and time must increase.
 
     values: of the result of the life, by name.
     """
     problems = []
     time = values["history_time"]
-    ball_factor, race_factor = parameters.wear_factors(scene)  # volume over work of friction
+    ball_factor, race_factor = parameters.wear_factors(scene)  # volume over the integral of QV
     volume_rates = {
         "history_race_worn_volume": scene.bearing.ball_count * race_factor * values["history_qv"],
         "history_one_ball_worn_volume": ball_factor * values["history_qv"].sum(axis=1),

@@ -65,7 +65,7 @@ def state_map(plan: Path, name: str) -> xr.Dataset:
     boundaries = []
     for k, x in enumerate(x_axis.values):
         line = MapLine(base, x_axis.key, x, y_axis)
-        solutions = states[k :: len(x_axis.values)]
+        solutions = states[k :: len(x_axis.values)]  # those at x, for rising y
         boundaries.append(_line_boundaries(line, limits, solutions))
     states_map = dataset_of_rows(
         MAP_STATES,
@@ -92,7 +92,7 @@ def state_map(plan: Path, name: str) -> xr.Dataset:
 def _line_boundaries(
     line: MapLine, limits: Mapping[str, float | None], solutions: Sequence[Mapping[str, Any]]
 ) -> dict[str, float]:
-    """Returns `boundary_LIMIT` and `estimate_LIMIT`, values of y, for each limit.
+    """Returns `boundary_LIMIT` and `estimate_LIMIT` for each limit: values of y, NaN for none.
 
     limits: values by name; contact has none.
     solutions: rows of `MAP_STATES` on the line.
@@ -106,6 +106,8 @@ def _line_boundaries(
 
 def map_state(base: Mapping[str, Any], values: Mapping[str, float]) -> dict[str, Any]:
     """Returns the values of `MAP_STATES` of a scene with other values of some keys.
+
+    Where the case is not solved, these are `status` and `violations` alone.
 
     base: plain data of the scene.
     """
@@ -128,6 +130,7 @@ class MapLine:
     """
 
     def __init__(self, base: Mapping[str, Any], key: str, x: float, axis: KeyAxis) -> None:
+        """Sets the scene data of the line: those of the map with a value of the key of x."""
         self.base = with_values(base, {key: x})
         self.axis = axis
 
@@ -138,24 +141,29 @@ class MapLine:
     def boundary(
         self, limit: str, value: float | None, solutions: Sequence[Mapping[str, Any]]
     ) -> float:
-        """Returns y where a limit is passed, from the solutions on the axis; NaN if never.
+        """Returns the largest y at which a limit is crossed, by solutions; NaN if none is.
 
+        It lies between two neighbouring points, and is found by bisection with further solves.
+
+        solutions: rows of `MAP_STATES` at the points of the axis.
         value: of the limit; None for loss of contact.
         """
 
         def excess_at(y: float) -> float:
+            """Returns the excess over the limit at y, by a solve."""
             return excess(limit, value, map_state(self.base, {self.axis.key: y}))
 
         numbers = [excess(limit, value, solution) for solution in solutions]
         return crossing(self.axis, numbers, excess_at)
 
     def estimate(self, limit: str, value: float | None) -> float:
-        """Returns y where closed forms pass a limit; NaN if they do not.
+        """Returns the largest y at which a limit is crossed, by a closed form; NaN if none is.
 
         value: of the limit; None for loss of contact.
         """
 
         def excess_at(y: float) -> float:
+            """Returns the excess over the limit at y, by the closed form."""
             return closed_form(limit, value, self.scene(y))
 
         return crossing(self.axis, [excess_at(y) for y in self.axis.values], excess_at)
@@ -163,6 +171,9 @@ class MapLine:
 
 def excess(limit: str, value: float | None, values: Mapping[str, Any]) -> float:
     """Returns a number that is positive beyond a limit; NaN if the state lacks the quantity.
+
+    It is the gyroscopic slip share, or the magnitude of the skid ratio, less the limit. For loss of
+    contact it is 1 or -1.
 
     value: of the limit; None for loss of contact.
     values: of `MAP_STATES` of the state.
@@ -176,6 +187,8 @@ def excess(limit: str, value: float | None, values: Mapping[str, Any]) -> float:
 
 def crossing(axis: KeyAxis, numbers: list[float], number_at: Callable[[float], float]) -> float:
     """Returns where a number changes sign for the last time along an axis; NaN if never.
+
+    Points where it is NaN have no sign.
 
     numbers: at the points of the axis.
     number_at: computes it elsewhere, for bisection; where it is not finite, NaN is returned.

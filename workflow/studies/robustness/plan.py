@@ -79,12 +79,15 @@ class Draw:
     )
 
     def __post_init__(self) -> None:
+        """Raises a ValueError for ends that are not allowed, or for nothing to draw from."""
         check_ends(self.log, self.even)
         if not (self.log or self.even or self.of):
             raise ValueError("got nothing to draw from, expected log, even or of")
 
     def value(self, chance: random.Random) -> Any:
         """Returns a drawn value.
+
+        It is from `of` if there is no range, else with the probability `share` (0 if omitted).
 
         chance: generator, whose state advances.
         """
@@ -137,6 +140,7 @@ class KeyAxis:
     points: int = setting("Number of points", within="[2, inf)")
 
     def __post_init__(self) -> None:
+        """Raises a ValueError for ends that are not allowed, or both or neither kind of ends."""
         check_ends(self.log, self.even)
         if (self.log is None) == (self.even is None):
             raise ValueError("got both or neither of log and even, expected one of them")
@@ -179,7 +183,7 @@ def check_robustness(plan: Mapping[str, Any], path: Path = ROBUSTNESS_FILE) -> N
 
 
 def _check_scene_classes(scene_classes: Mapping[str, Any], place: str) -> None:
-    """Raises a ValueError for draws that are not allowed, or a class like one below it.
+    """Raises a ValueError for draws that are not allowed, or a class that is like none above it.
 
     scene_classes: blocks of the plan, by name.
     place: of the classes, for errors.
@@ -216,6 +220,8 @@ def plan_entry(plan: Mapping[str, Any], path: Path, kind: str, name: str) -> dic
 
 def draw_blocks(plan: Mapping[str, Any], name: str) -> dict[str, Any]:
     """Returns the blocks of the draws of a class by key, with those of the class it is like.
+
+    Its own blocks take precedence, and that class may be like a further one.
 
     plan: data of config/robustness.yaml.
     """

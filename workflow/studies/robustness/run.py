@@ -73,6 +73,9 @@ def random_scenes(plan: Path, name: str, count: int | None = None, seed: int = 1
 def outcome_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) -> dict[str, Any]:
     """Solves a scene with drawn values; returns the values of `TRIALS`.
 
+    Values that make no valid bearing have the status `REFUSED`. So has a scene whose solve raises
+    an error, which is its violation ("crashed: ...").
+
     base: plain data of the scene that the draw changes.
     fidelity: model to solve, or `WORN_LIFE`.
     """
@@ -110,6 +113,10 @@ def solved_values(scene: Scene, fidelity: str) -> dict[str, Any]:
 def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
     """Returns lines on what is wrong with a solved case; the list is empty for a valid one.
 
+    A case that was not solved is valid if its status gives a physical reason. One without a reason
+    gives a line with the status.
+
+    fidelity: model with which it was solved.
     values: of the solved case, by name.
     """
     status = int(values["status"])
@@ -158,6 +165,8 @@ def _pair_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> 
 def _bearing_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
     """Returns a line for each number of a bearing that is missing or beyond its tolerance.
 
+    Except with the dynamic model, the friction heat of a contact must not exceed mu QV, either.
+
     values: of the solved case, by name.
     """
     problems = [
@@ -177,13 +186,16 @@ def _bearing_violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) 
 
 
 def finite_numbers(name: str, value: Any) -> np.ndarray:
-    """Returns values as numbers, with 0 for an infinite value where that is allowed."""
+    """Returns values as an array of numbers, with 0 for positive infinity where that is allowed.
+
+    name: of the variable; those of `MAY_BE_INFINITE` may have it.
+    """
     numbers = np.asarray(value, dtype=float)
     return np.where(np.isposinf(numbers), 0.0, numbers) if name in MAY_BE_INFINITE else numbers
 
 
 def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
-    """Returns the largest residuals of a correct answer by their names.
+    """Returns the largest magnitudes of the residuals of a correct answer, by their names.
 
     Those of the race control and the steady model depend on estimates of the rounding errors.
 
@@ -204,7 +216,10 @@ def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _tolerance(rounding: float) -> float:
-    """Returns the largest residual of a correct answer with an estimated rounding error."""
+    """Returns the largest residual of a correct answer: its estimated rounding error.
+
+    It is limited to the range from `LEAST_TOLERANCE` to `LARGEST_TOLERANCE`.
+    """
     return max(LEAST_TOLERANCE, min(LARGEST_TOLERANCE, rounding))
 
 

@@ -30,6 +30,8 @@ def ends_table(counts: Path) -> str:
 def _outcome_cells(outcome: xr.Dataset) -> dict[str, int | float | str]:
     """Returns the cells of the row of a file by the heads of their columns.
 
+    The cell "reason" counts the statuses with a physical reason; a dash stands for none.
+
     outcome: of `counted_ends`, at the file.
     """
     reasons = [
@@ -51,10 +53,12 @@ def _outcome_cells(outcome: xr.Dataset) -> dict[str, int | float | str]:
 
 
 def wrong_answers(counts: Path) -> str:
-    """Step: returns a line that says that no verified answer is wrong.
+    """Step: returns a line that says that no verified answer is wrong; raises if one is.
+
+    Scenes whose solve crashed count as wrong answers, too.
 
     counts: file of `counted_ends`.
-    NotSolved: some are wrong; the line names the first.
+    NotSolved: some are wrong; the line has their number and the first violation.
     """
     outcomes = load_with_axes(counts, set=(), end=())
     wrong = int(outcomes["violations"].sum())

@@ -109,7 +109,7 @@ def _achieved_requirements(recommendation: xr.Dataset) -> str:
                 where = f" {where}" if where.startswith("at ") else f", {where}"
             text += (
                 f" (achieved: {achieved} {printed_unit(measure.unit)}{where}; "
-                f"margin {margin_percent:.0f} %)"
+                f"margin {margin_percent:.{0 if margin_percent >= 1.0 else 1}f} %)"
             )
         texts.append(text)
     return "; ".join(texts)
@@ -125,11 +125,11 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
     )
     for row in (life_row, *rows):
         is_life = row is life_row
-        measure = LIMITED.get(row.name)
-        limit = None
-        if measure is not None and row.name in limits:
+        key = "life_h" if is_life else row.name
+        measure, limit = LIMITED.get(key), limits.get(key)
+        if limit is not None and measure and not is_life:  # lives are in hours in files, too
             _, factor = scale_of(row.unit)
-            limit = factor * measure.file_limit(limits[row.name], 1.0)
+            limit = factor * measure.file_limit(limit, 1.0)
         bounds = [bound for band in bands.values() for bound in band] if is_life else []
         positive = [value for value in (*row.values, *bounds) if value > 0.0]
         lines = _chart_lines(points, recommendation, row.values, violations.values)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import xarray as xr
 
@@ -14,13 +14,14 @@ from bearingwear.document.rows import film_lines
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
-from bearingwear.results.units import Rough, digits, printed_unit
+from bearingwear.results.units import digits, printed_unit
 from bearingwear.results.words import methods, percent_in_text, plain_scene
 from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines, minimum_preload_words
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.solvers.bearing.parameters import static_place
+from bearingwear.studies.design.best import SIMILAR
 from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
 from bearingwear.studies.design.document.words import (
     LIMIT_WORDS,
@@ -84,6 +85,21 @@ def recommended_points(recommendation: xr.Dataset) -> list[RecommendedPoint]:
     return sorted(with_life, key=lambda point: -point.life)
 
 
+def points_with_short_life(recommendation: xr.Dataset) -> list[RecommendedPoint]:
+    """Returns the longest life of each method that only the required life rules out, longest first.
+
+    The preloads of the points are those of these lives.
+    """
+    if "longest_life" not in recommendation:  # an older file
+        return []
+    points = [
+        RecommendedPoint(method, point.assign(preload=point["longest_preload"]), float(life))
+        for method, point in methods(recommendation)
+        if math.isfinite(life := point["longest_life"])
+    ]
+    return sorted(points, key=lambda point: -point.life)
+
+
 def method_names(dataset: xr.Dataset) -> list[str]:
     """Returns the preload methods of a file in words."""
     return [method_words(plain_scene(dataset), method) for method, _ in methods(dataset)]
@@ -97,12 +113,25 @@ def headline(recommendation: xr.Dataset) -> str:
     if not limits_of(recommendation).given:
         text, _ = no_requirement_words(recommendation.attrs[NONE_BECAUSE])
         return f"{name}: {text}"
-    if not points:
-        return f"{name}: no preload satisfies all requirements"
-    method, point, _ = points[0]
-    device = method_words(scene, method) if is_pair(scene) else method
-    text = TAKE[device].format(preload_text(point)) + _running_preload_words(point)
-    return f"{name}: use {text}; {_why_not_longer(recommendation, point)}"
+    if points:
+        point = points[0].point
+        text = setting_words(scene, points[0]) + _running_preload_words(point)
+        return f"{name}: use {text}; {_why_not_longer(recommendation, point)}"
+    if short := points_with_short_life(recommendation):
+        limits = limits_of(recommendation)
+        others = " within the other requirements" if len(limits.given) > 1 else ""
+        return (
+            f"{name}: no preload lasts {limits.life_h:.7g} h{others}; at most "
+            f"{digits(short[0].life)} h ({method_words(scene, short[0].method)}, "
+            f"{short[0].preload:.7g} N)"
+        )
+    return f"{name}: no preload satisfies all requirements"
+
+
+def setting_words(scene: Mapping[str, Any], point: RecommendedPoint) -> str:
+    """Returns how a preload is applied: `a spring pair with a preload of 14.7 N`."""
+    device = method_words(scene, point.method) if is_pair(scene) else point.method
+    return TAKE[device].format(preload_text(point.point))
 
 
 def _running_preload_words(point: xr.Dataset) -> str:
@@ -150,25 +179,30 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
     scene = plain_scene(recommendation)
     where = life_condition_words(recommendation, point)
     subject = f"The computed life {where}" if where else "The computed life"
-    text = f"{subject} is {Rough(life).text} h"
-    intervals = []
-    spread = spreads[method]
-    if spread:
-        intervals.append(f"{BEARINGS_BETWEEN}: {spread.bearings.text} h")
-    band, _ = band_by_wear(scene, life)
-    if band:  # also beside a sampled interval, because `recommend` has this one alone
-        intervals.append(f"{BEARINGS_BETWEEN}, wear only: {band.text} h")
-    if intervals:
-        text += f" ({'; '.join(intervals)})"
+    text = f"{subject} is {digits(life)} h"
+    if spread := spreads[method]:
+        text += f" ({BEARINGS_BETWEEN}: {spread.bearings.text} h)"
+    elif band := band_by_wear(scene, life)[0]:
+        text += f" ({BEARINGS_BETWEEN}, wear only: {band.text} h)"
     end = ending_measure(point)
     if end is not None:
         limit_text = end.limit_text(scene["wear"]["end_of_life"][end.end_key or end.key])
         verb = "falls to" if end.falls else "reaches"
         text += f"; it ends when the {end.words} {verb} {printed_unit(limit_text)}"
         ending_condition = worst_condition(recommendation, point, "life")
-        if scene.get("duty") and ending_condition:
+        if scene.get("duty") and ending_condition and not end.of_wear:
             text += f" in the case {ending_condition['case']}"
     return f"{text}."
+
+
+def similar_life_sentences(recommendation: xr.Dataset) -> list[str]:
+    """Returns a sentence on the other method if its life is about the same; else an empty list."""
+    best, *others = recommended_points(recommendation)
+    if not others or others[0].life < SIMILAR * best.life:
+        return []
+    other = setting_words(plain_scene(recommendation), others[0])
+    hours = digits(others[0].life)
+    return [f"Within the spread of lives, {other} gives the same life: {hours} h."]
 
 
 def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
@@ -226,8 +260,8 @@ def setting_sentence(recommendation: xr.Dataset) -> str:
         ends = [spacer_offset(recommendation, end) for end in ends]
     minus, plus = (_rounded_down(abs(end - middle)) for end in ends)
     return (
-        f"Specify {setting}, tolerance +{plus:g}/\N{MINUS SIGN}{minus:g}\N{NO-BREAK SPACE}{unit}: "
-        f"from {low:.7g} to {high:.7g} N, all requirements are satisfied and the life is at least "
+        f"Specify {setting}, tolerance +{plus:g}/\N{MINUS SIGN}{minus:g}\N{NO-BREAK SPACE}{unit}. "
+        f"From {low:.7g} to {high:.7g} N, all requirements are satisfied, and the life is at least "
         "90 % of this life."
     )
 

@@ -17,15 +17,18 @@ import xarray as xr
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row, quantity_row
 from bearingwear.document.markdown import as_markdown
+from bearingwear.document.rows import bound_lines
 from bearingwear.document.study import by_wear_row, spread_rows
 from bearingwear.document.table import dataset_csv, flag_names
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, Spread, load_quantiles, spread_of
-from bearingwear.results.units import Estimated, Rough, ascii_text, digits
+from bearingwear.results.units import Rough, ascii_text, digits
+from bearingwear.results.variable import SECONDS_PER_HOUR
 from bearingwear.results.warnings import WARNING, warning_line
 from bearingwear.results.words import methods, name_in_words, plain_scene
+from bearingwear.scene.read import scene_from_dict
 from bearingwear.studies.design.changes import (
     FRICTION_KEY,
     GROOVE_KEY,
@@ -51,6 +54,7 @@ from bearingwear.studies.design.document.sentences import (
     recommended_points,
     sentence,
     setting_sentence,
+    similar_life_sentences,
     spacer_offset,
     trust_sentence,
 )
@@ -80,6 +84,8 @@ SHORT_TABLE = [measure for measure in LIMITED.values() if measure.brief]
 """Measures in short tables, each by the worst of its kinds; the residual preload follows them."""
 
 AT_END = "residual_preload_at_end"
+NO_TOLERANCE = "not sought"
+"""Cell of a method whose life is not the longest: its tolerance would take further lives."""
 NONE_VIOLATED = "none"
 
 SAME = 1e-6
@@ -144,14 +150,15 @@ def preload_document(
     blocks = []
     if has_preload:
         expected_life = life_sentence(recommendation, spreads)
-        blocks.append(Block("Expected life", lines=(expected_life,), place="verdict"))
+        lines = (expected_life, *bound_lines(scene), *similar_life_sentences(recommendation))
+        blocks.append(Block("Expected life", lines=lines, place="verdict"))
         blocks.append(_setting_block(recommendation))
     blocks += _no_preload_blocks(recommendation)
     if has_preload:
         blocks += [_recommended_block(recommendation, spreads), _changes_block(recommendation)]
     if warnings:
-        lines = [sentence(f"{warning['sentence']}; {warning['advice']}") for warning in warnings]
-        blocks.append(Block("Warnings (worst values)", lines=tuple(lines), place="strip"))
+        lines = tuple(f"{sentence(w['sentence'])} {sentence(w['advice'])}" for w in warnings)
+        blocks.append(Block("Warnings (worst values)", lines=lines, place="strip"))
     blocks += machine_blocks(recommendation)
     if design is not None:
         blocks.append(_map_block(design))
@@ -163,7 +170,7 @@ def preload_document(
         facts=_facts(recommendation, warnings),
         blocks=tuple(blocks),
         figures=("design", "map", "uncertainty"),
-        subject="Recommended preload",
+        subject="Recommended preload" if has_preload else "Preload",
     )
 
 
@@ -265,13 +272,23 @@ def _preload_rows(recommendation: xr.Dataset) -> list[Row]:
     )
     rows = [
         preload_row("initial preload", "preload"),
-        preload_row("  lower tolerance limit", "least_preload"),
-        preload_row("  upper tolerance limit", "most_preload"),
+        _tolerance_row(recommendation, "  lower tolerance limit", "least_preload"),
+        _tolerance_row(recommendation, "  upper tolerance limit", "most_preload"),
     ]
     if np.isfinite(offsets).any():
         rows.append(Row("  spacer offset", "um", offsets, "spacer_offset"))
     limited_by = tuple(_limited_by_words(point) for _, point in points)
     return [*rows, Row("limited by", "", limited_by, "active_limit")]
+
+
+def _tolerance_row(recommendation: xr.Dataset, label: str, name: str) -> Row:
+    """Returns an end of the tolerance of each preload, which the longest life alone has."""
+    has_preload = np.isfinite(recommendation["preload"])
+    values = tuple(
+        NO_TOLERANCE if math.isnan(limit) and recommended else limit
+        for limit, recommended in zip(_floats(recommendation[name]), has_preload, strict=True)
+    )
+    return Row(label, "N", values, name, given=True)
 
 
 def _limited_by_words(point: xr.Dataset) -> str:
@@ -291,16 +308,20 @@ def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None])
     scene = plain_scene(recommendation)
     lives = _floats(recommendation["life"])
     counts = scene["wear"]["counts"].replace("_and_", " + ")
-    rows = [Row(f"life, {counts}", "h", _lives_to_error(recommendation), "life")]
+    rows = [Row(f"life, {counts}", "h", lives, "life")]
     if np.count_nonzero(np.array(lives) > 0.0) > 1:
         longest = float(np.nanmax(lives))
         relative = tuple(life / longest for life in lives)
         rows.append(Row("  relative life, for any K_s/H", "", relative, "relative_life"))
+    if duty := scene_from_dict(scene).duty:
+        cycles = tuple(life * SECONDS_PER_HOUR / duty.cycle_s for life in lives)
+        rows.append(Row("  in cycles of the duty", "", cycles, "life_cycles"))
     rows.append(Row("  ended by", "", _endings(recommendation), "end_criterion"))
     errors = tuple(Rough(100.0 * error) for error in _floats(recommendation["life_error_estimate"]))
     rows.append(Row("  numerical error", "%", errors, "life_error_estimate"))
     rows += _groove_rows(recommendation)
-    rows += by_wear_row(scene, lives)  # the only interval of `recommend`, on pages, too
+    if not any(spreads.values()):  # those sampled contain the wear
+        rows += by_wear_row(scene, lives)
     return [*rows, *spread_rows([*spreads.values()])]
 
 
@@ -308,22 +329,6 @@ def _endings(recommendation: xr.Dataset) -> tuple[str, ...]:
     """Returns the criterion that ends the life of each method, in words."""
     endings = (ending_measure(point) for _, point in methods(recommendation))
     return tuple(ending.words if ending else "" for ending in endings)
-
-
-def _lives_to_error(recommendation: xr.Dataset) -> tuple[float, ...]:
-    """Returns the lives [h], to be printed with the digits that their errors leave, at most three.
-
-    Lives that are zero or without an estimate of their error are plain numbers.
-    """
-    lives = _floats(recommendation["life"])
-    errors = _floats(recommendation["life_error_estimate"])
-    numbers = []
-    for life, error in zip(lives, errors, strict=True):
-        if life > 0.0 and error > 0.0:
-            third_digit = 10.0 ** (math.floor(math.log10(life)) - 2)
-            life = Estimated.of(life, max(error * life, third_digit))
-        numbers.append(life)
-    return tuple(numbers)
 
 
 def _groove_rows(recommendation: xr.Dataset) -> list[Row]:
@@ -335,7 +340,7 @@ def _groove_rows(recommendation: xr.Dataset) -> list[Row]:
         for name, life in zip(grooves, lives, strict=True)
     )
     rows = [Row("  groove model", "", words, "groove")]
-    if "worn" in grooves:
+    if "worn" in grooves and recommendation["hertzian_life"].notnull().any():
         hertzian = _floats(recommendation["hertzian_life"])
         rows.append(Row(f"  {HERTZIAN_LIFE_WORDS}", "h", hertzian, "hertzian_life"))
     return rows
@@ -373,10 +378,16 @@ def _measure_row(measure: Measure, label: str, values: Iterable[Any], name: str)
 def _worst_note(recommendation: xr.Dataset, name: str) -> str:
     """Returns the conditions in which a quantity is the worst with each method, in words.
 
+    A life over a duty that ends by a depth of wear ends in all phases.
+
     name: of the quantity, or `active_limit` for the one that limits the preload.
     """
     words = []
+    is_life_over_duty = name == "life" and bool(plain_scene(recommendation).get("duty"))
     for _, point in methods(recommendation):
+        if is_life_over_duty and (end := ending_measure(point)) and end.of_wear:
+            words.append("all phases")
+            continue
         active = ACTIVE[int(point["active_limit"])]
         is_of_limit = name == "active_limit" and active in LIMITED
         extreme = critical_extreme(point, active) if is_of_limit else name

@@ -43,7 +43,7 @@ from bearingwear.studies.design.plan import DesignLimits
 
 LETTERS = {name: measure.letter for name, measure in LIMITED.items()}
 LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NB", strict=True))
-"""Letters on a map, for what keeps a preload from a longer life."""
+"""Letters on a map by the names in `ACTIVE`, for what keeps a preload from a longer life."""
 
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 PALE = {"alpha": 0.6, "linewidth": 0.9}
@@ -57,7 +57,9 @@ def design_figure(
 ) -> Figure:
     """Returns a figure of life over preload and over stiffness, with the recommended preloads.
 
-    A map of several frictions and speeds adds the recommended preload over these.
+    A map of several frictions and several speeds adds the recommended preload over these.
+
+    uncertainty: dataset of the study of uncertainty, whose spread of lives is drawn; or None.
     """
     has_area = min(design.sizes["friction"], design.sizes["shaft_speed"]) > 1
     figure, panels = new_figure(2 if has_area else 1, 2, 7.2, 7.4 if has_area else 4.2)
@@ -117,7 +119,7 @@ def _draw_stiffness_limit(panel: Any, design: xr.Dataset) -> bool:
     """Labels the axis of stiffness, and draws its limit; returns whether there is one."""
     stiffness = stiffness_of(design)
     panel.set_xlabel(STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.words}\n"))
-    limit = limits_of(design).given.get(stiffness.key)
+    limit = limits_of(design).given.get(stiffness.key)  # [N/um], the unit of the axis
     if limit is None:
         return False
     panel.axvline(limit, **_LIMIT_LINE)
@@ -136,7 +138,7 @@ def _is_allowed(line: xr.Dataset, limits: DesignLimits) -> xr.DataArray:
 
 
 def _set_logarithmic_life(panel: Any) -> None:
-    """Makes the axis of life logarithmic; matplotlib requires that a life above zero is drawn."""
+    """Makes the axis of life logarithmic; a life above zero must be drawn on it already."""
     panel.set_yscale("log")
     panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     panel.yaxis.set_major_formatter("{x:g}")
@@ -144,7 +146,7 @@ def _set_logarithmic_life(panel: Any) -> None:
 
 
 def set_preload_scale(panel: Any, design: xr.Dataset) -> None:
-    """Makes the axis of preload logarithmic where a map spans more than a decade and a half."""
+    """Makes the axis of preload logarithmic where a map spans more than a factor of 30."""
     preloads = design["preload"].values
     if preloads[-1] > 30.0 * preloads[0]:
         panel.set_xscale("log")
@@ -170,6 +172,9 @@ def _draw_lives_over_preload(
 
 def end_changes(line: xr.Dataset) -> list[tuple[int, str]]:
     """Returns indices of preloads from which on another criterion ends the life, and its name.
+
+    They rise. Preloads whose life was not solved are passed over, and so are lives that no
+    criterion ends.
 
     line: map over the preload.
     """
@@ -249,6 +254,7 @@ def _draw_choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
     image = None
     speeds = design["shaft_speed"].values / 1e3
     frictions = design["friction"].values
+    # a map of one method leaves the second panel empty
     for panel, (method, area) in zip(panels, methods(design), strict=False):
         values = area["recommended_preload"].transpose("friction", "shaft_speed")
         image = panel.pcolormesh(
@@ -302,7 +308,7 @@ def _draw_letters(panel: Any, area: xr.Dataset, dark_from: float) -> None:
 
 
 def counting_key(scene: Mapping[str, Any]) -> Any:
-    """Returns the entry of the legend that says whose wear counts."""
+    """Returns the entry of the legend that says whose wear counts: of balls, or races as well."""
     return key(f"wear of {counted_words(scene)}", color="0.3")
 
 
@@ -343,7 +349,7 @@ def _end_keys(lives: xr.Dataset) -> list[Any]:
 
 
 def _letter_keys(design: xr.Dataset) -> list[Any]:
-    """Returns the legend of the letters on the map, and of the scene."""
+    """Returns the legend of the letters on the map, and of the mark at the scene's own values."""
     keys = []
     for flag in np.unique(design["active_limit"].values):
         name = ACTIVE[flag]

@@ -11,7 +11,10 @@ from bearingwear.studies.design.figures import choice, map_figure, uncertainty_f
 
 
 def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = None) -> Figure:
-    """Returns the figure of the recommended preload in a map, from files of one scene."""
+    """Returns the figure of the recommended preload in a map, from files of one scene.
+
+    CaseFileError as `design_files`.
+    """
     files = [path for path in (design, recommendation, uncertainty) if path]
     figure = choice.design_figure(*design_files(design, recommendation, uncertainty))
     return with_data_files(figure, *files)
@@ -25,7 +28,7 @@ def draw_map(design: Path) -> Figure:
 def draw_uncertainty(design: Path, recommendation: Path, uncertainty: Path) -> Figure:
     """Step: returns the figure of the spread of lives at the preloads of a study of uncertainty.
 
-    design, recommendation: files of the same scene.
+    design, recommendation: files of the same scene; else a CaseFileError is raised.
     """
     _, _, sampled = design_files(design, recommendation, uncertainty)
     assert sampled is not None

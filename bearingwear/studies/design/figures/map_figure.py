@@ -23,9 +23,9 @@ from bearingwear.studies.design.figures.choice import set_preload_scale
 class MappedQuantity(NamedTuple):
     """Display of a quantity over preload and friction."""
 
-    label: str
-    units: str
-    cmap: str
+    label: str  # of the axis
+    units: str  # in the file
+    cmap: str  # name of the colour map
 
 
 MAPPED = {
@@ -91,6 +91,9 @@ def _draw_quantity(
     label: str,
 ) -> None:
     """Draws a quantity of every preload method, a panel each; grey where it is infinite.
+
+    Cells of zero stay blank, and points that were not solved are marked. If no value is above zero
+    and finite, the panels are left empty, without axes.
 
     row: panels.
     plane: map at one speed.

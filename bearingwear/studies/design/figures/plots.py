@@ -48,14 +48,20 @@ from bearingwear.studies.design.figures.uncertainty_figure import (
 
 
 def map_plot(design: xr.Dataset) -> Figure:
-    """Returns a figure of a map over preload and friction, or over preload at its only friction."""
+    """Returns a figure of a map over preload and friction, or over preload at its only friction.
+
+    The speed is that of the scene.
+    """
     if design.sizes["friction"] > 1:
         return map_overview(design)
     return _preload_line_figure(design)
 
 
 def _preload_line_figure(design: xr.Dataset) -> Figure:
-    """Returns a figure of the quantities of a map of one friction over preload, a panel each."""
+    """Returns a figure of `MAPPED` quantities of a map of one friction over preload, a panel each.
+
+    It shows the speed of the scene. Infinite values are left out.
+    """
     scene = plain_scene(design)
     speed = scene["operation"]["shaft_speed_rpm"]
     line = design.sel(shaft_speed=speed).isel(friction=0)
@@ -81,7 +87,10 @@ def _preload_line_figure(design: xr.Dataset) -> Figure:
 
 
 def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
-    """Returns a figure of the spread of lives at each friction, with Sobol indices if computed."""
+    """Returns a figure of the spread of lives, by friction and preload method.
+
+    If Sobol indices were computed, it is `uncertainty_figure`, which shows these as well.
+    """
     if "total_index" in uncertainty:
         return uncertainty_figure(uncertainty)
     frictions = at_each_friction(uncertainty)
@@ -132,6 +141,8 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
 def _recommended_text(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     """Returns the life at the recommended preload of a method, and the words for its limit.
 
+    Without a recommended preload, it returns the words for the reason alone.
+
     point: recommendation of the method.
     """
     active = ACTIVE[int(point["active_limit"])]
@@ -139,7 +150,7 @@ def _recommended_text(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     life = float(point["life"])
     if not np.isfinite(life):
         return limit
-    text = f"{Rough(life).text} h at {preload_text(point)} N, limited by\n{limit}"
+    text = f"{digits(life)} h at {preload_text(point)} N, limited by\n{limit}"
     if active in LIMITED:
         where = brief_condition_words(recommendation, point, critical_extreme(point, active))
         text += f"\n({where})" if where else ""

@@ -111,7 +111,7 @@ def cumulated_keys(scene: Mapping[str, Any]) -> list[Any]:
 
 
 def _life_ratios(lives: xr.Dataset) -> np.ndarray:
-    """Returns lives with one value changed over the nominal life (values, 2)."""
+    """Returns lives with one value at its 10 or 90 % quantile, over the nominal one (values, 2)."""
     ratios: np.ndarray = (lives["life_one_at_a_time"] / lives["nominal_life"]).values
     return ratios
 
@@ -121,13 +121,17 @@ def _places(ratios: np.ndarray) -> np.ndarray:
 
     ratios: of `_life_ratios`.
     """
-    effects = np.abs(np.log(np.maximum(ratios, 1e-6))).max(axis=1)  # a life may be zero
+    least_ratio = 1e-6  # a life may be zero, which has no logarithm
+    effects = np.abs(np.log(np.maximum(ratios, least_ratio))).max(axis=1)
     ranks = np.argsort(np.argsort(np.nan_to_num(effects)))
     return ranks
 
 
 def _draw_tornado(panel: Any, lives: xr.Dataset, names: list[str], colour: str) -> None:
     """Draws the lives with one value changed at a time, as bars from the nominal life.
+
+    The pale bar is that of the 10 % quantile of the value. The axis is logarithmic; texts state the
+    changes in percent.
 
     names: of the uncertain values.
     """

@@ -65,6 +65,7 @@ def draw_wear(
 
     studies: files. Several have a column each; a single one has a column for each friction.
     friction: coefficient of each column.
+    CaseFileError: a file without these cases, or another number of coefficients than of files.
     """
     paths = list(studies) * len(friction) if len(studies) == 1 else studies
     if len(paths) != len(friction):
@@ -137,6 +138,8 @@ def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
 def _loaded(path: Path, bearing: str | None, **axes: Sequence[float]) -> xr.Dataset:
     """Returns the dataset of a bearing in a file that must have some axes.
 
-    bearing: of a pair of two that differ; None otherwise.
+    bearing {"first", "second"}: of a pair of two that differ; None otherwise.
+    axes: as of `load_with_axes`.
+    CaseFileError: the file lacks an axis or a value on it, or such a bearing.
     """
     return dataset_of_bearing(load_with_axes(path, **axes), path, bearing)

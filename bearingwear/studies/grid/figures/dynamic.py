@@ -114,7 +114,9 @@ def dynamic_and_steady_figure(dynamic: xr.Dataset, steady: xr.Dataset) -> Figure
 def _draw_both_models(
     column: np.ndarray, dynamic: xr.Dataset, steady: xr.Dataset, power: Display
 ) -> bool:
-    """Draws QV and the wear rate of a ball in two panels; returns whether a case is unsolved.
+    """Draws QV and the mean wear rate of a ball in two panels, steady lines and dynamic marks.
+
+    Returns whether a dynamic case is unsolved, which has a cross.
 
     column: panels, of which the first two are drawn in.
     dynamic, steady: cases over the loss and the preload method.
@@ -125,6 +127,7 @@ def _draw_both_models(
         "ball_wear_rate": ("wear rate of one ball\n", WEAR_RATE),
     }
     failed = False
+    # a third panel is that of the cage
     for panel, (name, (label, unit)) in zip(column, quantities.items(), strict=False):
         over_balls = [dim for dim in ("ball",) if dim in dynamic[name].dims]
         draw_lines(panel, steady[name].mean(over_balls), "ball_diameter_loss", label, unit)
@@ -143,6 +146,8 @@ def _draw_both_models(
 
 def _agreement_sentence(dynamic: xr.Dataset, steady: xr.Dataset, has_cage: bool) -> str:
     """Returns a sentence on the largest differences over all cases solved with both models.
+
+    They are the magnitudes of dynamic over steady values less 1, of QV and of a ball's wear rate.
 
     steady: cases of the same scene, among which is every dynamic one.
     has_cage: whether the dynamic cases have a cage.
@@ -164,7 +169,11 @@ def _agreement_sentence(dynamic: xr.Dataset, steady: xr.Dataset, has_cage: bool)
 
 
 def running_average_figure(case: xr.Dataset, reference: str | Path | None = None) -> Figure:
-    """Returns a figure of the wear rates of ball 1 and the cage, averaged from the start (Fig. 6).
+    """Returns a figure of the wear rates of ball 1 and the cage, averaged from the start.
+
+    It corresponds to Fig. 6 of Zhang, Chen, Gu and Wang (2018). Each part has a panel if the case
+    or the reference has values of it; without any, there is an empty panel of ball 1. The status of
+    a case that was not solved is written in the panels.
 
     case: dynamic case.
     reference: a table of `REFERENCE_COLUMNS` with values to draw over the averages.
@@ -226,7 +235,7 @@ def _draw_running_averages(
 
 
 def _history(case: xr.Dataset, names: Sequence[str]) -> xr.DataArray:
-    """Returns the sum of histories of a case, those of ball 1 where each ball has its own."""
+    """Returns the sum of histories of a case over `time`, of ball 1 where each ball has its own."""
     rates = case[list(names)].astype(float)
     rates = rates.isel(ball=0) if "ball" in rates.dims else rates
     return rates.to_array("of").sum("of", skipna=False)
@@ -242,7 +251,9 @@ def mean_so_far(rate: xr.DataArray) -> xr.DataArray:
 
 
 def _change_phrase(part: str, mean: xr.DataArray, turn: float) -> str:
-    """Returns a phrase on how much the last shaft turn changed a mean.
+    """Returns a phrase on how much the last shaft turn changed a mean, in percent with a sign.
+
+    A dash stands for the percentage where the mean was 0 before that turn.
 
     mean: over `time` [s], of a part of `PARTS`.
     turn: duration of a turn [s].

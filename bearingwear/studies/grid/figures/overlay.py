@@ -35,10 +35,10 @@ NOT_SOLVED_FOR = ("name", "description", "cage", "uncertainty")
 def wear_overlay_figure(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     """Returns a figure of QV, residual preload and loss rate against wear, a line for each scene.
 
-    It has a column for each preload method.
+    It has a column for each preload method, of which there are at most two.
 
-    friction: coefficient of the cases or lives drawn.
-    studies: cases of each scene.
+    studies: cases of each scene over preload method, friction and loss.
+    friction: coefficient of the cases drawn.
     """
     figure, panels = new_figure(3, 2, 7.2, 7.2, sharex=True, sharey="row")
     looks = [_nested_look(k, len(studies)) for k in range(len(studies))]
@@ -54,6 +54,7 @@ def wear_overlay_figure(studies: Sequence[xr.Dataset], friction: float) -> Figur
     for number, (study, look) in enumerate(zip(studies, looks, strict=True)):
         loss = study["ball_diameter_loss"]
         methods_of_study = methods(study.sel(friction=friction))
+        # a study with a single method has one column
         for column, (name, state) in zip(panels.T, methods_of_study, strict=False):
             for panel, (quantity, (label, unit)) in zip(column, rows.items(), strict=True):
                 if quantity in state:  # no rate if nothing at all was solved
@@ -72,11 +73,12 @@ def wear_overlay_figure(studies: Sequence[xr.Dataset], friction: float) -> Figur
 
 
 def _last_qv_phrase(studies: Sequence[xr.Dataset], friction: float) -> str:
-    """Returns a phrase on QV with the last preload method at the last loss, relative to new.
+    """Returns a phrase on QV with the last preload method at the last loss, over QV when new.
 
-    The range is that over the scenes of the studies.
+    The range is that over the studies, without those that were not solved there. The phrase names
+    method and loss of the last study.
 
-    friction: coefficient of the cases or lives drawn.
+    friction: coefficient of the cases drawn.
     """
     ratios = []
     for study in studies:
@@ -95,9 +97,9 @@ def _last_qv_phrase(studies: Sequence[xr.Dataset], friction: float) -> str:
 
 
 def _nested_look(k: int, count: int) -> dict[str, Any]:
-    """Returns the look of line k of a count; each is finer than the one below it.
+    """Returns the look of line k of a count; each is finer than the one drawn before, below it.
 
-    Two lines at the same place then both show.
+    Two lines at the same place then both show. They are 2.8 to 1.2 points wide.
     """
     thickness = (count - 1 - k) / max(count - 1, 1)  # from 1, the first, to 0
     size = {"linewidth": 1.2 + 1.6 * thickness, "markersize": 3.5 + 3.0 * thickness}
@@ -107,10 +109,11 @@ def _nested_look(k: int, count: int) -> dict[str, Any]:
 def life_overlay_figure(lives: Sequence[xr.Dataset], friction: float) -> Figure:
     """Returns a figure of QV over the loss and over the hours of a life, a line for each scene.
 
-    It has a column for each preload method.
+    It has a column for each preload method, of which there are at most two. A panel names the lives
+    that were not solved.
 
-    friction: coefficient of the cases or lives drawn.
-    lives: wear lives of each scene.
+    lives: wear lives of each scene over preload method and friction.
+    friction: coefficient of the lives drawn.
     """
     figure, panels = new_figure(2, 2, 7.2, 5.6, sharex="row", sharey=True)
     looks = [_nested_look(k, len(lives)) for k in range(len(lives))]
@@ -123,6 +126,7 @@ def life_overlay_figure(lives: Sequence[xr.Dataset], friction: float) -> Figure:
         scene_name = plain_scene(scene_lives)["name"]
         methods_of_scene = methods(scene_lives.sel(friction=friction))
         ratios = []
+        # lives with a single method have one column
         for column, (name, life) in zip(panels.T, methods_of_scene, strict=False):
             column[0].set_title(name_in_words(name))
             ratio = _draw_life(column, life, power, look)

@@ -30,6 +30,8 @@ def case_plot(case: xr.Dataset) -> Figure:
 def _history_figure(case: xr.Dataset) -> Figure:
     """Returns a figure of loads and slip of every ball, QV and preload over the simulated time.
 
+    QV is the sum over all contacts.
+
     case: dynamic case.
     """
     load = case["history_contact_load"]
@@ -76,10 +78,10 @@ def lives_plot(lives: xr.Dataset) -> Figure:
 
 
 def life_plot(life: xr.Dataset) -> Figure:
-    """Returns a figure of a life.
+    """Returns a figure of a life, the first of four that the file has the values for.
 
     It shows the phases of a duty, else the parts that wear (dynamic model), else worn grooves,
-    else wear and residual preload.
+    else wear and residual preload over time.
     """
     if "history_phase_worn_share" in life:
         from bearingwear.studies.lives.duty_figure import duty_figure

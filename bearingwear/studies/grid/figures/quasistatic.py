@@ -33,14 +33,17 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread_of
-from bearingwear.results.units import Display, Interval, Rough, display
+from bearingwear.results.units import Display, Interval, digits, display
 from bearingwear.results.words import friction_text, methods, percent, plain_scene
 
 WEAR_RATE = display("m3 s-1")
 
 
 def worn_in_words(loss_um: float | Sequence[float]) -> str:
-    """Returns words for a loss of ball diameter [um], or for that of each ball, for a title."""
+    """Returns words for a loss of ball diameter [um], such as "1.5 µm worn", for a title.
+
+    loss_um: of all balls, or a sequence with that of each ball, whose values are not given.
+    """
     if not isinstance(loss_um, (int, float)):
         return "balls worn unequally"
     return f"{loss_um:g} µm worn" if loss_um else "unworn"
@@ -79,9 +82,12 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
 
 
 def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]) -> str:
-    """Returns a sentence on QV at the largest solved friction, relative to that at the smallest.
+    """Returns a sentence on QV at the largest solved friction over that at the smallest.
 
-    mu: friction coefficients.
+    A friction counts as solved if it is with every preload method; with fewer than two such
+    frictions, the sentence says so.
+
+    mu: friction coefficients, rising.
     states: cases over `mu` with each preload method.
     """
     solved = np.all([state["status"].values == OK for _, state in states], axis=0)
@@ -99,14 +105,20 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
 
 
 def power_unit(*states: xr.Dataset) -> Display:
-    """Returns the unit in which QV of the contacts and of a ball is shown for some cases."""
+    """Returns the unit, mW, W or kW, in which QV of contacts and balls is shown for some cases.
+
+    It suits the largest QV of a ball, the sum over its races.
+    """
     return display("W", *(state["qv"].sum("race", skipna=False) for state in states))
 
 
 def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
-    """Returns a figure of slip along both axes over the contact ellipses (Fig. 9).
+    """Returns a figure of slip of ball 1 along both axes over the contact ellipses (Fig. 9).
 
-    cases: single cases with slip of each strip.
+    The title has the largest gyroscopic slip share of all balls and races at each friction. A panel
+    names the cases that were not solved.
+
+    cases: single cases of a scene, with slip of each strip, whose preload method and friction vary.
     """
     figure, panels = new_figure(2, 2, 7.2, 5.2, sharex=True, sharey="row")
     scenes = [plain_scene(case) for case in cases]
@@ -159,6 +171,8 @@ def _draw_slip(panels: np.ndarray, case: xr.Dataset, **look: str) -> None:
 
 def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Figure:
     """Returns a figure of QV, preload, angles and wear rates against wear (Fig. 10).
+
+    The title has QV at the last loss over that at the first, with the last preload method.
 
     studies: cases, of which each has a column.
     frictions: coefficient of each column.
@@ -218,7 +232,7 @@ class _WearLine(NamedTuple):
 
 
 def _draw_wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> bool:
-    """Draws the four panels of a column; returns whether a case was not solved.
+    """Draws the four panels of a column; returns whether a case was not solved, which has a cross.
 
     column: (4,) panels.
     cases: over loss and preload method.
@@ -237,6 +251,7 @@ def _draw_wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> 
     )
     failed = False
     for line in lines_shown:
+        # lines of balls share a panel with those of races, which has its crosses from these
         status = None if line.look == BALL_STYLE else cases["status"]
         failed |= draw_lines(
             column[line.panel],
@@ -265,6 +280,9 @@ def life_figure(
     lives: xr.Dataset, frictions: Sequence[float], uncertainties: Sequence[xr.Dataset] = ()
 ) -> Figure:
     """Returns a figure of total wear depth and residual preload over time, to the end of life.
+
+    A mark shows the criterion that ends a life; the first panel names the lives that were not
+    solved. Lives that were interpolated between the cases of the study are dots.
 
     lives: over preload method and friction.
     frictions: coefficients of the lives drawn.
@@ -355,9 +373,9 @@ def _draw_life_column(
 
 
 def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
-    """Returns a phrase on the range of the lives [h] that have an end.
+    """Returns a phrase on the range of the lives [h] that a criterion ends, or that none does.
 
-    A single one is named by its preload method and friction.
+    The phrase names preload method and friction of a single life.
 
     frictions: coefficients of the lives drawn.
     """
@@ -372,7 +390,7 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     if not hours_by_condition:
         return "no end of life was found"
     ends = (min(hours_by_condition.values()), max(hours_by_condition.values()))
-    range_text = " to ".join(dict.fromkeys(Rough(hours).text for hours in ends))
+    range_text = " to ".join(dict.fromkeys(digits(hours) for hours in ends))
     details = f"wear of {counted_words(scene)}"
     if len(hours_by_condition) == 1:
         details += f"; {next(iter(hours_by_condition))}"
@@ -383,6 +401,8 @@ def _spread_sentence(
     lives: xr.Dataset, frictions: Sequence[float], uncertainties: Sequence[xr.Dataset]
 ) -> str:
     """Returns a sentence on the interval of the lives of bearings, or on why there is none.
+
+    It spans the intervals with 90 % of the bearings at all methods and frictions.
 
     frictions: coefficients of the lives drawn.
     uncertainties: datasets of the study of uncertainty.
