@@ -463,6 +463,7 @@ def test_an_assumed_input_has_an_asterisk():
 
 
 def test_inputs_contain_the_friction_that_a_study_varies(small_project, tmp_path, monkeypatch):
+    """As the scene has it, 0.08, though the cases have other values."""
     monkeypatch.chdir(small_project)
     path = tmp_path / "index.html"
     assert main(page_command(path, scenes=["mine.yaml"])) == 0

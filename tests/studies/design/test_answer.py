@@ -240,6 +240,7 @@ def test_a_tolerance_that_was_not_sought_says_so(files):
     dataset["least_preload"][1] = dataset["most_preload"][1] = np.nan
 
     def limits_of_second():
+        """Returns least and greatest preload of the second method in the table."""
         (table,) = [b for b in preload_document(dataset).blocks if b.title == "recommended"]
         return [rows_of(table)[name].values[1] for name in ("least_preload", "most_preload")]
 
@@ -250,6 +251,7 @@ def test_a_tolerance_that_was_not_sought_says_so(files):
 
 @pytest.mark.parametrize("ratio, is_stated", [(0.99, True), (0.5, False)])
 def test_another_method_with_about_the_same_life_is_stated(files, ratio, is_stated):
+    """With its preload [N]. ratio: of the life of the second method to that of the first."""
     dataset = load(files["recommendation"])
     dataset["life"][1] = ratio * float(dataset["life"][0])
     verdict = sentences_of(preload_document(dataset))["verdict"]

@@ -403,6 +403,7 @@ def test_a_required_life_that_no_preload_has_is_named():
 
 
 def test_a_required_life_that_is_met_changes_no_recommendation():
+    """0.3 h, where both methods live longer anyway: preload, life and limit are the same."""
     scene = bearingwear.new(designation="7008C", speed=18000.0).with_({"model.contact": "hertz"})
     limits = DesignLimits(system_axial_stiffness_N_um=20.0)
     free = recommendation(scene, limits)
