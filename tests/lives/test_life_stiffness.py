@@ -60,6 +60,16 @@ def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balan
         assert state[QUASISTATIC] < (1.0 - 10.0 * SLOPE) * state[DYNAMIC]
 
 
+def test_a_missing_stiffness_leaves_the_slope_of_the_last_one(monkeypatch):
+    """Without a slope, the next balance of a pair could not step to its place."""
+    course = Grooves(scene_of("fixed_position"), FEW_CELLS)
+    (state,), (side,) = course.state(course.start), course.sides
+    slope = side.with_stiffness(state.answer).steepness
+    monkeypatch.setattr(side.bearing, "axial_stiffnesses", lambda point: np.full(2, np.nan))
+    assert np.isnan(side.with_stiffness(state.answer).steepness)
+    assert side(state.answer.condition).slope == slope > 0.0
+
+
 @pytest.mark.parametrize(
     ("limit", "lesser", "apart"),
     [

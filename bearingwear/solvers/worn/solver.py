@@ -123,11 +123,13 @@ class Worn(Steady):
     def with_stiffness(self, solution: SolvedBearing) -> SolvedBearing:
         """Returns the last solution with both stiffnesses, NaN where a state nearby is missing.
 
-        Its steepness becomes the slope of the next solves.
+        Its steepness becomes the slope of the next solves; where it is NaN, they keep the last one.
         """
         dynamic, quasistatic = self.bearing.axial_stiffnesses(solution.answer).tolist()
+        # without the slope of a solution nearby, the steepness is that of the new stiffnesses
         with_both = solution._replace(stiffness=dynamic, quasistatic=quasistatic, slope=math.nan)
-        self.memory.slope = with_both.steepness
+        if not math.isnan(with_both.steepness):
+            self.memory.slope = with_both.steepness
         return with_both
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
