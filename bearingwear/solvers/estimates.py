@@ -46,12 +46,13 @@ def estimated_quantities(values: Mapping[str, Any], balls: int) -> np.ndarray:
 
 
 def relative_change(reference: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Returns relative differences, without sign; 0 without any, inf over a reference of 0."""
-    scale, change = np.abs(reference), np.abs(other - reference)
-    if (scale > 0.0).all():
-        return change / scale
+    """Returns relative differences, without sign; 0 without any, inf over a reference of 0.
+
+    NaN over an infinite reference, which a solve with a number that is not finite may have.
+    """
+    scale = np.abs(reference)
     with np.errstate(invalid="ignore", divide="ignore"):
-        share = change / scale
+        share = np.abs(other - reference) / scale
     return np.where(scale > 0.0, share, np.where(other == reference, 0.0, np.inf))
 
 
