@@ -117,7 +117,10 @@ class Solver(Protocol):
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
-        """Returns the solution with another motion that the case took; None if it kept this one."""
+        """Returns the solution with the motion in result variables of a case, None if it has that.
+
+        values: result variables of the case.
+        """
 
     def at(self, scene: Scene) -> "Solver":
         """Returns the solver at other temperatures, those of a scene."""
@@ -163,7 +166,10 @@ class Wrapper:
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
-        """Returns the solution with another motion that the case took; None if it kept this one."""
+        """Returns the solution with the motion in a case's result variables `values`.
+
+        None if the solution has that motion, as the solver within has it.
+        """
         return self.solver.with_motion_of_case(solution, values)
 
 

@@ -231,7 +231,7 @@ class Steady:
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
-        """Returns the solution with another motion that the case took; None if it kept this one.
+        """Returns the solution with the motion in result variables of a case, None if it has that.
 
         values: result variables of the case.
         """

@@ -327,7 +327,8 @@ class RotorAtRest:
     def _energy(self, force: np.ndarray, k_s: np.ndarray, q: np.ndarray) -> "_Energy":
         """Returns the energy of the rotor at a position `q`, with its derivatives.
 
-        force, k_s: load and stiffness of the spring, as in `_least_energy`.
+        force: load on the coordinates (4,) [N, N m].
+        k_s: stiffness of the spring (4, 4) [N/m].
         """
         E = 0.5 * q @ k_s @ q - force @ q
         slope = k_s @ q - force

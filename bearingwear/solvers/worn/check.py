@@ -80,8 +80,13 @@ class WornCheck:
     def _film_friction(
         p: ThrustProblem, k: int, race: WornRace, force: WornForce, bare: np.ndarray
     ) -> float:
-        """Returns the friction coefficient of a contact with films, by plain sums over cells."""
+        """Returns the friction coefficient of a contact with films, by plain sums over cells.
+
+        k: 0 for the contact with the inner race, 1 for that with the outer one.
+        bare: share of the cells without film, along the major axis (n,).
+        """
         op = p.op
-        Q = contact_load(force.hertz.K, force.approach)
-        law = plain_law((op.law_i, op.law_o)[k], Q, force.a, force.b)
+        # of the unworn contact at this approach; `force.Q` is the load of the worn one
+        unworn_load = contact_load(force.hertz.K, force.approach)
+        law = plain_law((op.law_i, op.law_o)[k], unworn_load, force.a, force.b)
         return float(friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without))
