@@ -316,14 +316,20 @@ def _unbroken(value: Any) -> Any:
 
 
 def _page_answers(files: Sequence[Path], figures: Sequence[Drawing]) -> list[PageAnswer]:
-    """Returns the answers by rank, each with its charts, its figures and the files beside it."""
+    """Returns the answers by rank, with their charts, figures and files in folders beside them.
+
+    The files are the Markdown tables and the SVG figures there.
+
+    files: all `answers` of `page`: documents and charts (.json), data, tables and figures.
+    figures: all figures of the page.
+    """
     answers = []
     for file in files:
         if file.name == CHARTS or file.suffix != ".json":
             continue
         document, chart_file = load_document(file), file.with_name(CHARTS)
         charts = load_charts(chart_file) if chart_file in files else None
-        siblings = [path for path in files if path.parent.parent == file.parent]
+        below = [path for path in files if path.parent.parent == file.parent]
         replaced_by_charts = FIGURES_AS_CHARTS if charts else ()
         answers.append(
             PageAnswer(
@@ -337,7 +343,7 @@ def _page_answers(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Pag
                     and document.facts["scene"] in figure.path.parts
                     and figure.path.stem not in replaced_by_charts
                 ],
-                files=[path for path in siblings if path.suffix in (".md", ".svg")],
+                files=[path for path in below if path.suffix in (".md", ".svg")],
             )
         )
     return sorted(answers, key=lambda answer: answer.document.rank)

@@ -120,7 +120,11 @@ def check_duty(scene: Scene) -> None:
 
 
 def check_phases(scene: Scene) -> None:
-    """Refuses cases of a duty that change the bearing, its films or its criteria."""
+    """Refuses a warm-up without heat capacities, and cases that change what all phases share.
+
+    They share the bearing with its cage, the model, the wear and its criteria, thicknesses of films
+    and depths of running in, and how the bearings are arranged. Raises SceneError.
+    """
     if scene.duty is None:
         return
     if scene.duty.warmup:

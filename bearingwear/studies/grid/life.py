@@ -132,7 +132,8 @@ def _route_difference(lives: xr.Dataset, not_interpolated: Collection[str]) -> x
 def _with_arrangement_stiffness(line: xr.Dataset, preload_method: str) -> xr.Dataset:
     """Returns cases with the stiffness of the arrangement, if they are of a single bearing.
 
-    It is the sum over all bearings that the preload method holds, which are alike.
+    It is the stiffness of one bearing times the number of those that hold the rotor axially: 1 with
+    a spring, 2 if rigid.
 
     line: cases of a bearing.
     """
