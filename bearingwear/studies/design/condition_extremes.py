@@ -304,8 +304,10 @@ class _ConditionSearch:
         self.unsolved_shares.append(share)
         if first.status not in UNLOADED:
             nearby = (max(share * (1.0 + step), _LEAST_SHARE) for step in _NEARBY_STEPS)
-            if any(self._at_share(near).status == code.OK for near in dict.fromkeys(nearby)):
-                return
+            for near in dict.fromkeys(nearby):  # without repeats
+                if self._at_share(near).status == code.OK:
+                    return
+        # `_unloaded` raises _Unsolved unless some bearing carries nothing
         self.by_share[share] = self._unloaded(first)
 
     def _at_share(self, share: float) -> ConditionExtremes:
