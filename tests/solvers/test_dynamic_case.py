@@ -96,7 +96,8 @@ def case(solver, tmp_path):
 
 
 def test_python_returns_the_dataset_of_the_command(case):
-    result = bearingwear.solve(S1, fidelity="dynamic")
+    with pytest.warns(UserWarning, match="gravity is not specified"):
+        result = bearingwear.solve(S1, fidelity="dynamic")
     assert result.attrs.pop("wall_time_s") > 0.0
     read = bearingwear.load(case)
     xr.testing.assert_identical(result, read)
@@ -176,7 +177,8 @@ def test_an_unsolved_dynamic_case_is_no_start(monkeypatch, solver, tmp_path, cap
 
 
 def test_each_progress_is_one_line(solver, tmp_path, capsys):
-    """A line break within it is shown as `?`."""
+    """The two reports of `invented_solution`; a line break within the first is shown as `?`."""
+    # without gravity, the warning that it is not specified would be on stderr, too
     assert solve(tmp_path / "x.nc", "--set", "operation.gravity_m_s2=[0,0,-9.81]") == 0
     assert capsys.readouterr().err.splitlines() == [
         f"{S1}: turn 10 of 20, simulated 0.02 s?in 1 s",
@@ -188,6 +190,9 @@ def test_a_run_goes_on_where_nobody_reads_its_progress(solver, tmp_path, monkeyp
     class ClosedPipe:
         def write(self, text):
             raise BrokenPipeError
+
+        def isatty(self):
+            return False
 
     monkeypatch.setattr(sys, "stderr", ClosedPipe())
     assert solve(tmp_path / "x.nc") == 0
