@@ -128,11 +128,13 @@ def test_a_friction_beside_that_of_a_film_is_refused():
 
 
 def test_the_projects_scene_with_a_film_wears_as_its_measured_rows_say():
-    """Its film the geometric mean of two tests in vacuum, its substrate dry steel."""
+    """Its film has the geometric mean of two tests in vacuum, its substrate a value of dry steel.
+
+    The film's is compared to 1 %: the file has two digits of it, 7.9, which are right to 0.6 %.
+    """
     scene = load_scene(ROOT / "config/scenes/mos2_gyro.yaml")
     race = Films.of(scene).race
     measured = MEASURED_WEAR["bearing_in_vacuum"].wear[1], MEASURED_WEAR["two_discs"].wear[1]
-    steel = MEASURED_WEAR["archard"].wear
-    assert_allclose(race.film.factor, M2_PER_N * np.sqrt(np.prod(measured)), rtol=0.03)
-    below = race.substrate.factor
-    assert M2_PER_N * steel[0] <= below <= 1.01 * M2_PER_N * steel[1]
+    assert_allclose(race.film.factor, M2_PER_N * np.sqrt(np.prod(measured)), rtol=0.01)
+    least, largest = MEASURED_WEAR["archard"].wear
+    assert M2_PER_N * least <= race.substrate.factor <= M2_PER_N * largest
