@@ -8,6 +8,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.worn.friction import place_cells, worn_friction_balance
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.worn.bearing import WornBearing
+from bearingwear.solvers.worn.depths import WornDepths
 
 place_cells, worn_friction_balance = in_python(place_cells), in_python(worn_friction_balance)
 
@@ -24,9 +25,9 @@ def test_the_jacobian_of_the_friction_of_worn_contacts_agrees_with_differences(s
     """They differ by 1e-5 of the largest term, and 1e-4 of the largest in each row, at most."""
     problem = ThrustProblem.of(scene("gyro_s1", LINE | {"model.contact": "worn"} | changes))
     bearing = WornBearing(problem, problem.solve(problem.g.D0), 0.0, (32, 8))
-    wear = bearing.unworn()
-    gap = 0.2e-6 * np.exp(-((bearing.arc / bearing.major[:, None] - 0.3) ** 2) / 0.2)
-    point = bearing.solve(type(wear)(wear.ball, gap))
+    # an invented groove, 0.2 um deep, off the middle of the contact
+    depth = 0.2e-6 * np.exp(-((bearing.arc / bearing.major[:, None] - 0.3) ** 2) / 0.2)
+    point = bearing.solve(WornDepths(bearing.unworn().ball, grooves=depth))
     assert point.status == code.OK
     g, op, rule = problem.g, problem.op, problem.rule
     work = bearing._friction_work(problem, bearing.worn_races)
@@ -38,7 +39,8 @@ def test_the_jacobian_of_the_friction_of_worn_contacts_agrees_with_differences(s
         return out
 
     residual(point.u)  # which fills the Jacobian
-    analytic, step = work.jacobian.copy(), 1e-3 * op.v_r / (0.5 * point.D)
+    analytic = work.jacobian.copy()
+    step = 1e-3 * op.v_r / (0.5 * point.D)  # [rad/s]: the ball's surface moves by 1e-3 of v_r
     J = np.column_stack(
         [(residual(point.u + h) - residual(point.u - h)) / (2.0 * step) for h in step * np.eye(4)]
     )

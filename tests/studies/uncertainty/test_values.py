@@ -49,7 +49,11 @@ def scene():
     ],
 )
 def test_a_wrong_distribution_is_refused_in_one_line(scene, spread, problem):
-    """A correlation needs both distributions, lognormal and varied alike; -1 < it < 1."""
+    """Wrong are a bound, a factor and a key of another distribution; then three correlations.
+
+    A correlation with friction is above -1 and below 1. It requires an uncertain friction with the
+    same `same_for_batch`.
+    """
     with pytest.raises(SceneError) as error:
         scene_from_dict(scene.to_dict() | {"uncertainty": spread})
     assert problem in str(error.value) and "\n" not in str(error.value)
