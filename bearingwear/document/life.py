@@ -106,7 +106,7 @@ def _end_phrase(file: Any) -> str:
     end = str(getattr(file, "ended_by", ""))
     if end and (phase := str(getattr(file, "ended_in", ""))):
         criterion = ENDS.get(flag_name(file, "end_criterion"))
-        return end if criterion and criterion.of_wear else f"in {phase}: {end}"
+        return f"in {'all phases' if criterion and criterion.of_wear else phase}: {end}"
     if phase := str(getattr(file, "unsolved_phase", "")):
         return f"not solved in phase {phase}"
     return end

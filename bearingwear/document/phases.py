@@ -26,9 +26,12 @@ def phase_blocks(file: Any, scene: Mapping[str, Any]) -> list[Block]:
     phases = tuple(str(file.phases).split())
     has_starts = any(phase.get("starts") for phase in scene["duty"]["phases"].values())
     causes_start_wear = bool(np.any(variable_values(file, "start_wear_share") > 0.0))
-    rows = [*_phase_rows(file, "phase_time_share"), *_surface_rows(file, "phase_wear_share")]
+    all_wear, *surface_wear = _surface_rows(file, "phase_wear_share")
+    rows = [*_phase_rows(file, "phase_time_share"), all_wear]
     if causes_start_wear:
         rows += _surface_rows(file, "start_wear_share")[:1]  # of all surfaces
+    rows += surface_wear
+    if causes_start_wear:
         rows += _phase_rows(file, "acceleration_friction_share")
     lines: tuple[str, ...] = ()
     if has_starts and not causes_start_wear:

@@ -17,7 +17,7 @@ def duty_figure(life: xr.Dataset) -> Figure:
     """Returns the figure of a life over a duty, of a bearing.
 
     Its panels are the residual preload in each phase over time, and the worn volumes, stacked by
-    phase. A dashed line is at the preload that ends the life, if one does.
+    phase. A dashed line is at the preload that would end the life, if the scene has that criterion.
 
     life: dataset of a life over a duty, of a single bearing.
     """
@@ -51,7 +51,10 @@ def duty_figure(life: xr.Dataset) -> Figure:
     ]
     if fraction is not None:
         words = ENDS["preload_fraction"].words
-        keys.append(Line2D([], [], label=f"end of life by {words}, {100.0 * fraction:g} %", **end))
+        criterion = f"criterion: {words} {100.0 * fraction:g} %"
+        if _ending_criterion(life) != "preload_fraction":
+            criterion += ", not reached"
+        keys.append(Line2D([], [], label=criterion, **end))
     frame(figure, duty_message(life), keys, columns=1)
     return figure
 
@@ -61,9 +64,14 @@ def duty_message(life: xr.Dataset) -> str:
     scene = plain_scene(life)
     hours = digits(float(life["life"]))
     cycles = plain(float(life["life_cycles"]))
-    flag_names = life["end_criterion"].attrs["flag_meanings"].split()
-    criterion = flag_names[int(life["end_criterion"])]
-    measure = ENDS.get(criterion)
+    measure = ENDS.get(_ending_criterion(life))
     end = measure.words if measure else "no criterion"
-    where = "" if measure and measure.of_wear else f" in {life.attrs['ended_in']}"
-    return f"{scene['name']}: life over the duty {hours} h, {cycles} cycles, ended by {end}{where}"
+    where = "all phases" if measure and measure.of_wear else life.attrs["ended_in"]
+    words = f"life over the duty {hours} h, {cycles} cycles, ended by {end} in {where}"
+    return f"{scene['name']}: {words}"
+
+
+def _ending_criterion(life: xr.Dataset) -> str:
+    """Returns the key of the criterion that ends a life, as in `ENDS`; `none` without one."""
+    names: list[str] = life["end_criterion"].attrs["flag_meanings"].split()
+    return names[int(life["end_criterion"])]
