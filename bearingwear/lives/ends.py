@@ -39,7 +39,7 @@ class Criteria:
 
         states: one for each bearing that is solved.
         """
-        margins = np.full(NO_CRITERION, np.inf)
+        margins = np.full(len(ENDS), np.inf)
         for state, preload in zip(states, self.preloads_N, strict=True):
             for k, measure, limit in self._limits:
                 value, _ = measure.critical(state.__getitem__, preload)

@@ -99,11 +99,13 @@ def _changed_blocks(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]
         if name in WORN or name == DIAMETER:
             continue
         block, _, inner_block = UNCERTAIN[name].partition(".")
+        block_values = new_values.setdefault(block, {})
         if inner_block:
-            inner = replace(getattr(getattr(scene, block), inner_block), **{name: value})
-            new_values.setdefault(block, {})[inner_block] = inner
+            # which another value may have changed already
+            inner = block_values.get(inner_block, getattr(getattr(scene, block), inner_block))
+            block_values[inner_block] = replace(inner, **{name: value})
         else:
-            new_values.setdefault(block, {})[name] = value
+            block_values[name] = value
     return {block: replace(getattr(scene, block), **new) for block, new in new_values.items()}
 
 

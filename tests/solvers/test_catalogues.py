@@ -140,7 +140,10 @@ def test_grooves_of_the_ratings_meet_the_rigidities(catalogues, groups):
 
 
 def test_the_arm_of_the_starting_torque_is_that_of_the_measured_pair(catalogues):
-    """24 um times 267 N are the 6.4 mN m that were measured."""
+    """The arm is starting torque over preload: 24 um times 267 N are the 6.4 mN m measured.
+
+    The page has the paragraph with the present numbers.
+    """
     assert 1e-3 * catalogues.MEASURED_ARM * 267.0 == pytest.approx(6.4, abs=0.05)
     assert catalogues.starting_torque_sentence() in catalogues.PAGE.read_text("utf-8")
 

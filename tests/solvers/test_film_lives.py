@@ -301,10 +301,10 @@ def test_a_pressure_or_temperature_beyond_the_tests_is_warned_of(scene, changes,
 
 
 def test_coefficients_are_those_of_the_row_whose_life_is_one():
-    """`MOS2_WEAR` are two measured K_s/H [m2/N], converted to 1500 MPa and 23 degC by the table.
+    """`MOS2_WEAR` are two K_s/H [m2/N] at 1500 MPa and 23 degC, with two digits: 1 %.
 
-    The two discs were pressed with 1.1 to 1.6 GPa, whose geometric mean is converted. With the
-    other, the program computes the life of the bearing in vacuum. Both have two digits: 1 %.
+    That of the two discs was measured at 1.1 to 1.6 GPa, and is converted from the geometric mean.
+    With the first, the program computes the revolutions that a bearing in vacuum lasted.
     """
     table = WearTable.of([FilmLife(**row) for row in ROWS])
     in_vacuum, two_discs = MOS2_WEAR

@@ -243,7 +243,11 @@ def test_criterion_ends_the_life_when_a_track_is_bare(scene):
 
 
 def test_film_of_the_balls_covers_both_contacts(scene):
-    """No contact is bare before the balls' film is gone; then both are."""
+    """No contact is bare before the balls' film is gone; then both are.
+
+    K_s of the balls is 1e-6, that of the film of `THIN`, in the first state, and 5e-6, that of
+    their material, in the last; H is 6.6 GPa.
+    """
     on_balls = {
         "bearing.ball_material": "ball", "materials.ball": {
             "youngs_modulus_GPa": 208, "poisson_ratio": 0.3, "density_kg_m3": 7800,

@@ -163,8 +163,8 @@ def entry_of(
 
     SceneError: the catalogue lacks it.
 
-    angle: contact angle [degree], where several bearings have the designation; if None, that of a
-        code of SNFA in the suffixes, or the smallest.
+    angle: contact angle [degree]; of several bearings with the designation, the one nearest to it
+        is returned. If None, it is that of a code of SNFA in the suffixes, or the smallest.
     """
     entries, ignored = _entries_of(maker, designation)
     if not entries:
