@@ -375,9 +375,9 @@ def thermal_margin(networks: Sequence[Thermal], slopes: np.ndarray | None) -> fl
     networks: of the bearings.
     slopes: (parts, parts) [W/K], see `heat_slopes`.
 
-    It is the inverse of the largest real part of the eigenvalues of G^-1 dQ/dT. It is infinite where no heat
-    grows with warmth, and zero where the slope is not known because a state beside this one is
-    missing.
+    It is the inverse of the largest real part of the eigenvalues of G^-1 dQ/dT. It is infinite
+    where no heat grows with warmth, and zero where the slope is not known because a state beside
+    this one is missing.
     """
     if slopes is None:
         return 0.0
