@@ -179,6 +179,8 @@ REFUSED_COMMANDS = {
     "recommend a.yaml --pressure 2000": "> 0 and <= 20 (GPa; if it is in MPa, write 2)",
     "recommend a.yaml --pressure 2000MPa": "write 2, which is it in GPa",
     "recommend a.yaml --stiffness 2e7": "(N/um; if it is in N/m, write 20)",
+    "recommend a.yaml --stiffness 20000": "(N/um; if it is in N/mm, write 20)",
+    "recommend a.yaml --rigidity 20": "did you mean --stiffness",
     "recommend a.yaml --stiffness -20": "expected a number > 0 and <= 10000 (N/um)",
     "recommend a.yaml --life 5years": "write 43830, which is it in h",
     "recommend a.yaml --stifness 20": "did you mean --stiffness",

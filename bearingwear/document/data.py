@@ -82,18 +82,19 @@ def _plain(value: Any) -> Any:
 def as_csv(document: Document) -> str:
     """Returns CSV with heads and a line for each fact, and then for each number of a table.
 
-    Headings and sentences are left out.
+    Headings and sentences are left out. A fact of several values by name is JSON.
     """
     lines: list[list[Any]] = [["block", "name", "label", "column", "unit", "value"]]
     for name, value in document.facts.items():
         for item in value if isinstance(value, list | tuple) else [value]:
-            lines.append(["", name, "", "", "", item])
+            text = json.dumps(_plain(item)) if isinstance(item, dict) else item
+            lines.append(["", name, "", "", "", text])
     for block in document.blocks:
         for row in block.rows:
             lines += [[block.title, *line] for line in _number_lines(block, row)]
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(lines)
-    return text.getvalue().rstrip("\n")
+    table = io.StringIO()
+    csv.writer(table, lineterminator="\n").writerows(lines)
+    return table.getvalue().rstrip("\n")
 
 
 def _number_lines(block: Block, row: Row) -> Iterator[tuple[Any, ...]]:

@@ -168,6 +168,8 @@ def test_json_has_null_for_a_number_that_does_not_exist():
     assert content["worst"] == {"value": None} and content["limits"] == [1.0, None]
     assert content["quantities"][0]["values"] == [None, 2.0]
     assert json.loads(document.stored, parse_constant=pytest.fail)
+    ((text,),) = [line[5:] for line in csv.reader(as_csv(document).splitlines()) if "worst" in line]
+    assert json.loads(text) == {"value": None}
 
 
 def test_a_stored_document_keeps_numbers_that_are_not_finite(tmp_path):

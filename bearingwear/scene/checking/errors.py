@@ -190,6 +190,7 @@ SYNONYMS = {
     "--lubrication": ("--lubricant",),
     "--output": ("--out",),
     "--slip": ("--gyro",),
+    "--stiffness": ("--rigidity",),
     "--frequency": ("--noise",),
 }
 """Symbols and words that people type for choices, keys and options."""

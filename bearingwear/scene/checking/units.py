@@ -61,7 +61,7 @@ _CONFUSED = {
     "um": ("mm", "m"),
     "GPa": ("MPa", "Pa"),
     "MPa": ("GPa", "Pa"),
-    "N/um": ("N/m", "N/mm"),
+    "N/um": ("N/mm", "N/m"),
     "kg": ("g",),
     "kg/m3": ("g/cm3",),
     "1/K": ("1e-6/K",),
@@ -101,6 +101,8 @@ def _degrees_celsius(value: float, typed: str) -> float:
     return (value - 32.0) / 1.8 if "F" in typed else value
 
 
+_STIFFEST = 1000.0  # N/um, an axial stiffness that no ball bearing has
+
 LARGEST_SHARE = 2.0
 """Largest number without a unit that may have been typed in percent."""
 
@@ -119,6 +121,8 @@ def confused_unit(
     for typed in _CONFUSED_AT.get(key, _CONFUSED.get(unit, ())):
         value_in_unit = converted(value, typed, unit)
         if value_in_unit is None or (typed == "%" and value_in_unit > LARGEST_SHARE):
+            continue
+        if typed == "N/mm" and value_in_unit > _STIFFEST:  # rather in N/m
             continue
         if fits(value_in_unit):
             return typed, float(f"{value_in_unit:.5g}")

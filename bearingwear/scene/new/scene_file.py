@@ -279,7 +279,9 @@ def _designation_notes(scene: _NewScene) -> list[str]:
     load = size.letters.load
     if load and load not in CLASS_OF_LETTER and not (size.entry and size.entry.preloads):
         notes.append(f"no rule for class {load}, so that of light is taken; --preload states yours")
-    if size.entry is None and gmn_parts(size.name):
+    if size.entry is not None:
+        notes.append(f"with the values of {size.entry.maker}'s catalogue")
+    elif gmn_parts(size.name):
         notes.append("not in GMN's catalogue")
     return notes
 
