@@ -492,7 +492,7 @@ def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
     """
     from bearingwear.scene.read import load_scene
     from bearingwear.studies.launch import DRY_RUN, own_headlines, run_own_study
-    from bearingwear.studies.own_study import write_study
+    from bearingwear.studies.own_study import requirements_in_words, write_study
 
     file = Path(args.name)
     folder = args.output or Path(file.stem)
@@ -501,7 +501,11 @@ def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
         if DRY_RUN & {*args.more} and not folder.exists():  # a dry run leaves no folder behind
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         with ProgressLines(args.name):
-            write_study(file, folder, _design_limits(args, load_scene(file)))
+            limits = _design_limits(args, load_scene(file))
+            earlier = write_study(file, folder, limits)
+            now = requirements_in_words(folder, file.stem)
+        if earlier not in ("", now):
+            sys.stderr.write(one_line(f"{folder}: requirements now: {now}; before: {earlier}"))
         status, page = run_own_study(folder, jobs, args.more)
     if not page:
         return status

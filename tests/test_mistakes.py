@@ -319,3 +319,13 @@ def test_check_doubts_an_allowed_but_improbable_value(line, warning, scene_text_
 @pytest.mark.parametrize(("text", "problem"), REFUSED_COMMANDS.items())
 def test_a_mistake_in_a_command_is_refused_in_one_line(text, problem, capsys):
     assert problem in refusal(typed_words(text), capsys)
+
+
+def test_a_name_in_a_folder_with_a_study_is_answered_with_the_scene_of_that_name(
+    scene_text_in_folder, tmp_path, capsys
+):
+    """As in a clone, where Snakemake would look for a target of that name."""
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config" / "config.yaml").write_text("scenes: {}\n", encoding="utf-8")
+    assert "did you mean a.yaml" in refusal(["study", "a"], capsys)
+    assert "did you mean a.yaml" in refusal(["study", "a/"], capsys)

@@ -60,11 +60,11 @@ def run_study(
 
     Returns the exit status of Snakemake.
     """
+    scene_file = Path(f"{Path(target)}.yaml")
+    if not scene_folder and scene_file.is_file():
+        problem = f"got {target}, expected SCENE.yaml; did you mean {scene_file}"
+        raise NoStudy(f"study: {problem}")
     if not (folder / CONFIG).is_file():
-        scene_file = Path(f"{target}.yaml")
-        if scene_file.is_file():
-            problem = f"got {target}, expected SCENE.yaml; did you mean {scene_file}"
-            raise NoStudy(f"study: {problem}")
         raise NoStudy(
             f"study: got {target} in a folder without {CONFIG}, expected SCENE.yaml, or a folder "
             "that contains a study"

@@ -202,7 +202,7 @@ def _status_at_loss(solver: Remembered, loss: float) -> int:
     return next((status for status in statuses if status != OK), OK)
 
 
-def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
+def write_study(file: Path, folder: Path, limits: DesignLimits) -> str:
     """Writes the configuration of a study of a scene, and the scene, into a folder.
 
     Files that would not change are not written. Nothing is written if anything is refused.
@@ -212,6 +212,8 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
     limits: requirements on the recommended preload.
     UsageError: another folder, an edited file in it, or a scene's name that is not allowed.
     SceneError: as of `study_files`, or a scene that is not valid or has no life.
+
+    Returns the `requirements_in_words` of the earlier call; "" without one.
     """
     from bearingwear.scene.checking.strict_yaml import text_of
     from bearingwear.scene.read import scene_files
@@ -238,9 +240,24 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> None:
     }
     for path in texts:
         _check_unedited(path, heading, folder)
+    earlier = requirements_in_words(folder, name)
     for path, text in texts.items():
         if _text(path) != text:
             write_text(path, text)
+    return earlier
+
+
+def requirements_in_words(folder: Path, name: str) -> str:
+    """Returns the requirements of the study in a folder, as its configuration has them.
+
+    They are `none` without any, and "" where the folder has no study of that scene.
+    """
+    design = yaml.safe_load(_text(folder / "config" / "design.yaml") or "") or {}
+    scene = design.get("scenes", {}).get(name)
+    if scene is None:
+        return ""
+    limits = scene.get("limits") or {}
+    return ", ".join(f"{key} {value:g}" for key, value in limits.items()) or "none"
 
 
 def _hash(text: str) -> str:

@@ -13,7 +13,7 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.configuration import validated_config
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.own_study import study_files, write_study
+from bearingwear.studies.own_study import requirements_in_words, study_files, write_study
 
 LIMITS = DesignLimits(axial_stiffness_N_um=3.0)
 
@@ -208,6 +208,14 @@ def test_same_command_writes_nothing_and_an_edit_of_the_scene_renews_the_copy(mi
     assert load_scene(copy).operation.preload_N == 9.0
     base = copy.with_name("base.yaml")
     assert base.read_bytes() == before[base]
+
+
+def test_other_requirements_than_before_are_known(mine, tmp_path):
+    """So that a page with requirements is not replaced by one without them in silence."""
+    folder = tmp_path / "study"
+    assert write_study(mine, folder, LIMITS) == ""
+    assert write_study(mine, folder, DesignLimits()) == "axial_stiffness_N_um 3"
+    assert requirements_in_words(folder, "mine") == "none"
 
 
 @pytest.mark.parametrize("name", ["scenes/mine.yaml", "scenes/base.yaml", "design.yaml"])

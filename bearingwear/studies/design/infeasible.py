@@ -15,7 +15,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.studies.design.best import NEW_BEARING, PreloadPoint
 from bearingwear.studies.design.conditions import DECIDING, condition_words
 from bearingwear.studies.design.document.words import limit_text
-from bearingwear.studies.design.map import NOT_SOLVED_AT
+from bearingwear.studies.design.map import IMPRACTICAL_FLAGS, NOT_SOLVED_AT
 from bearingwear.studies.design.plan import DesignLimits
 
 _LIFE = LIMITED["life_h"]
@@ -41,7 +41,7 @@ def infeasibility_text(
         text = "an end-of-life criterion is met when the bearing is new"
         return f"{text} (case {where['case']})" if where and has_cases else text
     if all(point.values.get("impractical") for point in usable):
-        return "the design is impractical at every preload"
+        return f"the design is impractical at every preload: {_usual_fault(usable)}"
     violations, is_together = least_violations(points, limits)
     if not violations:
         unsolved = _unsolved_words(points, has_cases)
@@ -55,6 +55,9 @@ def infeasibility_text(
     phrases = []
     for name, k in violations.items():
         value_text = _value_text(name, points[k], limits, is_together, has_cases)
+        if not is_together and points[k].preload == max(point.preload for point in points):
+            value_text += ", the largest preload tried"
+        value_text += _impractical_words(usable, name, limits)
         phrases.append(f"{_required_text(name, limits)}, but {value_text}")
     return introduction + "; ".join(phrases) + _conflict_with_ends(without_life)
 
@@ -145,6 +148,30 @@ def least_violations(
         if -np.inf < margins[best, k] < 0.0
     }
     return violated, True
+
+
+def _impractical_words(points: Sequence[PreloadPoint], name: str, limits: DesignLimits) -> str:
+    """Returns that a requirement is met by impractical designs, and what is wrong with most.
+
+    It is empty if none of them meets it.
+
+    name: of the measure, a key of `LIMITED`.
+    """
+    index = list(limits.effective).index(name)
+    impractical = [
+        point
+        for point in points
+        if point.values.get("impractical") and point.margins(limits)[index] >= 0.0
+    ]
+    if not impractical:
+        return ""
+    return f", as every preload that meets it is an impractical design: {_usual_fault(impractical)}"
+
+
+def _usual_fault(points: Sequence[PreloadPoint]) -> str:
+    """Returns what is wrong with most of some impractical designs, in words."""
+    flags = [int(point.values["impractical"]) for point in points]
+    return name_in_words(IMPRACTICAL_FLAGS[max(flags, key=flags.count)])
 
 
 def _may_live(point: PreloadPoint) -> bool:

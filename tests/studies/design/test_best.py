@@ -27,7 +27,7 @@ from bearingwear.studies.design.changes import _limit_change
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
 from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.infeasible import infeasibility_text
-from bearingwear.studies.design.map import design_point
+from bearingwear.studies.design.map import IMPRACTICAL_FLAGS, design_point
 from bearingwear.studies.design.plan import DesignLimits, round_number
 from bearingwear.studies.design.recommend import recommendation
 
@@ -255,6 +255,14 @@ def test_the_best_stiffness_is_named_where_none_is_enough(scene):
     why = why_no_preload(InventedLives(scene, falling, lambda p: 1e6 * p**0.3))
     assert why.startswith("axial stiffness of one bearing")
     assert numbers_in(why)[:3] == [20, 15.4, 9060]  # N/um required, N/um at best, N
+
+
+def test_a_requirement_that_only_impractical_designs_meet_names_what_is_wrong_with_them(scene):
+    """20 N/um are reached at 400 N, and the design is practical only up to 350 N."""
+    lives = InventedLives(scene, falling, lambda p: 20e6 * p / 400.0, lambda p: p <= 350.0)
+    why = why_no_preload(lives)
+    assert why.startswith("axial stiffness of one bearing")
+    assert why.endswith(f"impractical design: {IMPRACTICAL_FLAGS[1].replace('_', ' ')}")
 
 
 def test_a_criterion_met_when_new_is_named_where_no_preload_lives(scene):
