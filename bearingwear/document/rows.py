@@ -49,7 +49,9 @@ TABLE_TESTS = (
 """The sentence in place of `FILM_TESTS` for films whose wear follows a table of lives."""
 
 
-LOWER_BOUND = "K_s/H of starved oil is an upper bound, so lives are lower bounds."
+LOWER_BOUND = (
+    "K_s/H of starved oil is an upper bound, so this life and its interval are lower bounds."
+)
 
 
 def film_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:

@@ -264,6 +264,6 @@ def test_calibrated_films_and_dry_bearings_do_not_mention_tests_of_films():
 def test_a_life_by_an_upper_bound_of_wear_states_that_it_is_a_lower_bound(lubrication, designation):
     scene = bearingwear.new(designation=designation, speed=9000.0, lubrication=lubrication)
     (sentence,) = caveat_lines(scene.to_dict())
-    assert "lower bounds" in sentence
+    assert "this life and its interval are lower bounds" in sentence
     smaller_wear = scene.with_({"materials.bearing_steel.wear_coefficient": 1e-9})
     assert not caveat_lines(smaller_wear.to_dict())

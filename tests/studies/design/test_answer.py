@@ -20,7 +20,11 @@ from bearingwear.studies.design.best import SIMILAR
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.charts import design_charts
 from bearingwear.studies.design.document.sentences import recommended_points
-from bearingwear.studies.design.document.sheets import NO_TOLERANCE, preload_document
+from bearingwear.studies.design.document.sheets import (
+    NO_TOLERANCE,
+    preload_document,
+    violated_words,
+)
 from bearingwear.studies.design.document.words import AS_LITTLE, NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.map import design_point
 
@@ -387,3 +391,13 @@ def test_without_a_recommendation_no_life_is_sampled(files, small_project, tmp_p
     inputs = {"design": files["design"], "recommendation": none, "spread": path}
     assert step("studies.design.document.sheets.design_answer", answer, **inputs) == 0
     assert load_document(answer).title.startswith("mine: no preload")
+
+
+def test_the_requirement_that_nobody_gave_is_named_where_it_rejects_a_preload(files):
+    """No bearing may lift off: of a bearing that keeps nothing, the residual preload is no word."""
+    point = load(files["recommendation"]).isel(preload_method=0)
+    assert "lifts off" not in violated_words(point)
+    for name in LIMITED["preload_kept"].extremes:
+        point[name] = point[name] * 0.0
+    assert violated_words(point) == "a bearing lifts off"
+    assert "No bearing may lift off." in json.loads(design_charts(**files))["question"]

@@ -469,7 +469,11 @@ def violated_words(point: xr.Dataset) -> str:
         return f"not solved: {name_in_words(STATUS_NAMES[int(point['status'])])}"
     limits = limits_of(point)
     margins = zip(limits.effective, limit_margins(point, limits), strict=True)
-    violated = [LIMITED[name].words for name, margin in margins if not margin >= -SAME]
+    violated = [
+        LIMITED[name].words if name in limits.given else "a bearing lifts off"
+        for name, margin in margins
+        if not margin >= -SAME
+    ]
     impractical_flag = int(point["impractical"])
     if impractical_flag:
         flag_name = IMPRACTICAL_FLAGS[impractical_flag]
