@@ -60,7 +60,8 @@ GLOSSARY = {
     "gyroscopic slip share": "The share of a ball's sliding that is perpendicular to its "
     "rolling direction and driven by the gyroscopic moment.",
     "requirement": "A condition that the bearing or machine must meet from new to the end of life, "
-    "such as a minimum stiffness. Requirements restrict the choice of preload.",
+    "such as a minimum stiffness. Requirements restrict the choice of preload. Beside those of the "
+    "user, no bearing may lift off, at rest or at speed.",
     "end-of-life criterion": "A value, set in the scene, at which a bearing counts as worn out, "
     "such as a wear depth. The first criterion met determines the end of life.",
     "skid ratio": "The relative lag of a ball's orbit rate behind that in pure rolling.",

@@ -81,12 +81,9 @@ def design_charts(
     if spread is not None:
         sampled = load_quantiles(spread)[0]
     question = "Which preload and preload method give the longest life?"
-    limits = limits_of(lives)
-    if limits.given:
+    if limits_of(lives).given:
         requirements = _achieved_requirements(recommended)
         question = f"User requirements, {extent_words(recommended)}: {requirements}."
-    if limits.effective.keys() - limits.given.keys():  # the one that applies by itself
-        question += " No bearing may lift off."
     bands = {
         method: (life_spread.bearings.low, life_spread.bearings.high)
         for method, life_spread in recommended_spreads(recommended, sampled).items()
