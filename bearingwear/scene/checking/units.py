@@ -101,10 +101,9 @@ def _degrees_celsius(value: float, typed: str) -> float:
     return (value - 32.0) / 1.8 if "F" in typed else value
 
 
-_STIFFEST = 1000.0  # N/um, an axial stiffness that no ball bearing has
-
-LARGEST_SHARE = 2.0
-"""Largest number without a unit that may have been typed in percent."""
+_LARGEST_MEANT = {"%": 2.0, "N/mm": 1000.0}
+"""Largest value in the right unit that may have been typed in another: no share is larger, and no
+ball bearing has 1000 N/um, which were then rather typed in N/m."""
 
 
 def confused_unit(
@@ -120,9 +119,7 @@ def confused_unit(
     """
     for typed in _CONFUSED_AT.get(key, _CONFUSED.get(unit, ())):
         value_in_unit = converted(value, typed, unit)
-        if value_in_unit is None or (typed == "%" and value_in_unit > LARGEST_SHARE):
-            continue
-        if typed == "N/mm" and value_in_unit > _STIFFEST:  # rather in N/m
+        if value_in_unit is None or value_in_unit > _LARGEST_MEANT.get(typed, math.inf):
             continue
         if fits(value_in_unit):
             return typed, float(f"{value_in_unit:.5g}")

@@ -12,6 +12,7 @@ import re
 from typing import Any, NamedTuple
 
 from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.checking.units import converted
 from bearingwear.scene.new.catalogue import (
     CatalogueBearing,
     entry_of,
@@ -371,7 +372,6 @@ def _clearance_suffix(rest: str) -> _Suffix:
     return _Suffix("", " ".join(words))
 
 
-INCH_MM = 25.4
 _INCH_ROUNDING_MM = 0.3  # of a size typed in inches to two decimals, with a margin
 
 
@@ -380,12 +380,13 @@ def metric_size(bore: float, outside: float) -> str:
 
     A size is taken as typed in inches where it is then in the table of sizes.
     """
+    bore_mm, outside_mm = (converted(diameter, "in", "mm") or 0.0 for diameter in (bore, outside))
     for series in ("70", "72", "73", "719"):
         for code in _CODES:
             size = _size(series, f"{code:02d}")
             if size is not None and (
-                abs(size.bore - INCH_MM * bore) < _INCH_ROUNDING_MM
-                and abs(size.outside - INCH_MM * outside) < _INCH_ROUNDING_MM
+                abs(size.bore - bore_mm) < _INCH_ROUNDING_MM
+                and abs(size.outside - outside_mm) < _INCH_ROUNDING_MM
             ):
                 return f"--bore {size.bore:g} --outside {size.outside:g}"
     return ""
