@@ -16,13 +16,14 @@ import json
 import time
 import warnings
 from collections import Counter
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 import bearingwear
 from bearingwear.kernels.status import STATUS_NAMES
-from bearingwear.lives.grooves import EXACT_GROOVES, QUICK_GROOVES, Grooves, follow_grooves
+from bearingwear.lives.grooves import Grooves, follow_grooves, quick_groove_life
 from bearingwear.scene.scene import Scene
 
 SEED, COUNT = 48, 300
@@ -106,7 +107,8 @@ def drawn_scene(draw: dict[str, Any], share: float = 1.0) -> Scene:
 def life_end(scene: Scene, way: str) -> tuple[str, float, int]:
     """Status and length of a life [s], and how many of its states are kept."""
     scene = scene.symmetric_half
-    life = follow_grooves(Grooves(scene, EXACT_GROOVES if way == "exact" else QUICK_GROOVES))
+    grooves = partial(Grooves, scene)
+    life = follow_grooves(grooves()) if way == "exact" else quick_groove_life(grooves)
     is_solved = life.nodes[0].status == 0
     return STATUS_NAMES[life.status], life.last.time, len(life.nodes) if is_solved else 0
 

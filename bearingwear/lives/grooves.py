@@ -2,7 +2,7 @@
 
 import copy
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -44,7 +44,7 @@ class GrooveMode(NamedTuple):
 
 EXACT_GROOVES = GrooveMode(cells=(48, 10), step=STEP, rough=False)
 QUICK_GROOVES = GrooveMode(cells=(32, 8), step=1.5 * STEP, rough=True)
-"""The two modes of a life with worn grooves; `worn_life` states how exact the quick one is."""
+"""The two modes of a life with worn grooves; `worn_life` states how exact a quick one is."""
 
 
 def point_of(state: State) -> WornPoint:
@@ -233,6 +233,23 @@ class StiffGrooves(Grooves):
         if not all(state.is_solved for state in states):
             return node
         return node._replace(states=self.with_stiffness())
+
+
+def quick_groove_life(
+    grooves: Callable[[GrooveMode], Grooves], ends: Criteria | None = None
+) -> Life:
+    """Returns the life with grooves as they wear, in the quick mode if its states are found.
+
+    Otherwise it is the exact life. Rough states of contacts that hardly carry any load may have
+    no next one where exact states have, or seem to lift off.
+
+    grooves: the grooves in a mode, to be followed.
+    ends: as in `follow_grooves`.
+    """
+    life = follow_grooves(grooves(QUICK_GROOVES), ends)
+    if life.status in (code.OK, code.CRITERION_NOT_REACHED):
+        return life
+    return follow_grooves(grooves(EXACT_GROOVES), ends)
 
 
 def follow_grooves(wearing: Grooves, ends: Criteria | None = None) -> Life:

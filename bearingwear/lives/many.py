@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -19,13 +19,7 @@ from bearingwear.lives.duty.lives import (
 from bearingwear.lives.ends import with_end
 from bearingwear.lives.follow import Life
 from bearingwear.lives.groove_life import groove_choice, life_if_ended_when_new
-from bearingwear.lives.grooves import (
-    EXACT_GROOVES,
-    QUICK_GROOVES,
-    Grooves,
-    StiffGrooves,
-    follow_grooves,
-)
+from bearingwear.lives.grooves import Grooves, StiffGrooves, follow_grooves, quick_groove_life
 from bearingwear.lives.surfaces import is_one_integral, surface_life
 from bearingwear.measures import MEASURES, Measure
 from bearingwear.scene.cases import cases_that_wear
@@ -96,7 +90,7 @@ def _worn_life(scene: Scene, kind: type[Grooves], quick: bool) -> Life | None:
     single = groove_choice(scene, "steady").scene
     if single is None:
         return None
-    life = follow_grooves(kind(single, QUICK_GROOVES if quick else EXACT_GROOVES))
+    life = quick_groove_life(partial(kind, single)) if quick else follow_grooves(kind(single))
     if life.nodes[0].status == code.OK:
         return life
     return life_if_ended_when_new(single) or life

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -13,11 +14,11 @@ from bearingwear.lives.follow import Life
 from bearingwear.lives.groove_life import GrooveChoice, groove_choice
 from bearingwear.lives.grooves import (
     EXACT_GROOVES,
-    QUICK_GROOVES,
     GrooveMode,
     Grooves,
     StiffGrooves,
     follow_grooves,
+    quick_groove_life,
 )
 from bearingwear.lives.surfaces import follow_surfaces, surface_life
 from bearingwear.scene.duty import phase_cases
@@ -102,7 +103,10 @@ def duty_life(
     choice = duty_groove_choice(scene, fidelity)
     if not choice.follows:
         return DutyLife(cycle, _even_duty_life(cycle, fidelity, quick), choice.sentence)
-    life = worn_duty_life(cycle, QUICK_GROOVES if quick else EXACT_GROOVES, kind)
+    if quick:
+        life = quick_groove_life(partial(DutyGrooves, cycle, kind=kind), DutyCriteria(cycle))
+    else:
+        life = worn_duty_life(cycle, kind=kind)
     if life.nodes[0].status == code.OK:
         return DutyLife(cycle, life, choice.sentence, is_worn=True)
     # an end that is met when new needs no grooves
