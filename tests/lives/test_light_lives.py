@@ -1,14 +1,24 @@
 """Lives under light preloads end by a criterion, not by their solver."""
 
+import math
+from functools import partial
+
 import numpy as np
 import pytest
 from support import ROOT, benchmark
 
 import bearingwear
-from bearingwear.kernels.status import NOT_CONVERGED, OK, STATUS_NAMES
-from bearingwear.lives.grooves import EXACT_GROOVES, QUICK_GROOVES, Grooves, follow_grooves
+from bearingwear.kernels.status import LIFTED_OFF, NOT_CONVERGED, OK, STATUS_NAMES
+from bearingwear.lives.grooves import (
+    EXACT_GROOVES,
+    QUICK_GROOVES,
+    Grooves,
+    follow_grooves,
+    quick_groove_life,
+)
 from bearingwear.lives.life import life as solved_life
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
+from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.bearing import CELLS_END, WornBearing
 from bearingwear.solvers.worn.depths import WornPoint
 
@@ -19,14 +29,6 @@ LIGHT_LIVES = benchmark("light_lives")
 
 SLOW = (7, 37, 51, 286)
 """Trials whose lives take seconds each."""
-
-
-FILM_WEAR = 1.01e-6
-"""Wear coefficient of the film of `new --lubrication mos2` when the trials were found.
-
-With 1.03e-6, which it has now, the quick life of trial 286 ends `not_converged`, where those with
-1.02e-6 and 1.04e-6 end ok.
-"""
 
 
 def marked_trials():
@@ -43,15 +45,48 @@ def test_a_life_found_at_random_ends_by_its_criterion(trial):
     `once`: the ways, quick or exact, in which the trial failed once.
     """
     scene = LIGHT_LIVES.drawn_scene(trial["draw"]).symmetric_half
-    if trial["draw"]["film"]:
-        scene = scene.with_({"friction.film.wear_coefficient": FILM_WEAR})
     for way in trial["once"]:
-        wearing = Grooves(scene, QUICK_GROOVES if way == "quick" else EXACT_GROOVES)
-        life = follow_grooves(wearing)
+        grooves = partial(Grooves, scene)
+        life = quick_groove_life(grooves) if way == "quick" else follow_grooves(grooves())
         assert STATUS_NAMES[life.status] == "ok", way
         limit = scene.wear.end_of_life.ball_diameter_loss_um
         loss = 1e6 * max(state.loss for state in life.last.states)
         assert loss > 0.98 * limit, way
+
+
+@pytest.mark.long  # 20 s
+@pytest.mark.parametrize("film_wear", [1.0325e-6, 1.045e-6, 1.0625e-6, 1.0825e-6])
+def test_a_quick_life_of_a_light_pair_has_no_gap(film_wear):
+    """Films wear through, and a contact keeps 1 % of its load, at which rough states scatter.
+
+    With these wear coefficients the rough states of trial 286 were not found, or lifted off. The
+    life is 111.0e6 s over the coefficient over 1.0025e-6, within 1 %.
+    """
+    draw = LIGHT_LIVES.drawn(np.random.default_rng((LIGHT_LIVES.SEED, 286)))
+    scene = LIGHT_LIVES.drawn_scene(draw).symmetric_half
+    filmed = scene.with_({"friction.film.wear_coefficient": film_wear})
+    life = quick_groove_life(partial(Grooves, filmed))
+    assert STATUS_NAMES[life.status] == "ok"
+    assert life.last.time == pytest.approx(111.0e6 * 1.0025e-6 / film_wear, rel=0.01)
+
+
+@pytest.mark.parametrize("status", [NOT_CONVERGED, LIFTED_OFF])
+def test_a_quick_life_whose_states_are_not_found_is_the_exact_one(status):
+    scene = bearingwear.new(designation="7004AC", speed=20600.0).with_(
+        {"model.contact": "worn", "wear.end_of_life": {"ball_diameter_loss_um": 0.5}}
+    )
+
+    class LostIfRough(Grooves):
+        """Grooves whose rough states are lost amid the life."""
+
+        def state(self, worn):
+            if self.mode.rough and self.solves > 3:
+                return tuple(State.unsolved(status, math.nan) for _ in self.sides)
+            return super().state(worn)
+
+    assert follow_grooves(LostIfRough(scene, QUICK_GROOVES)).status == status
+    life = quick_groove_life(partial(LostIfRough, scene))
+    assert life.status == OK and (life.times == follow_grooves(Grooves(scene)).times).all()
 
 
 def test_the_draws_are_those_of_the_benchmark():
