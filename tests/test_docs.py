@@ -15,7 +15,7 @@ from bearingwear.page.page import GLOSSARY
 
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
-READ = [*PAGES, *ROOT.glob("*.md"), *(ROOT / f"{at}/README.md" for at in ("config", "results"))]
+READ = [*PAGES, *ROOT.glob("*.md"), ROOT / "config/README.md", ROOT / "results/README.md"]
 CITED = re.compile(r"\bEqs?\.\s*\(?(\d+a?)\)?(?:\s*(?:-|to|and)\s*\(?(\d+a?)\)?)?")
 SECTION = re.compile(r"theory(?:\.md)?\W{0,3}\s*sections?\s+(\d+)")
 LINK = re.compile(r"\]\(([^)#\s]+)?(?:#([\w-]+))?\)")
@@ -38,7 +38,8 @@ def without_code(text: str) -> str:
 def anchors(page: Path) -> set[str]:
     """Returns the anchors (the text after #) of the headings of a page."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
-    return {re.sub(r"[^\w -]", "", h.lower()).strip().replace(" ", "-") for h in headings}
+    plain = (re.sub(r"[^\w -]", "", heading.lower()).strip() for heading in headings)
+    return {heading.replace(" ", "-") for heading in plain}
 
 
 def test_the_readme_is_short_and_links_to_the_main_pages():
@@ -68,11 +69,8 @@ def test_every_page_is_in_the_navigation():
     def leaves(entry):
         if isinstance(entry, str):
             return [entry]
-        return [
-            leaf
-            for below in (entry.values() if isinstance(entry, dict) else entry)
-            for leaf in leaves(below)
-        ]
+        children = entry.values() if isinstance(entry, dict) else entry
+        return [leaf for child in children for leaf in leaves(child)]
 
     site = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
     generated = {"reference/keys.md", "reference/commands.md", "contributing.md", "changelog.md"}
@@ -120,10 +118,10 @@ def test_links_lead_to_files_and_headings_that_exist():
 
 
 def test_cited_equations_and_sections_exist():
-    """Equations of docs/theory have tags of their own, 1 to 77, and sections numbers.
+    """Every equation and section of the theory that a file cites by its number is in docs/theory.
 
-    The overview lists all sections. Each equation and section of theory.md that a file of the
-    project cites by its number is one of them.
+    Equations have different tags, of which those from 1 to 77 exist but for `unused`. The overview
+    theory.md lists all sections.
     """
     tags, numbers = [], []
     for page in (DOCS / "theory").glob("*.md"):
@@ -137,7 +135,7 @@ def test_cited_equations_and_sections_exist():
     cited = []
     for path in citing_files():
         text = path.read_text(encoding="utf-8")
-        cited += [(path, e) for pair in CITED.findall(text) for e in pair if e]
+        cited += [(path, number) for ends in CITED.findall(text) for number in ends if number]
         assert set(SECTION.findall(text)) <= set(numbers), path
     assert len(cited) > 25
     assert not [(path, number) for path, number in cited if number not in tags]
