@@ -135,7 +135,7 @@ def values(scene):
     """Returns a function that solves the scene gyro_s1 and returns the values of its result.
 
     Its arguments are preload method, friction, loss of ball diameter [um], drag density [kg/m3],
-    the fidelity, and other keys of the scene, with `__` for the dot.
+    and fidelity. Other keys of the scene have `__` for the dot.
     """
     from bearingwear.solvers.solve import solve
 

@@ -85,6 +85,7 @@ def test_a_failed_solve_has_exit_status_3_one_line_and_a_file_with_its_status(
     assert run_solve(tmp_path / "b.nc", "--record-failures") == 0
 
 
+# a program that sends itself a signal while it imports numba, or when a file is half written
 INTERRUPTED = """
 import os, signal, sys
 from bearingwear import __main__, atomic, cli
@@ -138,6 +139,7 @@ def test_an_interrupted_import_or_write_leaves_no_trace(arguments, number, probl
     assert os.listdir(tmp_path) == []
 
 
+# a program whose command ends with status 3, and whose last object then sends a signal
 ENDING = """
 import os, signal, sys
 from bearingwear import __main__, cli
@@ -300,7 +302,7 @@ def test_the_name_of_a_study_comes_first(option, capsys):
 
 
 @pytest.mark.parametrize(
-    ("given", "problem"),
+    ("arguments", "problem"),
     [
         (["-o", "x.nc", "b\nc"], "-o: got 2 files, expected one, or --each KEY=VALUE,VALUE..."),
         (["--each", "friction.ball_race=0.1,0.2", "-o", "x.nc"], "--each: got friction.ball_race="),
@@ -309,10 +311,10 @@ def test_the_name_of_a_study_comes_first(option, capsys):
     ],
 )
 def test_each_is_refused_unless_it_has_a_file_for_each_value(
-    given, problem, tmp_path, monkeypatch, capsys
+    arguments, problem, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
-    assert main(["solve", str(SCENE), *given]) == 2
+    assert main(["solve", str(SCENE), *arguments]) == 2
     assert only_line(capsys).startswith(problem)
     assert os.listdir() == []
 
@@ -580,6 +582,7 @@ def test_the_skid_ratio_has_the_same_sign_in_a_case_and_in_a_life(capsys):
     """It is the lag behind rolling: negative without drag, where the balls lead."""
 
     def skid_ratio_row(command):
+        """Returns the row of the skid ratio as a command prints it for programs."""
         assert main([command, str(SCENE), "--json", "--set", "lubricant.drag_density_kg_m3=0"]) == 0
         rows = json.loads(capsys.readouterr().out)["quantities"]
         (row,) = [row for row in rows if row["name"] == "skid_ratio"]

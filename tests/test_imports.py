@@ -328,7 +328,7 @@ def test_nothing_imports_an_application():
     assert not forbidden_imports(is_free_of_applications, files)
 
 
-def test_the_package_itself_imports_few_modules_of_python():
+def test_import_bearingwear_loads_neither_argparse_nor_pathlib():
     # what an editable installation loads before it is no matter of the package
     loaded = modules_loaded_by("import bearingwear") - modules_loaded_by("import sys")
     assert "bearingwear" in loaded and not loaded & {"argparse", "pathlib"}

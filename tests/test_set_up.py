@@ -31,6 +31,7 @@ class Clone:
     """A copy of the project with an environment of its own, which uses our installed libraries."""
 
     def __init__(self, folder: Path) -> None:
+        """Makes the copy and the environment in a folder."""
         self.root, self.caches = folder / "clone", folder / "caches"
         self.root.mkdir()
         names = tracked_files()
