@@ -49,8 +49,7 @@ def test_a_hostile_value_is_refused_in_one_line_or_survives_being_read_again(gyr
     """
     faults = []
     for key in KEYS:
-        required = PAIR if key.startswith("arrangement.") else {}
-        required = NETWORK if key.startswith("thermal.") else required
+        required = {"arrangement": PAIR, "thermal": NETWORK}.get(key.partition(".")[0], {})
         start, is_number = gyro.with_(required), key_of_scene(key).kind == "number"
         for value in HOSTILE:
             try:
