@@ -1,7 +1,7 @@
 """Compiles the kernels that most tests call; `make test` runs it while it checks the sources.
 
 Otherwise the processes of the tests would each compile kernels, and wait for each other. The
-arguments `unworn` and `worn` name kernels that share little code, so that each may take a core.
+arguments `unworn` and `worn` name kernels that share little code: one process can compile each.
 """
 
 import sys

@@ -24,7 +24,7 @@ _NEW_OBJECTS = 20_000  # before Python looks for garbage; 700 by default
 
 
 def pytest_configure():
-    """Gives the programs that tests start the settings of a user's.
+    """Gives the programs that tests start the settings that they have when a user starts them.
 
     Ctrl-C ends them also where pytest runs in the background. They store compiled Python, without
     which each of them would start a quarter of a second later.
@@ -57,7 +57,7 @@ def pytest_collection_modifyitems(items):
     rank = {ROOT / "tests" / name: k for k, name in enumerate(LONGEST_FIRST)}
 
     def folder_rank(item):
-        """Returns the place of the folder of a test in `LONGEST_FIRST`."""
+        """Returns the place of a test's folder in `LONGEST_FIRST`, or the number of its entries."""
         ranks = [rank[folder] for folder in item.path.parents if folder in rank]
         return min(ranks, default=len(LONGEST_FIRST))
 
@@ -68,7 +68,9 @@ def pytest_collection_modifyitems(items):
 def pytest_xdist_make_scheduler(config, log):
     """Keeps the tests of a file, which share fixtures, in one process of pytest-xdist.
 
-    Its `--dist loadgroup` no longer does so with pytest 9.2, which does not let it rename tests.
+    Exceptions are the files `OF_SOURCES`, which share a process, and the tests in `SPREAD_OUT`,
+    which may be in any. The option `--dist loadgroup` of pytest-xdist no longer works with pytest
+    9.2, which does not let it rename tests.
     """
     from xdist.scheduler import LoadScopeScheduling
 
@@ -92,7 +94,7 @@ def made_once(tmp_path_factory):
     def folder_of(name, make) -> Path:
         folder = tmp_path_factory.getbasetemp() / name
         if "PYTEST_XDIST_WORKER" in os.environ:
-            folder = folder.parents[1] / name
+            folder = folder.parents[1] / name  # beside the folders of the processes
         with open(f"{folder}.lock", "w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             stamp = folder.with_suffix(".done")
@@ -133,7 +135,7 @@ def values(scene):
     """Returns a function that solves the scene gyro_s1 and returns the values of its result.
 
     Its arguments are preload method, friction, loss of ball diameter [um], drag density [kg/m3],
-    the fidelity, and other keys of the scene, with `__` for the dot.
+    and fidelity. Other keys of the scene have `__` for the dot.
     """
     from bearingwear.solvers.solve import solve
 

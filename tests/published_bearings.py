@@ -1,4 +1,4 @@
-"""Published cases as kernel parameters, with their sources."""
+"""Published bearings as kernel parameters."""
 
 import math
 
@@ -30,7 +30,8 @@ def geometry(D, dm, alpha0, f_i, f_o, Z, rho, E, nu):
     )
 
 
-# Nosaka's turbopump bearing; the 218 bearing of Jones and Harris; the 2 mm instrument bearing.
+# Nosaka's turbopump bearing; the 218 bearing of Jones and Harris; an instrument bearing with balls
+# of 2 mm. Benchmark digits for them: test_race_control.py.
 NOSAKA = geometry(7.938e-3, 38.5e-3, 20.0, 0.56, 0.52, 10, 7750.37, 199.948e9, 0.25)
 B218 = geometry(22.225e-3, 125.26e-3, 40.0, 0.5232, 0.5232, 16, 7800.0, 207.5e9, 0.3)
 MM2 = geometry(2.0e-3, 9.0e-3, 25.0, 0.565, 0.585, 10, 7800.0, 208e9, 0.3)

@@ -1,7 +1,6 @@
 """A small study of a scene whose description is not to be trusted, and its page."""
 
 import contextlib
-import os
 from pathlib import Path
 
 import yaml
@@ -56,15 +55,18 @@ def make_small_study(folder: Path) -> None:
         Path(FOLDER).mkdir(parents=True)
         Path("docs").mkdir()
         Path(DOCS[0]).write_text("# Verification\n\nIt is.\n")
-        cases = [f"{FOLDER}/{case_id}.nc" for case_id in GRID.cases()]
-        for case, path in zip(GRID.cases().values(), cases, strict=True):
-            write_result(solve(variant(scene, case.changes)), Path(path))
-        make_lives_and_figures(scene, cases)
+        paths = {case_id: f"{FOLDER}/{case_id}.nc" for case_id in GRID.cases()}
+        for case_id, case in GRID.cases().items():
+            write_result(solve(variant(scene, case.changes)), Path(paths[case_id]))
+        make_lives_and_figures(scene, [*paths.values()])
         make_recommendation(scene)
 
 
 def make_lives_and_figures(scene: Path, cases: list[str]) -> None:
-    """Gathers cases, and makes their lives, tables, figures and answer in the present folder."""
+    """Gathers cases, and makes their lives, tables, figures and answer in the present folder.
+
+    cases: paths of the result files of the cases.
+    """
     study, lives = f"{FOLDER}/study.nc", f"{FOLDER}/wear_life.nc"
     tables = [f"{FOLDER}/tables/{name}" for name in ("cases.csv", "summary.md")]
     wear_figure, life_figure, overlay_figure = map(figure_files, FIGURES)
@@ -115,5 +117,4 @@ def page_command(path, sections=SECTIONS, docs=DOCS, answers=ANSWERS, scenes=())
 def make_page(path, sections=SECTIONS, docs=DOCS, answers=ANSWERS) -> str:
     """Writes the page of files below the present folder, and returns its text."""
     assert main(page_command(path, sections, docs, answers)) == 0
-    with open(os.fspath(path), encoding="utf-8") as file:
-        return file.read()
+    return Path(path).read_text(encoding="utf-8")

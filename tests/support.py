@@ -73,9 +73,11 @@ def benchmark(name: str):
 
 @functools.cache
 def in_python(kernel, *compiled) -> Callable:
-    """Returns a kernel as plain Python, and so all kernels that it calls but those in `compiled`.
+    """Returns a kernel as plain Python, which also calls other kernels as plain Python.
 
     A formula that is evaluated a few times is not worth compiling, which takes seconds.
+
+    compiled: kernels that are called as compiled code all the same.
     """
     function = getattr(kernel, "py_func", kernel)
     global_names = dict(function.__globals__)
@@ -99,9 +101,12 @@ def balance_of(problem: ThrustProblem, D: float) -> BalanceProblem:
 
 
 def by_differences(function, point, steps) -> np.ndarray:
-    """Returns central differences of a function at a point: a row for each of its numbers.
+    """Returns the derivatives of a function at a point by central differences.
 
-    steps: of each number, in its unit.
+    Row i is the derivative with respect to coordinate i of the point.
+
+    function: of a tuple of coordinates; it returns a number or an array.
+    steps: for each coordinate, in its unit.
     """
     rows = []
     for i, step in enumerate(steps):

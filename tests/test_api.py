@@ -61,7 +61,7 @@ def test_a_change_of_accuracy_changes_the_keys_it_decides():
     """Values that the former accuracy decided do not count as set by the user."""
     reference = bearingwear.example().with_({"model.accuracy": "reference"})
     assert reference == variant(S1, {"model.accuracy": "reference"})
-    assert reference.model.strips == 1000
+    assert reference.model.strips == 1000  # of the preset `reference`
     draft = bearingwear.example().with_({"model.strips": 60}).with_({"model.accuracy": "draft"})
     assert (draft.model.strips, draft.model.steady_starts) == (60, 2)  # the user's, the draft's
 
@@ -114,7 +114,7 @@ def test_new_refuses_an_unknown_argument():
 
 @pytest.mark.parametrize("name", ["gyro_s1", "010"])
 def test_a_saved_scene_is_loaded_without_change(name, tmp_path):
-    """Its name stays a text that readers of YAML 1.1 or 1.2 would take for a number."""
+    """The name 010, which other readers of YAML would take for a number, stays a text."""
     scene = replace(bearingwear.example(), name=name)
     path = tmp_path / "new" / "mine.yaml"
     bearingwear.save(scene, path)
@@ -150,7 +150,7 @@ def test_races_and_axes_are_selected_by_name(scene):
 @pytest.mark.filterwarnings("ignore::UserWarning")  # of the scene, which is not the subject
 @pytest.mark.parametrize("command", ["solve", "life"])
 def test_a_function_gives_the_dataset_that_its_command_writes(command, scene, tmp_path):
-    """A saved dataset is the same file but for its encoding."""
+    """A file that `save` writes has the same content, too."""
     by_command, saved = tmp_path / "command.nc", tmp_path / "saved.nc"
     settings = [f"{key}={value}" for key, value in COARSE.items()]
     assert main([command, str(S1), "-o", str(by_command), "--set", *settings]) == 0

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import ROOT, numbers_in, only_line, step, without_waits
+from support import ROOT, numbers_in, only_line, scene_file, step, without_waits
 
 from bearingwear import cli, console
 from bearingwear.application import applications
@@ -26,7 +26,7 @@ from bearingwear.results.warnings import warnings_in
 from bearingwear.solvers import solve as solve_model
 from bearingwear.solvers.result import Result
 
-SCENE = Path(__file__).parents[1] / "config" / "scenes" / "gyro_s1.yaml"
+SCENE = scene_file("gyro_s1")
 QUICK = ["--set", "model.strips=10", "--set", "model.tolerance=1.0e-3"]
 
 
@@ -85,6 +85,7 @@ def test_a_failed_solve_has_exit_status_3_one_line_and_a_file_with_its_status(
     assert run_solve(tmp_path / "b.nc", "--record-failures") == 0
 
 
+# a program that sends itself a signal while it imports numba, or when a file is half written
 INTERRUPTED = """
 import os, signal, sys
 from bearingwear import __main__, atomic, cli
@@ -125,12 +126,12 @@ __main__.run_program()
 def test_an_interrupted_import_or_write_leaves_no_trace(arguments, number, problem, tmp_path):
     """A signal comes while numba is imported, or a file is half written.
 
-    There is one line, no traceback and no file, and the exit status is 128 and the signal's number.
+    There is one line, no traceback and no file, and the exit status is 128 + the signal's number.
     """
     completed = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, *arguments, str(int(number))],
         cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(SCENE.parents[2])},
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
     )
@@ -138,6 +139,7 @@ def test_an_interrupted_import_or_write_leaves_no_trace(arguments, number, probl
     assert os.listdir(tmp_path) == []
 
 
+# a program whose command ends with status 3, and whose last object then sends a signal
 ENDING = """
 import os, signal, sys
 from bearingwear import __main__, cli
@@ -154,8 +156,7 @@ sys.exit(__main__.run_program())
 
 
 def test_an_interrupt_while_python_ends_keeps_the_exit_status():
-    """The exit status of the work that is done is 3; an object that Python deletes at last sends
-    the signal."""
+    """The command has ended with status 3 when an object that Python deletes sends the signal."""
     completed = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True)
     assert (completed.returncode, completed.stdout, completed.stderr) == (3, "late\n", "")
 
@@ -200,7 +201,7 @@ def test_a_life_without_an_end_has_exit_status_3(tmp_path, monkeypatch):
 # check, show, help
 
 
-def test_check_names_the_model_and_why_without_a_solve(capsys):
+def test_check_names_the_scene_and_its_model(capsys):
     assert main(["check", str(SCENE)]) == 0
     out, err = capsys.readouterr()
     title, *_ = out.splitlines()
@@ -301,7 +302,7 @@ def test_the_name_of_a_study_comes_first(option, capsys):
 
 
 @pytest.mark.parametrize(
-    ("given", "problem"),
+    ("arguments", "problem"),
     [
         (["-o", "x.nc", "b\nc"], "-o: got 2 files, expected one, or --each KEY=VALUE,VALUE..."),
         (["--each", "friction.ball_race=0.1,0.2", "-o", "x.nc"], "--each: got friction.ball_race="),
@@ -310,16 +311,16 @@ def test_the_name_of_a_study_comes_first(option, capsys):
     ],
 )
 def test_each_is_refused_unless_it_has_a_file_for_each_value(
-    given, problem, tmp_path, monkeypatch, capsys
+    arguments, problem, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
-    assert main(["solve", str(SCENE), *given]) == 2
+    assert main(["solve", str(SCENE), *arguments]) == 2
     assert only_line(capsys).startswith(problem)
     assert os.listdir() == []
 
 
 def test_each_writes_the_files_that_single_solves_write(tmp_path):
-    """Byte for byte, and they can be gathered into a study."""
+    """The files are equal byte for byte, and can be gathered into a study."""
     key, values = "wear.ball_diameter_loss_um", ("0", "0.5")
     case = "constant_force-mu0.050-loss{:.2f}.nc"
     files = [str(tmp_path / case.format(float(value))) for value in values]
@@ -362,10 +363,13 @@ def test_every_command_has_a_handler():
         name: imported_function(parser.get_default("run")) for name, parser in choices.items()
     }
     functions = inspect.getmembers(commands, inspect.isfunction)
-    own = {name for name, value in functions if value.__module__ == commands.__name__}
+    in_commands = {
+        name: function
+        for name, function in functions
+        if function.__module__ == commands.__name__ and not name.startswith("_")
+    }
     of_applications = {application.command for application in applications()}
-    assert {name for name in own if not name.startswith("_")} == set(choices) - of_applications
-    assert all(handlers[name] is getattr(commands, name) for name in set(choices) - of_applications)
+    assert {name: handlers[name] for name in set(choices) - of_applications} == in_commands
 
 
 @pytest.mark.parametrize(
@@ -459,11 +463,11 @@ def test_the_scene_itself_as_output_is_refused(tmp_path, capsys):
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
 def test_an_output_that_would_replace_another_file_is_refused(command, tmp_path, capsys):
-    scene_file = tmp_path / "other.yaml"
-    scene_file.write_text("name: another scene\n")
-    assert main([command, str(SCENE), "-o", str(scene_file)]) == 2
+    other = tmp_path / "other.yaml"
+    other.write_text("name: another scene\n")
+    assert main([command, str(SCENE), "-o", str(other)]) == 2
     assert "got an existing file that is not a result" in capsys.readouterr().err
-    assert scene_file.read_text() == "name: another scene\n"
+    assert other.read_text() == "name: another scene\n"
 
 
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
@@ -575,14 +579,18 @@ def test_more_than_one_new_folder_is_refused(words, tmp_path, monkeypatch, capsy
 
 
 def test_the_skid_ratio_has_the_same_sign_in_a_case_and_in_a_life(capsys):
-    """It is a lag behind rolling; without drag, the balls lead."""
-    ratios = []
-    for command in ("solve", "life"):
+    """It is the lag behind rolling: negative without drag, where the balls lead."""
+
+    def skid_ratio_row(command):
+        """Returns the row of the skid ratio as a command prints it for programs."""
         assert main([command, str(SCENE), "--json", "--set", "lubricant.drag_density_kg_m3=0"]) == 0
         rows = json.loads(capsys.readouterr().out)["quantities"]
         (row,) = [row for row in rows if row["name"] == "skid_ratio"]
-        ratios.append(row["value"] if command == "solve" else row["values"]["start"])
-    assert ratios[0] == pytest.approx(ratios[1], rel=1e-6) and ratios[0] < 0.0
+        return row
+
+    ratio = skid_ratio_row("solve")["value"]
+    assert ratio < 0.0
+    assert skid_ratio_row("life")["values"]["start"] == pytest.approx(ratio, rel=1e-6)
 
 
 def test_uncertainty_without_a_solved_life_has_exit_status_3(tmp_path, capsys):

@@ -15,7 +15,7 @@ from bearingwear.page.page import GLOSSARY
 
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
-READ = [*PAGES, *ROOT.glob("*.md"), *(ROOT / f"{at}/README.md" for at in ("config", "results"))]
+MARKDOWN_FILES = [*PAGES, *ROOT.glob("*.md"), ROOT / "config/README.md", ROOT / "results/README.md"]
 CITED = re.compile(r"\bEqs?\.\s*\(?(\d+a?)\)?(?:\s*(?:-|to|and)\s*\(?(\d+a?)\)?)?")
 SECTION = re.compile(r"theory(?:\.md)?\W{0,3}\s*sections?\s+(\d+)")
 LINK = re.compile(r"\]\(([^)#\s]+)?(?:#([\w-]+))?\)")
@@ -38,7 +38,8 @@ def without_code(text: str) -> str:
 def anchors(page: Path) -> set[str]:
     """Returns the anchors (the text after #) of the headings of a page."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
-    return {re.sub(r"[^\w -]", "", h.lower()).strip().replace(" ", "-") for h in headings}
+    plain = (re.sub(r"[^\w -]", "", heading.lower()).strip() for heading in headings)
+    return {heading.replace(" ", "-") for heading in plain}
 
 
 def test_the_readme_is_short_and_links_to_the_main_pages():
@@ -66,13 +67,11 @@ def test_the_report_page_defines_a_term_as_the_glossary_does(term):
 
 def test_every_page_is_in_the_navigation():
     def leaves(entry):
+        """Returns the pages of an entry of the navigation and of all entries below it."""
         if isinstance(entry, str):
             return [entry]
-        return [
-            leaf
-            for below in (entry.values() if isinstance(entry, dict) else entry)
-            for leaf in leaves(below)
-        ]
+        children = entry.values() if isinstance(entry, dict) else entry
+        return [leaf for child in children for leaf in leaves(child)]
 
     site = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
     generated = {"reference/keys.md", "reference/commands.md", "contributing.md", "changelog.md"}
@@ -93,13 +92,15 @@ def test_the_site_builds_without_a_warning_or_a_network(tmp_path):
 
 
 def test_every_block_of_code_is_closed():
-    assert not [page for page in READ if page.read_text(encoding="utf-8").count("```") % 2]
+    assert not [
+        page for page in MARKDOWN_FILES if page.read_text(encoding="utf-8").count("```") % 2
+    ]
 
 
 def test_no_line_is_over_100_columns():
     assert not [
         f"{page}:{k}: {line}"
-        for page in READ
+        for page in MARKDOWN_FILES
         for k, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1)
         if len(line) > 100
     ]
@@ -108,7 +109,7 @@ def test_no_line_is_over_100_columns():
 def test_links_lead_to_files_and_headings_that_exist():
     """Links to other sites are not followed."""
     broken_links = []
-    for page in READ:
+    for page in MARKDOWN_FILES:
         for target, anchor in LINK.findall(without_code(page.read_text(encoding="utf-8"))):
             if "://" in target:
                 continue
@@ -120,10 +121,10 @@ def test_links_lead_to_files_and_headings_that_exist():
 
 
 def test_cited_equations_and_sections_exist():
-    """Equations of docs/theory have tags of their own, 1 to 77, and sections numbers.
+    """Every equation and section of the theory that a file cites by its number is in docs/theory.
 
-    The overview lists all sections. Each equation and section of theory.md that a file of the
-    project cites by its number is one of them.
+    Equations have different tags, of which those from 1 to 77 exist but for `unused`. The overview
+    theory.md lists all sections.
     """
     tags, numbers = [], []
     for page in (DOCS / "theory").glob("*.md"):
@@ -137,7 +138,7 @@ def test_cited_equations_and_sections_exist():
     cited = []
     for path in citing_files():
         text = path.read_text(encoding="utf-8")
-        cited += [(path, e) for pair in CITED.findall(text) for e in pair if e]
+        cited += [(path, number) for ends in CITED.findall(text) for number in ends if number]
         assert set(SECTION.findall(text)) <= set(numbers), path
     assert len(cited) > 25
     assert not [(path, number) for path, number in cited if number not in tags]
@@ -145,6 +146,9 @@ def test_cited_equations_and_sections_exist():
 
 def test_every_formula_becomes_mathml():
     convert = pytest.importorskip("latex2mathml.converter").convert
+    formulas = []
     for page in (DOCS / "theory").glob("*.md"):
-        for formula in re.findall(r"^\$\$\n(.*?)^\$\$", page.read_text("utf-8"), re.M | re.S):
-            assert "merror" not in convert(re.sub(r"\\tag\{\w+\}", "", formula), display="block")
+        formulas += re.findall(r"^\$\$\n(.*?)^\$\$", page.read_text("utf-8"), re.M | re.S)
+    assert len(formulas) > 50
+    for formula in formulas:
+        assert "merror" not in convert(re.sub(r"\\tag\{\w+\}", "", formula), display="block")

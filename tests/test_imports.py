@@ -173,15 +173,15 @@ LIBRARIES = {
 
 
 def source_paths():
-    """Yields the paths of source files from the root: of the package, and of others beside it."""
-    beside = [*ROOT.glob("kerneljit/*.py"), *ROOT.glob("workflow/studies/*/*.py")]
-    for path in sorted([*PACKAGE.rglob("*.py"), *beside]):
+    """Yields the sources of the package, of kerneljit and of workflow, relative to the root."""
+    others = [*ROOT.glob("kerneljit/*.py"), *ROOT.glob("workflow/studies/*/*.py")]
+    for path in sorted([*PACKAGE.rglob("*.py"), *others]):
         if "__pycache__" not in path.parts:
             yield path.relative_to(ROOT)
 
 
 def part_of(module: Path) -> str:
-    """Returns the folder or module of the package that a file belongs to, or `workflow`."""
+    """Returns the part of the package that a file belongs to, or `kerneljit` or `workflow`."""
     top, *rest = module.with_suffix("").parts
     return rest[0] if top == "bearingwear" else top
 
@@ -207,8 +207,8 @@ def may_import(module: Path, name: str) -> bool:
         return part == top
     if top == "bearingwear":
         first = rest.split(".")[0]
-        where = first if first in MAY_IMPORT else "__init__"
-        return where == part or where in MAY_IMPORT[part]
+        imported_part = first if first in MAY_IMPORT else "__init__"
+        return imported_part == part or imported_part in MAY_IMPORT[part]
     if top == "numba":
         return part == "kerneljit"
     if top == "kerneljit":
@@ -217,12 +217,15 @@ def may_import(module: Path, name: str) -> bool:
 
 
 def forbidden_imports(is_allowed, files):
-    """Returns the imports that are not allowed, as text."""
+    """Returns a line `FILE imports NAME` for each import of some files that is not allowed.
+
+    is_allowed: returns whether a file may import a name.
+    """
     return [
-        f"{m} imports {name}"
-        for m in files
-        for name in imported_names(m)
-        if not is_allowed(m, name)
+        f"{module} imports {name}"
+        for module in files
+        for name in imported_names(module)
+        if not is_allowed(module, name)
     ]
 
 
@@ -231,7 +234,7 @@ def test_imports_point_downward():
 
 
 def test_files_and_folders_of_solvers_and_lives_are_small():
-    """Few imports in a file, and few files in a folder."""
+    """Imports in a file, and files in a folder, are counted."""
     crowded, folders = {}, Counter[Path]()
     for module in (m for m in source_paths() if part_of(m) in MOST_IMPORTS):
         folders[module.parent] += 1
@@ -244,18 +247,23 @@ def test_files_and_folders_of_solvers_and_lives_are_small():
 
 
 def is_independent(module: Path, name: str) -> bool:
-    """Returns whether an import keeps a study independent of the others."""
+    """Returns whether a module of a study may import a name.
+
+    It may not import from the folder of another study, except what BETWEEN_STUDIES lists.
+    """
     study_of_module = module.parts[2]
-    _, studies, study, *rest = [*name.split("."), "", "", ""][:5]
-    if studies != "studies" or not study or not ROOT.joinpath(*name.split(".")[:3]).is_dir():
+    parts = name.split(".")
+    if len(parts) < 3 or parts[1] != "studies" or not ROOT.joinpath(*parts[:3]).is_dir():
         return True
-    return study == study_of_module or f"{study}.{rest[0]}" in BETWEEN_STUDIES.get(
-        study_of_module, set()
-    )
+    exceptions = BETWEEN_STUDIES.get(study_of_module, set())
+    return parts[2] == study_of_module or ".".join(parts[2:4]) in exceptions
 
 
 def is_free_of_studies(module: Path, name: str) -> bool:
-    """Returns whether an import of a shared module is of no single study."""
+    """Returns whether a module that studies share may import a name.
+
+    It may not import from the folder of a study, except what SHARED_NEEDS lists.
+    """
     folder = PACKAGE.joinpath(*name.split(".")[1:3])
     if not name.startswith("bearingwear.studies.") or not folder.is_dir():
         return True
@@ -275,13 +283,15 @@ APPLICATIONS = sorted(path.parent.name for path in PACKAGE.glob("applications/*/
 
 def application_of(name: str) -> str:
     """Returns the application that a dotted name belongs to; empty for others."""
-    return name.removeprefix("bearingwear.applications.").split(".")[0] * name.startswith(
-        "bearingwear.applications."
-    )
+    prefix = "bearingwear.applications."
+    return name.removeprefix(prefix).split(".")[0] if name.startswith(prefix) else ""
 
 
 def is_public(module: Path, name: str) -> bool:
-    """Returns whether an application may import a name: its own, a public one, or of a library."""
+    """Returns whether a module of an application may import a name.
+
+    Allowed are names of the same application, of libraries, and those that the package offers.
+    """
     application = module.parts[2]
     if not name.startswith("bearingwear.") or application_of(name) == application:
         return True
@@ -297,7 +307,7 @@ def is_free_of_applications(module: Path, name: str) -> bool:
 
 
 def test_applications_import_only_the_public_interface():
-    """One of them at least imports each module that INTERFACE or MODELS_OF_APPLICATIONS lists."""
+    """INTERFACE and MODELS_OF_APPLICATIONS list no module that is not imported."""
     files = [m for m in source_paths() if part_of(m) == "applications" and len(m.parts) > 3]
     assert {m.parts[2] for m in files} == set(APPLICATIONS)
     assert not forbidden_imports(is_public, files)
@@ -309,10 +319,16 @@ def test_applications_import_only_the_public_interface():
 
 
 def test_nothing_imports_an_application():
-    """One application does not import another, either; a study of accuracy is an exception."""
-    mine = Path("workflow/studies/accuracy/cages.py")  # on the accuracy of an ensemble
-    files = [m for m in source_paths() if m not in (mine, Path("bearingwear/__init__.py"))]
+    """One application does not import another, either.
+
+    Exceptions are the study of the accuracy of cage ensembles, and the types in `bearingwear`.
+    """
+    exempt = Path("workflow/studies/accuracy/cages.py"), Path("bearingwear/__init__.py")
+    files = [module for module in source_paths() if module not in exempt]
     assert not forbidden_imports(is_free_of_applications, files)
+
+
+def test_import_bearingwear_loads_neither_argparse_nor_pathlib():
     # what an editable installation loads before it is no matter of the package
     loaded = modules_loaded_by("import bearingwear") - modules_loaded_by("import sys")
     assert "bearingwear" in loaded and not loaded & {"argparse", "pathlib"}
@@ -323,13 +339,15 @@ def import_circles(reached):
 
     reached: files that each file imports, directly or in turn.
     """
-    pairs = ((a, b) for a, files in reached.items() for b in files if a.parent < b.parent)
-    return [(a, b) for a, b in pairs if a in reached.get(b, ())]
+    pairs = ((a, b) for a, files in reached.items() for b in files)
+    # in the order of the folders, so that each pair comes once
+    return [(a, b) for a, b in pairs if a.parent < b.parent and a in reached.get(b, ())]
 
 
 def test_no_circle_of_imports_goes_through_two_folders():
-    named = {".".join(module.with_suffix("").parts): module for module in source_paths()}
-    reached = {ROOT / file: sources(name) for name, file in named.items()}
+    reached = {
+        ROOT / file: sources(".".join(file.with_suffix("").parts)) for file in source_paths()
+    }
     assert len(reached) > 300 and sum(map(len, reached.values())) > 1000
     assert not import_circles(reached)
     a, b, c = Path("x/a.py"), Path("y/b.py"), Path("z/c.py")

@@ -23,7 +23,7 @@ IN_EACH_APPLICATION = "APPLICATION"
 
 
 def public_names(body: Sequence[ast.stmt]) -> Iterator[str]:
-    """Functions, classes and constants that statements at the top of a module define."""
+    """Yields the public names that statements of a module define, also inside `if` and `try`."""
     for node in body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             names = [node.name]
@@ -45,7 +45,7 @@ def public_names(body: Sequence[ast.stmt]) -> Iterator[str]:
 
 
 def defined_twice(*folders: Path) -> dict[str, list[str]]:
-    """Names that more than one module defines, with the files."""
+    """Returns the names that more than one module below some folders defines, with the files."""
     files: dict[str, list[str]] = {}
     for top, path in sorted((folder, p) for folder in folders for p in folder.rglob("*.py")):
         place = path.relative_to(top)
@@ -62,7 +62,7 @@ def test_no_public_name_has_two_meanings():
 
 
 def lines_of(function: ast.FunctionDef) -> int:
-    """Lines of a function without its docstring."""
+    """Returns the number of lines of a function without its docstring."""
     first = function.body[0]
     has_docstring = ast.get_docstring(function) is not None
     docstring = (first.end_lineno or 0) - first.lineno + 1 if has_docstring else 0
@@ -82,9 +82,9 @@ def test_functions_are_short():
 
 
 def test_names_defined_in_two_modules_are_detected(tmp_path):
-    """X and Y are: two names of one assignment in a `try`, with a type, of a class and a function.
+    """X and Y are: by an assignment in a `try`, and as a typed name, a class and a function.
 
-    Names are not if they begin with `_`, as _Z, or are local, as X in the function Y.
+    Names that begin with `_` do not count, nor do local ones, such as X in the function Y.
     """
     (tmp_path / "a.py").write_text("try:\n    X = Y = 1\nexcept OSError:\n    pass\n_Z: int = 2\n")
     (tmp_path / "b.py").write_text("class Y: ...\nX: int = 2\n_Z = 3\n")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from support import ROOT, scene_file
+from support import ROOT, copy_tree, scene_file
 
 from bearingwear import process
 from bearingwear.cli import main
@@ -43,8 +43,8 @@ ONE_CASE = {
     ],
     "figures": {"worn_loss_um": 0.5, "friction": [0.02]},
 }
-OF_A_USER = ("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "MPLCONFIGDIR")
-NAMES = ("LOGNAME", "USER", "LNAME", "USERNAME")
+HOME_VARIABLES = ("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "MPLCONFIGDIR")
+NAME_VARIABLES = ("LOGNAME", "USER", "LNAME", "USERNAME")
 
 
 @pytest.fixture(scope="module")
@@ -139,9 +139,8 @@ def test_an_import_of_a_users_file_is_detected(folder_with_names_of_libraries):
 
 
 def test_a_copy_of_a_checkout_runs_its_own_modules(tmp_path):
-    """It does not run those of another copy that is installed."""
-    without = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(ROOT / "bearingwear", tmp_path / "bearingwear", ignore=without)
+    """It does not run the modules of another copy that is installed."""
+    copy_tree(tmp_path, "bearingwear")
     (tmp_path / "bearingwear" / "where.py").write_text("print(__file__, __name__)\n")
     script = "from bearingwear.process import python_command as c; import json; "
     script += "print(json.dumps(c('bearingwear.where')))"
@@ -155,7 +154,7 @@ def test_a_copy_of_a_checkout_runs_its_own_modules(tmp_path):
 
 
 def file_in_the_way(folder):
-    """Returns the path of a new file that has the place of a folder."""
+    """Returns the path of a new file, which stands where a folder is needed."""
     (folder / "taken").write_text("")
     return str(folder / "taken")
 
@@ -176,13 +175,13 @@ HOMES = {
 
 @pytest.fixture
 def nameless_user(tmp_path, monkeypatch):
-    """Makes the user one without a name and a home; returns the folder for temporary files."""
+    """Hides the name and the home of the user, and returns the folder for temporary files."""
 
     def unknown(number):
         raise KeyError(number)
 
-    for name in (*OF_A_USER, *NAMES, "MPLBACKEND", "PYTHONSAFEPATH"):
-        monkeypatch.setenv(name, "")
+    for name in (*HOME_VARIABLES, *NAME_VARIABLES, "MPLBACKEND", "PYTHONSAFEPATH"):
+        monkeypatch.setenv(name, "")  # so that it is restored even if it was not set before
         monkeypatch.delenv(name)
     monkeypatch.setattr(pwd, "getpwuid", unknown)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
@@ -191,24 +190,24 @@ def nameless_user(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("home", HOMES.values(), ids=HOMES)
 def test_a_user_without_a_usable_home_gets_a_folder_for_caches(home, nameless_user, monkeypatch):
-    """Only this user can read it, and the next call takes the same one."""
+    """Only this user can read the folder, and the next call uses the same one."""
     for name, value in home(nameless_user).items():
         if value is not None:
             monkeypatch.setenv(name, value)
     process.set_environment()
     caches = Path(os.environ["XDG_CACHE_HOME"])
-    assert (
-        caches == nameless_user / f"bearingwear-{os.geteuid()}"
-        and caches.stat().st_mode & 0o777 == 0o700
-    )
+    assert caches == nameless_user / f"bearingwear-{os.geteuid()}"
+    assert caches.stat().st_mode & 0o777 == 0o700
     assert Path.home().is_dir() and getpass.getuser() == str(os.getuid())
     process.set_environment()
     assert Path(os.environ["XDG_CACHE_HOME"]) == caches
 
 
 def test_a_folder_for_caches_that_others_can_write_is_not_used(nameless_user):
-    (nameless_user / f"bearingwear-{os.geteuid()}").mkdir(mode=0o777)
-    (nameless_user / f"bearingwear-{os.geteuid()}").chmod(0o777)
+    """Another folder is made for this user alone."""
+    open_folder = nameless_user / f"bearingwear-{os.geteuid()}"
+    open_folder.mkdir()
+    open_folder.chmod(0o777)
     process.set_environment()
     caches = Path(os.environ["XDG_CACHE_HOME"])
     assert caches.parent == nameless_user and caches.stat().st_mode & 0o777 == 0o700
@@ -225,8 +224,8 @@ def test_a_usable_home_is_kept(nameless_user, monkeypatch):
 # all of it at once
 
 
-def hide_user_names():
-    """Returns the words before a command that hide the names of users; empty if not allowed."""
+def words_that_hide_user_names():
+    """Returns words before a command that hide the names of users; empty if not allowed."""
     if os.geteuid() != 0 or shutil.which("unshare") is None:
         return ()
     hide = ("unshare", "-m", "sh", "-c", 'mount --bind /dev/null /etc/passwd && exec "$@"', "sh")
@@ -242,13 +241,12 @@ def test_a_study_runs_in_a_container_without_a_home(command, folder_with_names_o
     (folder / "config" / "config.yaml").write_text(yaml.safe_dump(ONE_CASE))
     shutil.copy(scene_file("gyro_s1"), folder / "config" / "scenes")
     environment = {"MPLBACKEND": BACKENDS["of a notebook"], "DISPLAY": None}
-    ours = command != "snakemake"  # which asks for a home before it reads any of ours
-    if ours:
-        environment |= dict.fromkeys((*OF_A_USER, *NAMES)) | {"HOME": "/proc/nothing"}
-        run_by, words = hide_user_names(), ["-P", "-m", "bearingwear", "study"]
+    if command == "snakemake":  # which itself asks for a home and a name
+        prefix, words = (), ["-P", "-m", "snakemake", "--snakefile", ROOT / "Snakefile"]
     else:
-        run_by, words = (), ["-P", "-m", "snakemake", "--snakefile", ROOT / "Snakefile"]
-    completed = run_program(folder, *run_by, sys.executable, *words, "-j2", **environment)
+        environment |= dict.fromkeys((*HOME_VARIABLES, *NAME_VARIABLES)) | {"HOME": "/proc/nothing"}
+        prefix, words = words_that_hide_user_names(), ["-P", "-m", "bearingwear", "study"]
+    completed = run_program(folder, *prefix, sys.executable, *words, "-j2", **environment)
     output = completed.stdout + completed.stderr
     assert completed.returncode == 0 and "Traceback" not in output, output
     assert list((folder / "results").rglob("*.svg"))

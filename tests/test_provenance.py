@@ -48,22 +48,25 @@ def in_the_project(monkeypatch):
 
 
 def test_imports_by_text_are_those_of_the_syntax_tree():
-    """They are searched for in the text, which takes a tenth of the time of parsing it."""
+    """The package searches for them in the text, in a tenth of the time of parsing it."""
     for path in sorted([*PACKAGE.rglob("*.py"), *ROOT.glob("workflow/studies/*/*.py")]):
         assert set(provenance._imported_modules(path)) == parsed_imports(path), path
 
 
 def parsed_imports(path):
-    """Returns the modules of this project that a file imports, by its syntax tree."""
+    """Returns the modules of this project that a file imports, by its syntax tree.
+
+    Imports for types alone are left out.
+    """
     nodes = syntax_nodes(path)
-    unread = {
+    for_types = {
         inner
         for node in nodes
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
         for inner in ast.walk(node)
     }
     names = set()
-    for node in set(nodes) - unread:
+    for node in set(nodes) - for_types:
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -78,7 +81,7 @@ def test_results_of_solves_depend_on_all_sources_of_the_solver():
     """Results name their sources, and results of different sources are not gathered."""
     for module in ("bearingwear.studies.solve", "bearingwear.studies.grid.life"):
         assert result_hash(module) == sources_hash(module, *SOLVER)
-    # without those of the solver, this source of results would be missing
+    # a source of results that the imports of the step alone would miss
     assert "results/netcdf.py" not in source_files("bearingwear.studies.solve")
 
 
@@ -101,7 +104,7 @@ CACHED = (
 
 @pytest.fixture
 def hash_of_package(tmp_path, monkeypatch):
-    """Returns a function that writes a package, and returns the hash of a module's sources.
+    """Yields a function that writes a package, and returns the hash of a module's sources.
 
     Its arguments are the module and the texts of files by their paths.
     """

@@ -52,10 +52,10 @@ def assert_read_by_xarray(dataset, folder):
         xr.testing.assert_identical(read.load().drop_encoding(), dataset)
 
 
-def printed_json(capsys, *argv, status=0):
-    """Returns the JSON that a command prints."""
+def printed_json(capsys, *argv):
+    """Returns the JSON that a command prints, which must succeed."""
     capsys.readouterr()
-    assert main([*map(str, argv), "--json"]) == status
+    assert main([*map(str, argv), "--json"]) == 0
     return json.loads(capsys.readouterr().out)
 
 
@@ -168,12 +168,10 @@ def test_launch_gives_in_si_units_what_its_sheet_shows(rotor_file):
 
 
 def test_arguments_of_launch_replace_accelerations_of_the_scene(rotor_file):
-    """The scene has 60 g."""
-    force, larger_force = (
-        dataset.axial_force.values[0, 0]
-        for dataset in (bearingwear.launch(rotor_file), bearingwear.launch(rotor_file, axial=90.0))
-    )
-    assert larger_force == pytest.approx(1.5 * force)
+    """The axial force is proportional to the acceleration, which is 60 g in the scene."""
+    of_scene, of_argument = bearingwear.launch(rotor_file), bearingwear.launch(rotor_file, axial=90)
+    ratio = of_argument.axial_force.values[0, 0] / of_scene.axial_force.values[0, 0]
+    assert ratio == pytest.approx(90.0 / 60.0)
 
 
 def test_launch_refuses_a_scene_without_a_rotor():
@@ -190,9 +188,9 @@ def test_margin_gives_what_its_command_prints(rotor_file, capsys, tmp_path):
 
 
 def test_margin_gives_in_si_units_what_its_sheet_shows(rotor_file):
-    """A corner is one of 2 cases, new or worn, with one of the frictions; it has a row.
+    """The sheet has a row for each corner: 2 cases, new or worn, with each of 3 frictions.
 
-    Torques of the sheet have one unit, margins are in %.
+    The head of a torque has its unit; margins are in %.
     """
     dataset = bearingwear.margin(rotor_file, drive=0.5)
     rows = json.loads(as_json(bearingwear.show(dataset)))["quantities"]
@@ -236,7 +234,7 @@ def test_calibrate_gives_what_its_command_writes(tmp_path, capsys):
 
 
 def test_cage_gives_what_its_command_writes(tmp_path, monkeypatch):
-    """Its runs are not solved here: their results follow from their draws."""
+    """The runs are not solved here; in place of it, their results follow from their draws."""
 
     def run_without_solving(scene, start, least_turns, most_turns):
         work = {"work": scene.friction.cage * (1.0 + start.offset), "turns": float(most_turns)}

@@ -31,6 +31,7 @@ class Clone:
     """A copy of the project with an environment of its own, which uses our installed libraries."""
 
     def __init__(self, folder: Path) -> None:
+        """Makes the copy and the environment in a folder."""
         self.root, self.caches = folder / "clone", folder / "caches"
         self.root.mkdir()
         names = tracked_files()
@@ -47,8 +48,8 @@ class Clone:
         self.elsewhere.mkdir()
         self.run(sys.executable, "-m", "venv", ".venv")
         (self.site,) = self.root.glob(".venv/lib/python*/site-packages")
-        ours = (path for path in sys.path if path.endswith("-packages"))
-        (self.site / "libraries.pth").write_text("\n".join(ours))
+        library_folders = (path for path in sys.path if path.endswith("-packages"))
+        (self.site / "libraries.pth").write_text("\n".join(library_folders))
 
     def run(self, *command, status: int = 0, folder: Path | None = None) -> str:
         """Runs a command in the environment, and returns its output; fails for another status."""
@@ -128,7 +129,7 @@ def test_make_replaces_an_installed_copy_by_the_sources_of_the_clone(clone):
 
 
 def test_a_study_refuses_an_installed_copy_that_differs_from_the_sources(clone):
-    """When make has replaced the copy, it runs."""
+    """The study runs after make has replaced the copy."""
     copy, sources = clone.site / "bearingwear", clone.root / "bearingwear"
     clone.install()
     with (sources / "measures.py").open("a") as file:

@@ -29,7 +29,7 @@ print((lives.status == "ok").all().item())
 
 
 def test_threads_write_and_read_at_the_same_time(tmp_path):
-    """The C library of netCDF would end such a process. Meanwhile, a sweep starts processes."""
+    """Without a lock, the C library of netCDF would crash. A sweep starts processes meanwhile."""
     completed = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", THREADS],
         cwd=tmp_path,

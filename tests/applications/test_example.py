@@ -24,7 +24,7 @@ HZ = {"Hz": 1.0, "kHz": 1e3}
 def test_the_application_written_in_the_docs_works_as_command_and_function(
     applications_of_a_copy, printed_by
 ):
-    """The numbers of its command and its function agree, and with the kinematics of rolling."""
+    """Its command and its function give the same numbers, as the kinematics of rolling has them."""
     page = (ROOT / "docs" / "develop.md").read_text(encoding="utf-8")
     files = dict(re.findall(r"^```py\n# (\w+\.py)\n(.*?)^```$", page, re.M | re.S))
     assert set(files) == {"__init__.py", "command.py"}

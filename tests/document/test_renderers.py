@@ -1,4 +1,4 @@
-"""One document, rendered: text, Markdown, HTML, JSON, CSV, and stored for the page."""
+"""A document as text, Markdown, HTML, JSON and CSV, and as it is stored for the page."""
 
 import csv
 import io
@@ -62,7 +62,7 @@ def test_a_row_that_details_the_one_above_it_is_indented():
 
 
 def test_columns_that_do_not_fit_beside_each_other_stand_in_parts_below():
-    """A part has no line for a row without values there."""
+    """Nine columns take two parts. The second has no line for `mass`, which has no value there."""
     temperature = Row("temperature", "degC", tuple(range(9)), limit=9.0)
     block = Block(
         "parts", tuple(f"column {k}" for k in range(9)), (temperature, Row("mass", "kg", (1,)))
@@ -77,7 +77,7 @@ def test_columns_that_do_not_fit_beside_each_other_stand_in_parts_below():
 
 
 def test_a_few_columns_stay_beside_each_other_however_wide():
-    """They are there to be compared."""
+    """Two columns, which are there to be compared, may exceed MOST_CHARACTERS."""
     row = Row("limited by", "", ("a" * 40, "b" * 40))
     document = Document(blocks=(Block("x", ("spring", "fixed"), (row,)),))
     assert len(as_text(document).splitlines()) == 2
@@ -129,7 +129,7 @@ def test_no_two_lines_of_csv_have_the_same_keys():
 def test_every_locale_prints_the_same_json_and_csv(encoding, monkeypatch):
     """A sheet as text is in ASCII, with `u` for the prefix of micro."""
     text = "2.78\N{NO-BREAK SPACE}µm – 20\N{NO-BREAK SPACE}°C"
-    document = Document((text,), {"bearing": text}, (Block("said", lines=(text,)),))
+    document = Document((text,), {"bearing": text}, (Block("gap", lines=(text,)),))
     monkeypatch.setattr("bearingwear.document.show.scene_sheet", lambda scene: document)
     monkeypatch.setattr("bearingwear.scene.read.load_scene", lambda path: None)
 
@@ -141,7 +141,7 @@ def test_every_locale_prints_the_same_json_and_csv(encoding, monkeypatch):
             return raw.getvalue()
 
     data = json.loads(printed("--json").decode("utf-8"))
-    assert data == {"bearing": text, "sentences": {"said": [text]}, "quantities": []}
+    assert data == {"bearing": text, "sentences": {"gap": [text]}, "quantities": []}
     assert f",bearing,,,,{text}" in printed("--csv").decode("utf-8")
     assert printed().decode(encoding).startswith("2.78 um ")
 
@@ -168,14 +168,15 @@ def test_json_has_null_for_a_number_that_does_not_exist():
     assert content["worst"] == {"value": None} and content["limits"] == [1.0, None]
     assert content["quantities"][0]["values"] == [None, 2.0]
     assert json.loads(document.stored, parse_constant=pytest.fail)
-    ((text,),) = [line[5:] for line in csv.reader(as_csv(document).splitlines()) if "worst" in line]
-    assert json.loads(text) == {"value": None}
+    lines = csv.DictReader(io.StringIO(as_csv(document)))
+    (worst,) = [line["value"] for line in lines if line["name"] == "worst"]
+    assert json.loads(worst) == {"value": None}
 
 
 def test_a_stored_document_keeps_numbers_that_are_not_finite(tmp_path):
     numbers = Interval(1.0, math.inf), Rough(math.nan), -math.inf
-    stored = Document(blocks=(Block("lives", (), (Row("life", "h", numbers),)),))
-    (tmp_path / "answer.json").write_text(stored.stored, encoding="utf-8")
-    read = load_document(tmp_path / "answer.json").blocks[0].rows[0].values
-    assert read[0] == Interval(1.0, math.inf) and read[2] == -math.inf
-    assert isinstance(read[1], Rough) and math.isnan(read[1])
+    document = Document(blocks=(Block("lives", (), (Row("life", "h", numbers),)),))
+    (tmp_path / "answer.json").write_text(document.stored, encoding="utf-8")
+    interval, rough, lowest = load_document(tmp_path / "answer.json").blocks[0].rows[0].values
+    assert interval == Interval(1.0, math.inf) and lowest == -math.inf
+    assert isinstance(rough, Rough) and math.isnan(rough)

@@ -129,7 +129,7 @@ def test_rates_with_and_without_grooves_have_different_labels(capsys):
 
 @pytest.mark.parametrize("command", ["solve", "life"])
 def test_a_result_prints_the_same_sheet_as_its_file(command, tmp_path, capsys):
-    """The sheet of a file of a life also states where the spread of the life would be."""
+    """A life that is written to a file ends with a further line, that its spread is unknown."""
     file, settings = tmp_path / "result.nc", ["--set", FIXED_POSITION]
     text = printed(capsys, command, SCENE, "-o", file, *settings)
     assert printed(capsys, "show", file) == text
@@ -178,7 +178,7 @@ def test_a_failed_solve_prints_its_heading_alone(capsys):
 
 
 def test_the_numbers_of_an_unverified_case_are_not_printed(monkeypatch, scene):
-    """The result contains them, to look for the reason; the sheet has only what inputs determine.
+    """The result contains them for diagnosis; the sheet has only what the inputs determine.
 
     A loose tolerance of friction makes the case unverified.
     """
@@ -213,6 +213,7 @@ def test_a_bearing_without_preload_is_the_limit_of_a_small_preload(tmp_path, cap
     bearingwear.save(scene_from_dict(with_changes(plain, DEEP_GROOVE)), file)
 
     def values_at(preload):
+        """Returns the single values of the printed sheet by name at a preload [N]."""
         settings = [f"operation.preload_method={method}", f"operation.preload_N={preload}"]
         words = ("solve", file, "--fidelity", "race_control", "--set", *settings, "--json")
         sheet = json.loads(printed(capsys, *words))
@@ -237,7 +238,7 @@ def factors_in_docs():
 
 
 def test_a_life_of_a_film_states_its_disagreement_with_tests(factors_in_docs):
-    """It states a lower bound of a factor of the page on tests."""
+    """Its factor is a lower bound, at most 10 % below a factor on the page on tests."""
     scene = load_scene(scene_file("mos2_gyro"))
     (sentence,) = caveat_lines(scene.to_dict())
     sheet = sheet_of_result(life(scene))

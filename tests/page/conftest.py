@@ -6,7 +6,7 @@ from small_study import make_page
 
 @pytest.fixture(scope="session")
 def whole_page(small_project, made_once):
-    """Returns the path of the page of a small study, where the workflow writes it."""
+    """Returns the path of the page of the small study, where the workflow writes it."""
     path = small_project / "results" / "report" / "index.html"
 
     def write_page(_folder):

@@ -26,7 +26,7 @@ if not REQUIRED:
     if not CHROMIUM:
         pytest.skip("needs Chromium", allow_module_level=True)
 
-# Elements that reach beyond the edge of the screen, that are cut, or that scroll without a cue.
+# JavaScript: elements that reach beyond the edge of the screen, are cut, or scroll without a cue.
 TOO_WIDE = """() => {
   const found = [];
   const shown = document.documentElement.clientWidth;
@@ -48,21 +48,21 @@ TOO_WIDE = """() => {
   return found.map((text) => text.slice(0, 200));
 }"""
 
-# Visible texts of more than 12 characters in boxes narrower than three times their letters' size.
+# JavaScript: visible texts over 12 characters in boxes narrower than three times their font size.
 TOO_NARROW = """() => [...document.querySelectorAll("p, dd, td, th, li, h1, h2, figcaption")]
   .filter((node) => node.getClientRects().length && node.textContent.trim().length > 12)
   .filter((node) => node.clientWidth < 3 * parseFloat(getComputedStyle(node).fontSize))
   .map((node) => node.outerHTML.slice(0, 200))"""
 
-# Contrast by WCAG 2 of each element with a text of its own, with the beginning of its markup.
+# JavaScript: contrast by WCAG 2 of each element that has text, and the beginning of its markup.
 CONTRASTS = """() => {
   const rgba = (text) => text.match(/[\\d.]+/g).map(Number);
   const light = ([r, g, b]) => [r, g, b].map((c) => c / 255)
     .map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4))
     .reduce((sum, c, k) => sum + c * [0.2126, 0.7152, 0.0722][k], 0);
   const behind = (node) => {
-    for (let one = node; one; one = one.parentElement) {
-      const colour = rgba(getComputedStyle(one).backgroundColor);
+    for (let box = node; box; box = box.parentElement) {
+      const colour = rgba(getComputedStyle(box).backgroundColor);
       if (colour.length < 4 || colour[3] > 0) return colour;
     }
     return [255, 255, 255];
@@ -129,12 +129,12 @@ def opened(browser, path):
 
 def unfold(page):
     """Opens all folded parts of a page."""
-    page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
+    page.evaluate("for (const part of document.querySelectorAll('details')) part.open = true")
 
 
 @pytest.mark.parametrize("size", [DESK, PHONE])
 def test_no_element_is_cut_off_and_the_console_is_empty(opened, size):
-    """With parts folded and unfolded, on a desk and on a phone; nothing is fetched either."""
+    """That is so with folded and unfolded parts, on a desk and on a phone; nothing is fetched."""
     page, messages = opened(size)
     assert messages == []
     assert page.evaluate(TOO_WIDE) == [] and page.evaluate(TOO_NARROW) == []
@@ -143,14 +143,14 @@ def test_no_element_is_cut_off_and_the_console_is_empty(opened, size):
 
 
 def test_an_element_beyond_the_edge_is_detected(opened):
-    """A heading of 500 pixels on a phone of 390: so that TOO_WIDE can fail."""
+    """A heading has 500 pixels on a phone of 390, which TOO_WIDE must find."""
     page, _ = opened(PHONE)
     page.evaluate("document.querySelector('h1').style.width = '500px'")
     assert any("beyond the edge: <h1" in text for text in page.evaluate(TOO_WIDE))
 
 
 def test_a_table_that_scrolls_without_a_cue_is_detected(opened):
-    """On a phone, where a table scrolls; its cue is hidden: so that TOO_WIDE can fail."""
+    """On a phone, where a table scrolls, its cue is hidden, which TOO_WIDE must find."""
     page, _ = opened(PHONE)
     page.evaluate("document.querySelector('.cue').style.display = 'none'")
     assert any(text.startswith("no cue") for text in page.evaluate(TOO_WIDE))
@@ -158,7 +158,7 @@ def test_a_table_that_scrolls_without_a_cue_is_detected(opened):
 
 @pytest.mark.parametrize("size", [DESK, PHONE])
 def test_the_first_screen_has_bearing_question_answer_and_chart(opened, size):
-    """On a phone at least the upper 60 pixels of the chart."""
+    """On a phone, the upper 60 pixels of the chart suffice."""
     page, _ = opened(size)
     for selector in (".eyebrow", "h1", ".asked", ".chart .keys"):
         box = page.locator(selector).first.bounding_box()
@@ -169,7 +169,7 @@ def test_the_first_screen_has_bearing_question_answer_and_chart(opened, size):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_has_enough_contrast_in_both_schemes(opened, scheme):
-    """4.5 or more; the background is dark only in the dark scheme."""
+    """Contrasts are 4.5 or more, and the background is dark only in the dark scheme."""
     page, _ = opened(scheme=scheme)
     unfold(page)
     contrasts = page.evaluate(CONTRASTS)
@@ -181,17 +181,20 @@ def test_text_has_enough_contrast_in_both_schemes(opened, scheme):
 
 
 def test_every_link_leads_to_a_file_or_an_element(opened, path):
-    """As the browser resolves it; an element stands once."""
+    """Links are followed as the browser resolves them; the page has each linked element once."""
     page, _ = opened()
-    links = page.eval_on_selector_all("a", "links => links.map((one) => one.href)")
+    links = page.eval_on_selector_all("a", "links => links.map((link) => link.href)")
     assert links
     for link in links:
         file, _, place = link.removeprefix("file://").partition("#")
-        assert Path(file).is_file() if not place else page.locator(f"#{place}").count() == 1, link
+        if place:
+            assert page.locator(f"#{place}").count() == 1, link
+        else:
+            assert Path(file).is_file(), link
 
 
 def test_the_navigation_stays_at_the_top(opened):
-    """After scrolling by 2000 pixels, or to the end."""
+    """The page is scrolled by 2000 pixels, or to its end."""
     page, _ = opened()
     page.evaluate("scrollTo(0, 2000)")
     page.wait_for_function("scrollY > 1000")
@@ -210,19 +213,19 @@ def test_the_navigation_leads_to_a_folded_part(opened):
 class Slider(NamedTuple):
     """The slider of the preload, and the charts whose cursor it moves."""
 
-    control: Any  # with the input, the words and a button
+    control: Any  # a locator of Playwright, as are the next four; contains input, words, a button
     input: Any
     words: Any
     charts: Any
     values: Any  # of all lines of all charts
-    chart_data: list[dict]
+    chart_data: list[dict]  # of each chart, for the script
     stops: list[float]  # preloads [N]
     stars: list[float]  # recommended preloads [N]
 
 
 @pytest.fixture
 def slider(opened):
-    """Returns the first slider of the page."""
+    """Returns the first slider of the page, which has just been opened."""
     page, _ = opened()
     control = page.locator(".slider").first
     charts = page.locator(f".chart[data-group='{control.get_attribute('data-group')}']")
@@ -254,14 +257,14 @@ def test_the_slider_stops_at_the_preloads_of_the_map_and_the_recommended_ones(sl
 
 
 def test_all_charts_state_their_values_at_the_slider_and_draw_a_cursor(slider):
-    """To three digits; a line without a point there has any value."""
+    """Values have three digits. For a line without a point there, any value is right."""
     for k in (0, len(slider.stops) - 1, *(slider.stops.index(star) for star in slider.stars)):
         slider.input.fill(str(k))
         texts = iter(slider.values.all_inner_texts())
         for line in (line for chart in slider.chart_data for line in chart["lines"]):
             text, value = next(texts), dict(line["points"]).get(slider.stops[k])
             if value is not None:
-                # 5e-3 is half of the last digit of 1.00
+                # half of the last digit of 1.00 is 5e-3
                 assert float(text.split()[0]) == pytest.approx(value, rel=6e-3)
         cursors = slider.charts.locator(".cursor").evaluate_all(
             "cursors => cursors.map((cursor) => cursor.getAttribute('d'))"
@@ -270,7 +273,7 @@ def test_all_charts_state_their_values_at_the_slider_and_draw_a_cursor(slider):
 
 
 def test_an_arrow_key_moves_the_slider_by_one_stop(slider):
-    """From the last stop to the one before."""
+    """The left arrow moves it from the last stop to the one before."""
     slider.input.focus()
     slider.input.fill(str(len(slider.stops) - 1))
     slider.input.press("ArrowLeft")
@@ -278,7 +281,7 @@ def test_an_arrow_key_moves_the_slider_by_one_stop(slider):
 
 
 def test_a_button_shows_the_values_at_the_recommended_preloads_again(slider):
-    """The page shows these at first. Without a recommended preload there is no button to see."""
+    """The page shows these values at first. Without a recommended preload, the button is hidden."""
     button = slider.control.locator("button")
     if not slider.stars:
         assert not button.is_visible()
@@ -290,7 +293,7 @@ def test_a_button_shows_the_values_at_the_recommended_preloads_again(slider):
 
 
 def test_a_chart_states_the_values_at_the_mouse(opened):
-    """Near the right edge they are others than those at the recommended preloads."""
+    """Near the right edge, they differ from the values at the recommended preloads."""
     page, _ = opened()
     chart = page.locator(".chart").first
     field, values = chart.locator(".field").bounding_box(), chart.locator(".keys b")
@@ -301,7 +304,7 @@ def test_a_chart_states_the_values_at_the_mouse(opened):
 
 
 def test_a_chart_is_zoomed_by_dragging_and_reset_by_a_double_click(opened):
-    """Ticks of its axes change, and are the first ones again."""
+    """The ticks of its axes change, and are the initial ones again after the double click."""
     page, _ = opened()
     chart = page.locator(".chart").first
     field, ticks = chart.locator(".field").bounding_box(), chart.locator(".grid text")
@@ -317,7 +320,7 @@ def test_a_chart_is_zoomed_by_dragging_and_reset_by_a_double_click(opened):
 
 
 def test_the_script_draws_marks_where_the_file_has_them(opened):
-    """As shares of the field: to 2e-3, as the file states tenths of a pixel of a few hundred."""
+    """Places are shares of the field, to 2e-3: the file has tenths of a pixel of a few hundred."""
     places = """() => [...document.querySelectorAll(".chart")].map((chart) => {
       const field = chart.querySelector(".field");
       const [w, h] = ["width", "height"].map((name) => +field.getAttribute(name));
@@ -337,7 +340,7 @@ def test_the_script_draws_marks_where_the_file_has_them(opened):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("size", [DESK, PHONE])
 def test_axe_finds_no_violation_of_its_rules(opened, size, scheme):
-    """The rules of WCAG 2 and good practice, as axe-core checks them (`make test-page` has it)."""
+    """axe-core, which `make test-page` installs, checks rules of WCAG 2 and of good practice."""
     if not AXE.is_file():
         pytest.skip("needs axe-core")
     page, _ = opened(size, scheme)
@@ -351,14 +354,15 @@ def test_axe_finds_no_violation_of_its_rules(opened, size, scheme):
 
 
 def test_a_click_on_a_head_sorts_a_table_by_its_column(opened):
-    """First in rising order, then in falling order."""
+    """The first click sorts in rising order, the second in falling order."""
     page, _ = opened()
     unfold(page)
     table = page.locator("details table", has_text="against preload").first
-    column = [text.split("\n")[0] for text in table.locator("thead th").all_inner_texts()]
-    k = next(k for k, text in enumerate(column) if text.startswith("life"))
+    heads = table.locator("thead th").all_inner_texts()
+    k = next(k for k, head in enumerate(heads) if head.startswith("life"))
 
     def lives():
+        """Returns the lives in the order of the rows, without missing ones."""
         texts = table.locator(f"tbody tr > :nth-child({k + 1})").all_inner_texts()
         return [float(text) for text in texts if text != "–"]
 
@@ -372,7 +376,7 @@ def test_a_click_on_a_head_sorts_a_table_by_its_column(opened):
 
 
 def test_tables_charts_and_sketch_are_visible_without_the_script(opened):
-    """The slider, which would do nothing, is not."""
+    """The slider, which would do nothing, is hidden."""
     page, messages = opened(script=False)
     assert messages == []
     assert not page.locator(".slider").first.is_visible()
@@ -383,7 +387,7 @@ def test_tables_charts_and_sketch_are_visible_without_the_script(opened):
 
 
 def test_the_page_prints_on_a_few_sheets(opened):
-    """Eight at most, by the number of pages in the PDF."""
+    """The PDF that the browser prints has at most eight pages."""
     page, _ = opened()
     printed = page.pdf(prefer_css_page_size=True)
     pages = len(re.findall(rb"/Type\s*/Page\b", printed))

@@ -1,4 +1,4 @@
-"""The page of a study: what it says, and that it is one valid file that fetches nothing."""
+"""The page of a study: its contents, and that it is one valid file that fetches nothing."""
 
 import base64
 import copy
@@ -47,7 +47,7 @@ HREF = "{http://www.w3.org/1999/xlink}href"
 def page_of(small_project, tmp_path, monkeypatch):
     """Returns a function that writes a page of files of the small study, and returns its text.
 
-    Its arguments are those of `make_page` after the path.
+    Its arguments are those of `make_page` after the path: sections, docs and answers.
     """
     monkeypatch.chdir(small_project)
     return lambda *args, **kwargs: make_page(tmp_path / "index.html", *args, **kwargs)
@@ -74,8 +74,8 @@ def words(node):
 def check_self_contained(text):
     """Checks that a page fetches nothing, and returns its tree.
 
-    Links lead to files below ../../ or to elements of the page; images are data and have alt text;
-    ids stand once; no attribute has a script; the page is small enough.
+    Links lead to files below ../../ or to elements of the page. Images are data and have alt text.
+    Each id occurs once. No attribute has a script. The page is small enough.
     """
     tree = parsed(text)
     ids = [node.attrib["id"] for node in tree.iter() if "id" in node.attrib]
@@ -96,7 +96,7 @@ def check_self_contained(text):
 
 
 def test_the_page_is_one_file_that_fetches_nothing(page_text):
-    """See `check_self_contained`."""
+    """`check_self_contained` lists what is checked."""
     check_self_contained(page_text)
 
 
@@ -129,7 +129,7 @@ def test_a_security_policy_allows_only_the_script_and_style_of_the_page(page_tex
 
 
 def test_the_script_of_the_page_is_short(page_text):
-    """There is only one, of less than 20 000 characters."""
+    """The page has only one script, of less than 20 000 characters."""
     (script,) = parsed(page_text).iter("script")
     assert len(script.text) < MOST_SCRIPT_CHARACTERS
 
@@ -140,12 +140,12 @@ def linked_files(page):
     return [unquote(link) for link in links if not link.startswith("#")]
 
 
-# ends of some paths to which a page links
+# ends of some paths to which the page links
 LINKED = ("study.nc", "cases.csv", "fig10.svg", "verification.md")
 
 
 def test_every_link_of_a_page_leads_to_a_file(whole_page):
-    """From results/report/, where the workflow writes it: all links begin with ../../."""
+    """The workflow writes it to results/report/, from where all links begin with ../../."""
     files = linked_files(whole_page)
     for name in LINKED:
         assert any(file.endswith(name) for file in files), name
@@ -154,7 +154,7 @@ def test_every_link_of_a_page_leads_to_a_file(whole_page):
 
 
 def test_every_link_leads_to_a_file_from_the_folder_of_a_users_study(small_project, tmp_path):
-    """`bearingwear study mine.yaml` copies the page to the folder mine/, with links from there."""
+    """`bearingwear study mine.yaml` copies the page to the folder mine/ and adapts its links."""
     shutil.copytree(small_project, tmp_path / "mine")
     page = copy_own_page(tmp_path / "mine")
     assert page == tmp_path / "mine/index.html"
@@ -166,12 +166,12 @@ def test_every_link_leads_to_a_file_from_the_folder_of_a_users_study(small_proje
 
 
 def test_a_folder_without_results_has_no_page(tmp_path):
-    """Nothing is copied, and the answer is None."""
+    """`copy_own_page` returns None."""
     assert copy_own_page(tmp_path) is None
 
 
 def test_a_page_made_twice_has_the_same_bytes(page_of):
-    """It has no date."""
+    """It contains no date."""
     assert page_of() == page_of()
 
 
@@ -202,22 +202,23 @@ def test_reduced_figures_contain_all_that_they_refer_to(page_text):
 
 
 def test_figures_have_their_size_in_pixels_without_the_message(page_text):
-    """The view begins below the message; 4/3 pixels to a point."""
+    """The view begins below the message, and a point has 4/3 pixels."""
     for node, svg in figures_on(page_text):
         _, top, width, height = (float(size) for size in svg.attrib["viewBox"].split())
         assert top > 0.0  # the height of the message
-        # a point is 4/3 pixels; sizes are whole pixels
+        # sizes are whole pixels
         assert abs(float(node.attrib["width"]) - width * 4 / 3) <= 0.5
         assert abs(float(node.attrib["height"]) - height * 4 / 3) <= 0.5
 
 
 def test_a_reduced_figure_has_every_text_and_mark_of_its_file_but_the_message(small_project):
-    """By counts of paths, marks and texts; its data URI has less than half of the file's bytes."""
+    """Paths, marks and texts are counted. The data URI has less than half of the file's bytes."""
     (drawing,) = figures.drawings([small_project / f"{FOLDER}/figures/fig10.svg"])
     reduced = ET.fromstring(unquote_to_bytes(drawing.uri.partition(",")[2]))
     original = ET.parse(drawing.path).getroot()
 
     def count(root, tag):
+        """Returns the number of SVG elements with a tag."""
         return sum(1 for _ in root.iter(f"{{{figures.SVG}}}{tag}"))
 
     (message,) = [node for node in original.iter() if node.get("id") == "message"]
@@ -267,7 +268,7 @@ def test_a_figure_has_its_message_as_caption_and_its_axes_and_legend_as_alt_text
 
 
 def test_a_heavy_figure_is_a_bitmap(small_project, page_of, monkeypatch):
-    """An SVG of ten million bytes, more than HEAVY and more than its PNG has."""
+    """Its SVG has ten million bytes, more than HEAVY and more than its PNG has."""
     monkeypatch.setattr(figures, "HEAVY", 1000)
     monkeypatch.setattr(figures, "quote", lambda text, safe: 10_000_000 * "x")
     pictures = [node.attrib["src"] for node in parsed(page_of()).iter("img")]
@@ -276,7 +277,7 @@ def test_a_heavy_figure_is_a_bitmap(small_project, page_of, monkeypatch):
 
 
 def test_a_figure_that_is_not_heavy_is_no_bitmap(page_of, monkeypatch):
-    """With a limit of ten million bytes all figures are SVG."""
+    """With a limit of ten million bytes, all figures are SVG."""
     monkeypatch.setattr(figures, "HEAVY", 10_000_000)
     assert "data:image/png" not in page_of()
 
@@ -309,7 +310,7 @@ def test_the_recommendation_is_the_headline_and_the_lives_follow(
 
 
 def test_the_page_states_the_question_with_its_requirements(small_project, page_text):
-    """Behind the word stiffness: required and reached stiffness, and the speed."""
+    """After the word stiffness are the required and the reached one, and the speed."""
     question = load_charts(small_project / f"{CHOICE}/charts.json").question
     assert question in words(parsed(page_text))
     _, _, stiffness_words = question.partition("stiffness")
@@ -318,9 +319,9 @@ def test_the_page_states_the_question_with_its_requirements(small_project, page_
 
 
 def test_all_cells_and_sentences_of_answers_are_on_the_page(choice_answer, lives_answer, page_text):
-    """All but sentences on requirements, which stand in the question above them.
+    """Only sentences on requirements are not, which the question above the answers states.
 
-    The title of a block in place `verdict` need not stand there.
+    The title of a block in the place `verdict` need not be on the page.
     """
     page_words = words(parsed(page_text))
     for block in (*choice_answer.blocks, *lives_answer.blocks):
@@ -361,7 +362,7 @@ def test_a_chart_has_a_dot_for_every_solved_preload(charts, page_text):
 
 
 def test_the_main_chart_has_the_lives_of_the_map(charts, small_project):
-    """A line for each preload method; it has a point at each preload of the map."""
+    """It has a line for each preload method, with a point at each preload of the map."""
     design = load(small_project / f"{CHOICE}/design.nc")
     lives = design["life"].isel(friction=0, shaft_speed=0).values
     for line, expected in zip(charts[0].lines, lives, strict=True):
@@ -373,15 +374,16 @@ def test_the_main_chart_has_the_lives_of_the_map(charts, small_project):
 def test_preloads_that_violate_a_limit_are_shaded(charts):
     """Points with a note, which violate a limit, lie inside of the shaded ranges, others outside.
 
-    Points within 0.1 % of the end of a range may be on either side.
+    Points within 0.1 % of the end of a range, where rounding decides, may be on either side.
     """
-    for chart in charts:
-        for line in chart.lines:
-            for (x, _), note in zip(line.points, line.notes, strict=True):
-                is_shaded = any(low <= x <= high for low, high in line.beyond)
-                ends = [end for shaded_range in line.beyond for end in shaded_range]
-                at_end = any(abs(x / end - 1.0) < 1e-3 for end in ends)
-                assert at_end or is_shaded == bool(note), (chart.title, line.name, x)
+    lines = [line for chart in charts for line in chart.lines]
+    assert any(note for line in lines for note in line.notes)
+    for line in lines:
+        for (x, _), note in zip(line.points, line.notes, strict=True):
+            is_shaded = any(low <= x <= high for low, high in line.beyond)
+            ends = [end for shaded_range in line.beyond for end in shaded_range]
+            at_end = any(abs(x / end - 1.0) < 1e-3 for end in ends)
+            assert at_end or is_shaded == bool(note), (line, x)
 
 
 @pytest.mark.parametrize("log", [False, True])
@@ -391,7 +393,7 @@ def test_an_axis_has_a_few_ticks_and_a_margin(log, ends):
     axis = ChartAxis(ends, log)
     assert 0.0 < axis.share(ends[0]) < axis.share(ends[1]) < 1.0
     ticks = axis.ticks
-    # at most three per decade of up to four decades, and one of each of more decades
+    # at most three for each of up to four decades, and one for each of more decades
     assert 2 <= len(ticks) <= 13 and all(0.0 <= axis.share(tick) <= 1.0 for tick in ticks)
 
 
@@ -418,20 +420,20 @@ def test_in_a_sketch_the_ball_touches_both_grooves_at_the_contact_angle(name, ri
 
 @pytest.mark.parametrize(("kind", "balls"), [("single", 1), ("spring_pair", 2), ("rigid_pair", 2)])
 def test_a_sketch_shows_every_bearing_of_an_arrangement(kind, balls):
-    """By one ball each."""
+    """A bearing is shown by one ball."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text()) | {"arrangement": {"kind": kind}}
     svg = ET.fromstring(str(sketch(scene)).replace("ø", "o"))
     assert len([node for node in svg.iter() if node.get("class") == "ball"]) == balls
 
 
 def test_equal_scenes_have_no_differences():
-    """Of a scene and its copy, by blocks."""
+    """A scene is compared with its copy."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text())
     assert list(differences_by_block(scene, copy.deepcopy(scene))) == []
 
 
 def test_differences_of_scenes_have_units_and_whole_distributions():
-    """They are those of the second scene, by blocks; what it lacks is `none` or `no preload`."""
+    """Each block has the values of the second scene; what that lacks is `none` or `no preload`."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text())
     changed = copy.deepcopy(scene)
     changed["bearing"] |= {"ball_count": 10, "contact_angle_deg": 15.0}
@@ -452,7 +454,7 @@ def test_differences_of_scenes_have_units_and_whole_distributions():
 
 
 def test_an_assumed_input_has_an_asterisk():
-    """Of the rows of inputs of gyro_s1, only those with an assumed key."""
+    """Of the rows of inputs of gyro_s1, only those of the two assumed keys have one."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text())
     rows = key_rows([scene], {"cage.width_mm", "uncertainty.ball_race.distribution"})
     labels = {(row.block, row.label) for row in rows if row.label.endswith("*")}
@@ -463,7 +465,7 @@ def test_an_assumed_input_has_an_asterisk():
 
 
 def test_inputs_contain_the_friction_that_a_study_varies(small_project, tmp_path, monkeypatch):
-    """As the scene has it, 0.08, though the cases have other values."""
+    """It is that of the scene, 0.08, though the cases also have 0.02."""
     monkeypatch.chdir(small_project)
     path = tmp_path / "index.html"
     assert main(page_command(path, scenes=["mine.yaml"])) == 0
@@ -503,16 +505,16 @@ def test_unsolved_cases_come_first_on_the_page(small_project, tmp_path, page_of)
 def test_a_broken_file_is_named_in_one_line_and_no_page_is_written(
     small_project, tmp_path, monkeypatch, capsys, name, content
 ):
-    """Files are no SVG, no netCDF, or no answer; one is missing (None). Exit status 2."""
+    """A file is no SVG, no netCDF or no answer, or is missing (None). The exit status is 2."""
     monkeypatch.chdir(small_project)
     path = tmp_path / "bad" / "tables" / name
     path.parent.mkdir(parents=True)
     if content is not None:
         path.write_text(content)
     out = tmp_path / "index.html"
-    inputs = {"answers" if name.endswith(".json") else "sections": [path], "docs": [path]}
-    inputs["sections"] = [f"{FOLDER}/study.nc", *inputs.get("sections", [])]
-    assert main(page_command(out, **{"answers": (), **inputs})) == 2
+    inputs = {"sections": [f"{FOLDER}/study.nc"], "answers": [], "docs": [path]}
+    inputs["answers" if name.endswith(".json") else "sections"].append(path)
+    assert main(page_command(out, **inputs)) == 2
     assert str(path) in only_line(capsys)
     assert not out.exists()
 
@@ -528,7 +530,7 @@ def test_the_file_of_a_case_is_refused_as_it_is_no_study(small_project, tmp_path
 
 @pytest.mark.parametrize("argument", ["sections", "answers"])
 def test_a_file_that_the_page_cannot_show_is_refused(argument, small_project, tmp_path, capsys):
-    """By its suffix, whether it is a section or an answer; no page is written."""
+    """Its suffix is .csv; it is refused as a section and as an answer, and no page is written."""
     table = small_project / FOLDER / "tables" / "cases.csv"
     inputs = {"sections": [small_project / FOLDER / "study.nc"], "answers": []}
     inputs[argument].append(table)

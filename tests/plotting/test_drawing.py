@@ -11,7 +11,7 @@ from bearingwear.plotting.drawing import lines_of_a_title, power_of_ten
     ("values", "exponent"), [([2e-17], -18), ([1.0], 0), ([999.0, 3.0], 0), ([], 0), ([0.0], 0)]
 )
 def test_the_power_of_an_axis_is_a_multiple_of_three_below_its_largest_value(values, exponent):
-    """2e-17 is 20e-18; a NaN in one of the arrays does not count."""
+    """2e-17 becomes 20e-18; a NaN in one of the arrays does not count."""
     assert power_of_ten([xr.DataArray(np.array(values)), xr.DataArray(np.nan)]) == exponent
 
 

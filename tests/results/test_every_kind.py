@@ -1,4 +1,4 @@
-"""Every kind of result file: shown, side by side, and checked against the CF conventions."""
+"""Every kind of result file: shown, compared, drawn, and checked against the CF conventions."""
 
 import csv
 import functools
@@ -19,13 +19,19 @@ from bearingwear.cli import main
 from bearingwear.results.netcdf import load
 
 SCENE = str(scene_file("gyro_s1"))
-QUICK = ["--set", "model.strips=4", "model.tolerance=1.0e-3"]
+QUICK = ["--set", "model.strips=4", "model.tolerance=1.0e-3"]  # further settings may follow
 NOT_DRAWN = ("sweep", "trade study")
-CASES = [
-    f"{method}-mu0.080-loss{loss}"
+CASES = {
+    f"{method}-mu0.080-loss{loss}": [
+        f"operation.preload_method={method}",
+        "friction.ball_race=0.08",
+        f"wear.ball_diameter_loss_um={loss}",
+    ]
     for method in ("constant_force", "fixed_position")
     for loss in ("0.00", "0.50")
-]
+}
+"""Settings of the cases of a study by their names."""
+
 KINDS = (
     "steady case", "race control case", "dynamic case", "failed case", "life", "dynamic life",
     "study", "wear life", "sweep", "trade study",
@@ -39,30 +45,43 @@ def run_command(*argv) -> None:
 
 @pytest.fixture(scope="module")
 def file_of(tmp_path_factory):
-    """Returns the path of a file of each of KINDS, made by commands and steps of the workflow."""
+    """Returns the path of a file by its kind, made by commands and steps of the workflow."""
     folder = tmp_path_factory.mktemp("kinds")
     files = {kind: folder / f"{kind.replace(' ', '_')}.nc" for kind in KINDS}
+    make_cases_and_lives(files)
+    make_study(files, folder)
+    make_trade_study(files, folder)
+    return files
+
+
+def make_cases_and_lives(files):
+    """Writes the files of cases and lives: of each model, and of a case without a solution."""
+    dynamic = ["--fidelity", "dynamic"]
     run_command("solve", SCENE, "-o", files["steady case"])
     run_command("solve", SCENE, "-o", files["race control case"], "--fidelity", "race_control")
-    turns = ["model.simulated_turns=0.5", "--fidelity", "dynamic"]
-    run_command("solve", SCENE, "-o", files["dynamic case"], *QUICK, *turns)
-    failed = ["friction.ball_race=0", "--record-failures"]
-    run_command("solve", SCENE, "-o", files["failed case"], "--set", *failed)
+    half_a_turn = "model.simulated_turns=0.5"
+    run_command("solve", SCENE, "-o", files["dynamic case"], *QUICK, half_a_turn, *dynamic)
+    no_friction = ["--set", "friction.ball_race=0", "--record-failures"]
+    run_command("solve", SCENE, "-o", files["failed case"], *no_friction)
     fixed = "operation.preload_method=fixed_position"
     run_command("life", SCENE, "-o", files["life"], *QUICK, fixed)
-    short = ["model.simulated_turns=0.5", "model.life_run_in_turns=0", "model.life_steps=2"]
-    run_command(
-        "life", SCENE, "-o", files["dynamic life"], "--fidelity", "dynamic", *QUICK, fixed, *short
-    )
-    cases = [folder / f"{case}.nc" for case in CASES]
-    for case in cases:
-        method, mu, loss = re.fullmatch(r"(\w+)-mu(.*)-loss(.*)", case.stem).groups()
-        changes = [f"operation.preload_method={method}", f"friction.ball_race={mu}",
-                   f"wear.ball_diameter_loss_um={loss}"]  # fmt: skip
-        run_command("solve", SCENE, "-o", case, *QUICK, *changes)
-    assert step("studies.grid.gather.gathered_study", files["study"], paths=cases) == 0
-    made_from = {"scene": SCENE, "study": files["study"]}
-    assert step("studies.grid.life.study_life", files["wear life"], **made_from) == 0
+    short = [half_a_turn, "model.life_run_in_turns=0", "model.life_steps=2"]
+    run_command("life", SCENE, "-o", files["dynamic life"], *QUICK, fixed, *short, *dynamic)
+
+
+def make_study(files, folder):
+    """Writes the files of a study of CASES, which are gathered, and of its wear lives."""
+    paths = {name: folder / f"{name}.nc" for name in CASES}
+    for name, settings in CASES.items():
+        run_command("solve", SCENE, "-o", paths[name], *QUICK, *settings)
+    gather = "studies.grid.gather.gathered_study"
+    assert step(gather, files["study"], paths=[*paths.values()]) == 0
+    inputs = {"scene": SCENE, "study": files["study"]}
+    assert step("studies.grid.life.study_life", files["wear life"], **inputs) == 0
+
+
+def make_trade_study(files, folder):
+    """Writes the files of a sweep with one rule, and of a study of accuracy with it alone."""
     plan = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text(encoding="utf-8"))
     reference = plan["references"]["steady"]
     plan |= {"repeats": 1, "references": {"steady": reference}, "table": [], "effects": []}
@@ -73,13 +92,13 @@ def file_of(tmp_path_factory):
     plan_file.write_text(yaml.safe_dump(plan), encoding="utf-8")
     (folder / "scenes").mkdir()
     shutil.copy(SCENE, folder / "scenes")
-    points = [files["sweep"], folder / "reference.nc"]
-    for sweep, path in zip(("gauss", "steady"), points, strict=True):
+    paths = {"gauss": files["sweep"], "steady": folder / "reference.nc"}
+    for sweep, path in paths.items():
         settings = {"scene": "gyro_fresh", "sweep": sweep}
         run = "studies.accuracy.run.solved_sweep"
         assert step(run, path, settings=settings, plan=plan_file) == 0
-    assert step("studies.accuracy.gather.gathered_sweeps", files["trade study"], paths=points) == 0
-    return files
+    gather = "studies.accuracy.gather.gathered_sweeps"
+    assert step(gather, files["trade study"], paths=[*paths.values()]) == 0
 
 
 # show
@@ -101,7 +120,7 @@ def file_of(tmp_path_factory):
     ],
 )
 def test_show_has_the_main_numbers_of_each_kind(file_of, kind, name, column, value, capsys):
-    """People read short lines without NaN; programs find each number under a key of its own.
+    """The text has short lines without NaN. The CSV has each number under a key of its own.
 
     Computed numbers are regression values, which `bearingwear show FILE --csv` prints.
     """
@@ -111,19 +130,16 @@ def test_show_has_the_main_numbers_of_each_kind(file_of, kind, name, column, val
     assert error == "" and "nan" not in text and all(len(line) < 120 for line in text.split("\n"))
     assert main(["show", str(file_of[kind]), "--csv"]) == 0
     facts_and_rows = [*csv.DictReader(io.StringIO(capsys.readouterr().out))]
-    (shown,) = (
+    (printed,) = (
         row["value"] for row in facts_and_rows if (row["name"], row["column"]) == (name, column)
     )
     if isinstance(value, str):
-        assert shown == value and value in text
+        assert printed == value and value in text
     else:
-        assert float(shown) == pytest.approx(value, rel=2e-3)
+        assert float(printed) == pytest.approx(value, rel=2e-3)  # expected to three digits
     rows = [row for row in facts_and_rows if row["block"]]
     keys = [(row["block"], row["name"], row["column"]) for row in rows]
     assert len(keys) == len(set(keys)) and (kind == "failed case" or keys)
-
-
-# side by side
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -137,10 +153,13 @@ def test_a_file_that_is_loaded_and_saved_is_the_same(file_of, kind, tmp_path):
     xr.testing.assert_identical(load(tmp_path / "back.nc"), load(file_of[kind]))
 
 
-def shown(capsys, *argv):
-    """The sheet of two files as JSON, and its quantities by block and name."""
+# side by side
+
+
+def compared(capsys, first, second):
+    """Returns the sheet of two files as JSON, and the values of its rows by block and name."""
     capsys.readouterr()
-    run_command("show", *argv, "--json")
+    run_command("show", first, second, "--json")
     sheet = json.loads(capsys.readouterr().out)
     return sheet, {(row["block"], row["name"]): row["values"] for row in sheet["quantities"]}
 
@@ -149,18 +168,16 @@ def shown(capsys, *argv):
 def test_two_files_of_one_content_do_not_differ(file_of, kind, tmp_path, capsys):
     """Both columns have the same values, and each number of the sheet of one file has a row.
 
-    Axes of the table of lives are no rows, because they name its points.
+    The axes of a table of lives have none, because they name its points.
     """
     copy = tmp_path / "copy.nc"
     shutil.copy(file_of[kind], copy)
-    sheet, rows = shown(capsys, file_of[kind], copy)
+    sheet, rows = compared(capsys, file_of[kind], copy)
     assert sheet["differences"] == 0 and sheet["A"] == str(file_of[kind])
-    assert all(
-        values.keys() == {"A", "B"} and values["A"] == values["B"] for values in rows.values()
-    )
+    assert all(values == {"A": values["A"], "B": values["A"]} for values in rows.values())
     run_command("show", file_of[kind], "--json")
     rows_of_one = json.loads(capsys.readouterr().out)["quantities"]
-    axes = ("preload_method", "friction")  # name the points of a table
+    axes = ("preload_method", "friction")
     counts = [
         len(row["values"]) if "values" in row else 1
         for row in rows_of_one
@@ -189,20 +206,20 @@ def test_one_changed_number_is_shown_with_its_percentage(
     with netCDF4.Dataset(copy, "a") as file:
         values = np.ma.filled(file[name][...], np.nan)
         file[name][...] = np.where(values == np.nanmax(values), 1.001 * values, values)
-    _, rows = shown(capsys, file_of[kind], copy)
+    _, rows = compared(capsys, file_of[kind], copy)
     assert rows[key]["difference, %"] == pytest.approx(0.1)
     run_command("show", file_of[kind], copy)
     assert re.search(r" \+0\.1$", capsys.readouterr().out, re.M)
 
 
 def test_keys_and_attributes_that_differ_stand_below(file_of, tmp_path, capsys):
-    """A solve has other keys; its file gets another source hash and an attribute of its own."""
+    """The second file is solved with two other keys, and gets another source hash and `mine`."""
     changed = tmp_path / "changed.nc"
     changes = "operation.preload_N=9", "friction.ball_race=0.05"
     run_command("solve", SCENE, "-o", changed, "--set", *changes)
     with netCDF4.Dataset(changed, "a") as file:
         file.source_hash, file.mine = "0123456789abcdef", [1.0, 2.0]
-    sheet, rows = shown(capsys, file_of["steady case"], changed)
+    sheet, rows = compared(capsys, file_of["steady case"], changed)
     below = "keys of the scene that differ"
     differing = {name for block, name in rows if block == below}
     assert differing == {"operation.preload_N", "friction.ball_race"}
@@ -213,15 +230,15 @@ def test_keys_and_attributes_that_differ_stand_below(file_of, tmp_path, capsys):
     assert "mine: A –; B [1.0, 2.0]" in attributes
 
 
-def test_units_and_missing_numbers_of_two_files(file_of, tmp_path, capsys):
-    """A quantity has one unit in both columns; what one lacks is missing there."""
+def test_two_files_share_units_and_a_number_that_one_lacks_differs(file_of, tmp_path, capsys):
+    """The pressure of the copy is a hundredth, which alone would be in a smaller unit."""
     copy = tmp_path / "copy.nc"
     shutil.copy(file_of["steady case"], copy)
     with netCDF4.Dataset(copy, "a") as file:
         file["maximum_pressure"][...] *= 0.01
         file["orbit_speed"][...] = np.nan
-    _, rows = shown(capsys, file_of["steady case"], copy)
-    (pressure,) = (v for (_, name), v in rows.items() if name == "maximum_pressure.inner")
+    _, rows = compared(capsys, file_of["steady case"], copy)
+    (pressure,) = [rows[key] for key in rows if key[1] == "maximum_pressure.inner"]
     assert pressure["B"] == pytest.approx(0.01 * pressure["A"])
     assert pressure["difference, %"] == pytest.approx(-99.0)
     speed = rows["bearing", "orbit_speed"]
@@ -251,16 +268,7 @@ def test_the_former_command_compare_says_what_to_type(capsys):
     assert "bearingwear show A.nc B.nc" in only_line(capsys)
 
 
-# the conventions
-
-# What the checker asks for beyond the conventions, where a dimension is called `time`: that it has
-# dates (CF 4.4 asks for a date to count from only of times that are dates; ours count from the
-# start of a run), and that the name in cell_methods is that of a dimension (7.3 also allows a
-# standard name, as `time` is one).
-BEYOND_CF = (
-    "Coordinate variable 'time' should have standard_name='time', found: 'None'",
-    "cell_methods name component time does not match a dimension, area or auxiliary coordinate",
-)
+# drawn and tabulated
 
 
 def test_a_dynamic_life_is_drawn_and_tabulated(file_of, tmp_path, capsys):
@@ -284,8 +292,8 @@ def test_only_a_dynamic_life_is_drawn_and_tabulated_as_one(
     """The line that refuses another kind begins with its path."""
     path = file_of[kind]
     capsys.readouterr()
-    given = {argument: [path] if argument == "lives" else path}
-    assert step(f"studies.lives.{run}", tmp_path / "no.svg", **given) == 2
+    inputs = {argument: [path] if argument == "lives" else path}
+    assert step(f"studies.lives.{run}", tmp_path / "no.svg", **inputs) == 2
     assert only_line(capsys).startswith(f"{path}: ")
 
 
@@ -307,11 +315,23 @@ def test_files_without_a_figure_are_refused_in_one_line(file_of, kind, tmp_path,
     assert re.fullmatch(r"got .*sweep.*, expected .*\n", capsys.readouterr().err)
 
 
+# the conventions
+
+# What the checker asks for beyond the conventions, where a dimension is called `time`: that it has
+# dates (CF 4.4 asks for a date to count from only of times that are dates; ours count from the
+# start of a run), and that the name in cell_methods is that of a dimension (7.3 also allows a
+# standard name, as `time` is one).
+BEYOND_CF = (
+    "Coordinate variable 'time' should have standard_name='time', found: 'None'",
+    "cell_methods name component time does not match a dimension, area or auxiliary coordinate",
+)
+
+
 # other kinds are written by the same code as one of these
 @pytest.mark.long  # the checker takes seconds a file, and its set-up more
 @pytest.mark.parametrize("kind", ["dynamic case", "dynamic life", "study"])
 def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeypatch):
-    """The checker finds nothing but BEYOND_CF, and that only in dynamic cases."""
+    """The CF checker finds nothing but BEYOND_CF, and that only in dynamic cases."""
     runner = pytest.importorskip(
         "compliance_checker.runner", reason="compliance-checker is not installed (extra cf)"
     )
@@ -336,5 +356,5 @@ def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeyp
     ]
     assert len(checks) > 10
     messages = {message for check in checks for message in check["msgs"]}
-    assert not {m for m in messages if not m.endswith(BEYOND_CF)}
+    assert not [message for message in messages if not message.endswith(BEYOND_CF)]
     assert kind == "dynamic case" or not messages  # only a dynamic case has times

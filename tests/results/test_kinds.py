@@ -1,4 +1,4 @@
-"""The kind of a result file: how it is read from the file, and who shows and draws it."""
+"""The kind of a result file: how it is found, and which function shows and draws it."""
 
 import re
 
@@ -18,13 +18,13 @@ from bearingwear.results.netcdf import CaseFileError, load
 
 
 def sheet_of_a_map(file) -> Document:
-    """What a study might show of its own file."""
+    """Returns the sheet that a study might have for its own kind of file."""
     longest = Row("longest", "h", (float(variable_values(file, "life").max()),))
     return Document(("A map",), {}, (Block("", (), (longest,)),))
 
 
 def figure_of_a_map(dataset: xr.Dataset) -> Figure:
-    """What a study might draw of its own file."""
+    """Returns the figure that a study might have for its own kind of file."""
     figure, panels = new_figure(1, 1, 3.0, 3.0)
     panels[0, 0].plot(dataset["life"])
     return figure
@@ -35,7 +35,7 @@ KIND = "map of a test"
 
 @pytest.fixture
 def path(tmp_path):
-    """Returns a file of the kind KIND, which no study of the program has."""
+    """Returns the path of a file of the kind KIND, which no study of the program has."""
     life = ("preload", np.array([1.0, 3.0]), {"units": "h"})
     attrs = {"source": "bearingwear test", "title": "A test", "kind": KIND}
     xr.Dataset({"longest": life, "life": life}, attrs=attrs).to_netcdf(tmp_path / "map.nc")

@@ -9,7 +9,7 @@ from bearingwear.results.labels import coded, labelled
 
 @pytest.fixture
 def codes():
-    """A dataset as it is read from a file."""
+    """Returns a dataset as a file has it, with the codes of races, 0 for inner and 1 for outer."""
     flags = {"flag_values": np.arange(2, dtype="i1"), "flag_meanings": "inner outer"}
     race = xr.Variable("race", np.array([1, 0], dtype="i1"), {"long_name": "race", **flags})
     ball = xr.Variable("ball", np.arange(3, dtype="i4"), {"units": "1"})
@@ -41,7 +41,7 @@ def test_names_stay_names(codes):
 
 
 def test_the_code_minus_one_is_called_none(codes):
-    """A recommendation has it where no preload is within the limits and none was solved."""
+    """A recommendation has this code where no preload satisfies the limits, or none was solved."""
     codes["controlling"][1] = -1
     labelled_dataset = labelled(codes)
     assert labelled_dataset["controlling"].values.tolist() == ["inner", "none", "outer"]

@@ -59,16 +59,19 @@ def random_values(table, sizes=SIZES) -> dict:
 
 @pytest.fixture
 def case() -> Result:
+    """Returns a case with random values."""
     return Result(random_values(variables.CASE), attributes(), 0.25)
 
 
 @pytest.fixture
 def life() -> Result:
+    """Returns a life with random values."""
     return Result(random_values(variables.LIFE) | {"end_criterion": 1}, attributes(), 0.25)
 
 
 @pytest.fixture(params=["case", "life", "failed case", "failed life", "nine balls"])
 def result(request) -> Result:
+    """Returns a result: solved or failed, of a case or a life, or of a case with unequal balls."""
     if request.param == "nine balls":
         return Result(random_values(variables.CASE, SIZES | {"ball": 9}), attributes())
     if request.param == "failed case":
@@ -105,7 +108,7 @@ def test_changes_of_a_dataset_do_not_reach_others(case):
 def test_the_same_result_gives_the_same_bytes(result, tmp_path):
     write_result(result, tmp_path / "a.nc")
     if result.wall_time_s:
-        time.sleep(1.1)  # were times of change stored, they would be whole seconds
+        time.sleep(1.1)  # HDF5 stores times of change, unless told not to, in whole seconds
     result.wall_time_s += 1.0
     write_result(result, tmp_path / "b.nc")
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
@@ -121,7 +124,7 @@ def test_a_file_has_angles_in_degrees_and_other_values_in_si_units(case, tmp_pat
 
 
 def test_case_file_follows_the_contract(case, tmp_path):
-    """Names, dimensions and units that others rely on."""
+    """Other programs rely on these names, dimensions and units."""
     contract = {
         ("ball", "race"): {
             "contact_load": "N", "contact_angle": "degree", "semi_major_axis": "m",
@@ -153,7 +156,7 @@ def test_case_file_follows_the_contract(case, tmp_path):
 
 
 def test_every_variable_has_a_name_and_units_or_flags(result, tmp_path):
-    """Either units, or flags of one byte; floats have a fill value, except for coordinates.
+    """Flags have one byte. Floats have a fill value, except for coordinates.
 
     The CF conventions require it.
     """
@@ -184,7 +187,7 @@ def test_the_file_of_an_unsolved_case_contains_fill_values(tmp_path):
         assert int(file["status"][...]) == code.NOT_CONVERGED
 
 
-def test_unnamed_values_are_refused(case):
+def test_a_value_with_an_unknown_name_is_refused(case):
     case.values["contact_laod"] = 1.0
     with pytest.raises(KeyError, match="contact_laod"):
         dataset_of_result(case)
@@ -198,14 +201,15 @@ def test_unnamed_values_are_refused(case):
         ((1, 3), "contact_load has shape (1, 3), not (1, 2)"),
     ],
 )
-def test_wrong_shape_is_refused(case, shape, problem):
-    """Loads are by ball and race. The size of a dimension is that of the last value that has it."""
+def test_a_value_of_wrong_shape_is_refused(case, shape, problem):
+    """A contact load has the shape (ball, race), which is (1, 2) in all other values."""
     case.values["contact_load"] = np.zeros(shape)
     with pytest.raises(ValueError, match=f"^{re.escape(problem)}$"):
         dataset_of_result(case)
 
 
 def test_long_histories_are_compressed(life, tmp_path, monkeypatch):
+    """Variables of more than five numbers count as long here; a single number stays as it is."""
     monkeypatch.setattr(netcdf, "COMPRESSED_ABOVE", 5)
     write_result(life, tmp_path / "x.nc")
     with netCDF4.Dataset(tmp_path / "x.nc") as file:
@@ -236,8 +240,11 @@ def test_the_table_of_variables_is_consistent(table):
 # files that cannot be read
 
 
-def refused(reader, path, problem) -> None:
-    """Asserts that a reader refuses a file in one line that names it."""
+def assert_refused(reader, path, problem) -> None:
+    """Asserts that a reader refuses a file in one line that names it.
+
+    problem: a regular expression for a part of the line.
+    """
     with pytest.raises(CaseFileError, match=problem) as caught:
         reader(path)
     assert str(caught.value).startswith(f"{path}: got ") and "\n" not in str(caught.value)
@@ -257,20 +264,20 @@ def refused(reader, path, problem) -> None:
 def test_a_file_with_other_contents_is_refused(reader, contents, problem, tmp_path):
     path = tmp_path / "x.nc"
     path.write_bytes(contents)
-    refused(reader, path, problem)
+    assert_refused(reader, path, problem)
 
 
 @pytest.mark.parametrize("reader", [load, sheet])
 def test_a_missing_file_and_a_folder_are_refused(reader, tmp_path):
-    refused(reader, tmp_path / "missing.nc", "cannot be read")
+    assert_refused(reader, tmp_path / "missing.nc", "cannot be read")
     (tmp_path / "folder.nc").mkdir()
-    refused(reader, tmp_path / "folder.nc", "got a folder, expected a result file$")
+    assert_refused(reader, tmp_path / "folder.nc", "got a folder, expected a result file$")
 
 
 @pytest.mark.parametrize("reader", [load, sheet])
 def test_a_file_of_another_program_is_refused(reader, tmp_path):
     xr.Dataset({"temperature": 3.0}).to_netcdf(tmp_path / "x.nc", engine="netcdf4")
-    refused(reader, tmp_path / "x.nc", "not written by")
+    assert_refused(reader, tmp_path / "x.nc", "not written by")
 
 
 @pytest.mark.parametrize("reader", [load, sheet])
@@ -280,7 +287,7 @@ def test_a_truncated_file_is_refused(reader, share, case, tmp_path):
     write_result(case, path)
     whole = path.read_bytes()
     path.write_bytes(whole[: int(share * len(whole))])
-    refused(reader, path, "damaged")
+    assert_refused(reader, path, "damaged")
 
 
 @pytest.mark.parametrize("reader", [load, sheet])

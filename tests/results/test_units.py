@@ -40,10 +40,11 @@ from bearingwear.results.units import (
         ("kg m-3", [12.0], "kg m-3", "12"),  # a unit that the table does not know
     ],
 )
-def test_the_unit_is_scaled(units, values, unit, text):
-    chosen = display(units, values)
-    assert chosen.unit == unit
-    assert chosen.text(values[0] if values else math.nan) == text
+def test_a_unit_has_the_prefix_that_its_values_need(units, values, unit, text):
+    """`text` is the first value with three digits; a dash if there is none."""
+    shown = display(units, values)
+    assert shown.unit == unit
+    assert shown.text(values[0] if values else math.nan) == text
 
 
 @pytest.mark.parametrize(
@@ -60,14 +61,15 @@ def test_the_unit_is_scaled(units, values, unit, text):
     ],
 )
 def test_rounding_errors_of_zero_are_shown_as_zero(value, unit, text):
+    """The number below which zero is shown depends on the unit."""
     assert digits(value, unit) == text
 
 
 def test_a_row_has_one_unit():
-    """The largest magnitude of its numbers decides the unit; NaN does not count."""
-    unit = display("W", [2e-3, np.nan, -0.5], [[30.0]])
-    assert unit.unit == "W" and unit.text(2e-3) == "0.002"
-    np.testing.assert_allclose(unit.of(np.array([1.0, 2.0])), [1.0, 2.0])
+    """The largest magnitude of all its numbers determines the unit; NaN does not count."""
+    power = display("W", [2e-3, np.nan, -0.5], [[30.0]])
+    assert power.unit == "W" and power.text(2e-3) == "0.002"
+    np.testing.assert_allclose(power.of(np.array([1.0, 2.0])), [1.0, 2.0])
 
 
 @pytest.mark.parametrize(
@@ -112,7 +114,7 @@ def test_the_span_of_nothing_is_a_dash():
 
 
 def test_an_interval_of_small_numbers_is_not_zero():
-    """K_s/H of steel and of a film [m2/N]."""
+    """The numbers are of the size of K_s/H of steel and of a film [m2/N]."""
     assert Interval(1.3e-16, 4.6e-15).text == "1.3e-16 to 4.6e-15"
     assert Rough(3.04e-18).text == "3e-18" and Rough(math.nan).text == "–"
 
@@ -124,7 +126,7 @@ def test_a_share_is_a_percentage():
 
 
 def test_rates_are_those_of_1000_hours():
-    """One micrometre an hour is 1000 um in 1000 h."""
+    """A rate of one micrometre an hour is 1000 um in 1000 h."""
     rate = 1e-6 / 3600.0
     assert display("m s-1", rate, shown="um/1000 h").text(rate) == "1000"
 

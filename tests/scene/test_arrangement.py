@@ -21,9 +21,8 @@ def read(*settings, name="gyro_s1"):
 
 def test_keys_of_the_second_bearing_change_it_alone():
     """All other keys are as in the first bearing."""
-    first, second = read(
-        *RIGID, f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}"
-    ).sides
+    second_keys = f"arrangement.second={{{LOSS}: 0.25, friction.ball_race: 0.1}}"
+    first, second = read(*RIGID, second_keys).sides
     assert (first.friction.ball_race, second.friction.ball_race) == (0.08, 0.1)
     assert (first.wear.ball_diameter_loss_um, second.wear.ball_diameter_loss_um) == ((0,), (0.25,))
     assert first.pair is None and second.pair is None
@@ -44,7 +43,7 @@ def test_the_second_bearing_may_have_a_loss_for_each_ball():
 
 
 def test_a_scene_of_a_pair_is_a_value():
-    """Equal and hashed alike when read again, pickled or copied."""
+    """A scene that is read again, pickled or copied is equal to it and has the same hash."""
     scene = read(*RIGID, f"arrangement.second={{{LOSS}: 0.25}}", "arrangement.span_mm=20")
     assert as_scene(scene.to_dict()) == scene == as_scene(scene)
     assert pickle.loads(pickle.dumps(scene)) == copy.deepcopy(scene) == scene
@@ -53,7 +52,7 @@ def test_a_scene_of_a_pair_is_a_value():
     assert scene.sides[0].arrangement.span_mm == 20.0
 
 
-def test_a_rigid_pair_held_by_a_force_is_a_spring_pair():
+def test_a_rigid_pair_with_constant_force_becomes_a_spring_pair():
     rigid = read(*RIGID, "arrangement.external_axial_N=2")
     spring = with_method(rigid, "constant_force", 9.0)
     assert spring.arrangement.kind == "spring_pair"
@@ -61,16 +60,16 @@ def test_a_rigid_pair_held_by_a_force_is_a_spring_pair():
     assert spring.operation.preload_N == 9.0
 
 
-def test_a_spring_pair_held_in_position_has_no_spring():
+def test_a_spring_pair_with_fixed_position_has_no_spring():
     soft = read("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=0.1")
     assert with_method(soft, "fixed_position").arrangement.spring_stiffness_N_um == 0.0
 
 
-def test_a_single_bearing_held_in_position_stays_single():
+def test_a_single_bearing_with_fixed_position_stays_single():
     assert with_method(read(), "fixed_position").arrangement is None
 
 
-def test_a_pair_has_no_dynamic_cases_in_a_study():
+def test_a_scene_with_a_pair_is_refused_where_a_single_bearing_is_needed():
     assert single_bearing_scene(read(), "mine.yaml").pair is None
     with pytest.raises(SceneError, match="arrangement.kind: got rigid_pair"):
         single_bearing_scene(read(*RIGID), "mine.yaml")

@@ -25,7 +25,7 @@ MARKED = {
 
 
 @pytest.mark.parametrize(
-    "text, left_out",
+    "changes, no_longer_assumed",
     [
         ("", set()),
         ("bearing.ball_count: 14", {"bearing.ball_count"}),
@@ -33,12 +33,13 @@ MARKED = {
         ("bearing.ball: 1", set()),
     ],
 )
-def test_comments_mark_assumed_values(tmp_path, text, left_out):
+def test_comments_mark_assumed_values(tmp_path, changes, no_longer_assumed):
     """A comment marks the key of its line, the key on the next line, or its whole block.
 
-    Keys that a file based on the scene sets itself (`left_out`) are not assumed any more.
+    A file based on the scene has its marks, but for the keys that it changes itself.
     """
     base, scene = tmp_path / "base.yaml", tmp_path / "mine.yaml"
     base.write_text(SCENE)
-    scene.write_text(f"name: mine\nbased_on: base\nset:\n  {text}\n" if text else SCENE)
-    assert assumed_keys(scene) == MARKED - left_out
+    based_on_it = f"name: mine\nbased_on: base\nset:\n  {changes}\n"
+    scene.write_text(based_on_it if changes else SCENE)
+    assert assumed_keys(scene) == MARKED - no_longer_assumed

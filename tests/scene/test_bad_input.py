@@ -16,7 +16,7 @@ GOOD = GOOD.replace("model: {contact: paper}\n", "")
 
 
 def edited(*pairs: tuple[str, str]) -> str:
-    """The good scene with texts replaced, of which each stands there once."""
+    """Returns the text GOOD with old texts, each of which occurs once, replaced by new ones."""
     text = GOOD
     for old, new in pairs:
         assert text.count(old) == 1, old
@@ -25,12 +25,12 @@ def edited(*pairs: tuple[str, str]) -> str:
 
 
 def with_line(block: str, line: str) -> str:
-    """The good scene with a line added to a block."""
+    """Returns the text GOOD with a line added to a block."""
     return edited((f"\n{block}:\n", f"\n{block}:\n  {line}\n"))
 
 
 def alias_bomb() -> str:
-    """A scene of few bytes whose aliases would make 9^9 texts."""
+    """Returns the text of a small scene whose aliases stand for 9^9 texts."""
     lines = ["a: &a [x, x, x, x, x, x, x, x, x]"]
     for old, new in zip("abcdefgh", "bcdefghi", strict=True):
         lines.append(f"{new}: &{new} [" + ", ".join([f"*{old}"] * 9) + "]")
@@ -40,7 +40,7 @@ def alias_bomb() -> str:
 LOSS = "  ball_diameter_loss_um: 0.0\n"
 CAGE = GOOD[GOOD.index("cage:") : GOOD.index("operation:")]
 
-# name: (contents, key that must be named, further texts of the message)
+# name of the fault: contents of the file, key that must be named, further texts of the line
 BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     # keys
     "unknown key": (with_line("bearing", "ball_cuont: 9"), "bearing.ball_cuont", ("ball_count",)),
@@ -133,7 +133,10 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
 
 
 def refusal(capsys, argv: list[str]) -> str:
-    """What a command writes when it refuses its input: a line for each fault."""
+    """Returns what a command writes when it refuses its input: a line for each fault.
+
+    Each line says what was found and what is expected.
+    """
     assert main(argv) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -147,7 +150,7 @@ def refusal(capsys, argv: list[str]) -> str:
 
 
 @pytest.mark.parametrize("name", BROKEN)
-def test_refuses_broken_scene(name, tmp_path, capsys):
+def test_a_broken_scene_is_refused_in_a_line_that_names_the_key(name, tmp_path, capsys):
     contents, key, texts = BROKEN[name]
     scene, output = tmp_path / "broken.yaml", tmp_path / "out" / "case.nc"
     scene.write_bytes(contents if isinstance(contents, bytes) else contents.encode())
@@ -182,27 +185,27 @@ def test_every_fault_has_its_line(tmp_path, capsys):
     assert lines[-1].endswith("got nothing, expected a number from 0.001 to 100, such as 6.6")
 
 
-def test_of_many_faults_the_first_are_told(tmp_path, capsys):
+def test_of_many_faults_only_the_first_are_reported(tmp_path, capsys):
     """99 unknown keys have MOST_FAULTS lines."""
     scene = tmp_path / "broken.yaml"
     scene.write_text(GOOD + "".join(f"k{i}: 1\n" for i in range(99)))
-    lines = refusal(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")])
-    assert lines.count("\n") == MOST_FAULTS
+    err = refusal(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")])
+    assert err.count("\n") == MOST_FAULTS and "k0" in err and "k98" not in err
 
 
 @pytest.mark.parametrize("command", ["life", "check"])
 @pytest.mark.parametrize("name", ["unknown key", "alias bomb"])
-def test_other_commands_refuse_alike(command, name, tmp_path, capsys):
+def test_other_commands_refuse_broken_scenes_like_solve(command, name, tmp_path, capsys):
     """`life` and `check` name file and key, too, and write nothing."""
+    contents, key, _ = BROKEN[name]
     scene, output = tmp_path / "broken.yaml", tmp_path / "life.nc"
-    scene.write_text(BROKEN[name][0])
-    line = refusal(
-        capsys, [command, str(scene), *(["-o", str(output)] if command == "life" else [])]
-    )
-    assert str(scene) in line and BROKEN[name][1] in line
+    scene.write_text(contents)
+    options = ["-o", str(output)] if command == "life" else []
+    assert refusal(capsys, [command, str(scene), *options]).startswith(f"{scene}: {key}")
     assert not output.exists()
 
 
+# options KEY=VALUE: key that must be named, further text of the line
 OVERRIDES = {
     "operation.preload_N=-3": ("operation.preload_N", "-3"),
     "operation.preload_N=[": ("operation.preload_N", "not YAML"),
@@ -223,15 +226,12 @@ def test_a_fault_of_an_override_is_named_by_its_option(override, tmp_path, capsy
 
 
 @pytest.mark.parametrize("override", ["operation.preload_N", "=3", "a..b=3", "a b=3"])
-def test_refuses_override_without_key(override, tmp_path, capsys):
-    line = refusal(
-        capsys,
-        ["solve", str(SCENES / "gyro_s1.yaml"), "-o", str(tmp_path / "x.nc"), "--set", override],
-    )
+def test_an_override_without_key_and_value_is_refused(override, capsys):
+    line = refusal(capsys, ["check", str(SCENES / "gyro_s1.yaml"), "--set", override])
     assert line.startswith("--set: ") and "KEY=VALUE" in line
 
 
-def test_refuses_override_given_twice(tmp_path, capsys):
+def test_an_override_given_twice_is_refused(capsys):
     argv = ["check", str(SCENES / "gyro_s1.yaml")]
     argv += ["--set", "operation.preload_N=3", "--set", "operation.preload_N=4"]
     assert "more than once" in refusal(capsys, argv)
@@ -246,8 +246,8 @@ def test_a_fault_of_the_file_is_named_by_the_file_beside_an_override(tmp_path, c
 
 @pytest.mark.parametrize("command", ["solve", "life"])
 @pytest.mark.parametrize("what", ["missing", "folder", "line break", "zero byte"])
-def test_refuses_scene_that_is_no_file(command, what, tmp_path, capsys):
-    """A missing file, a folder, and names with a line break or a zero byte."""
+def test_a_scene_that_is_no_file_is_refused(command, what, tmp_path, capsys):
+    """Missing files, a folder, and names with a line break or a zero byte take one line."""
     path = {
         "missing": str(tmp_path / "none.yaml"),
         "folder": str(tmp_path),
@@ -261,6 +261,7 @@ def test_refuses_scene_that_is_no_file(command, what, tmp_path, capsys):
 
 @pytest.mark.parametrize("text", ["", "  end_of_life: {}\n", "  end_of_life: {skid_ratio: null}\n"])
 def test_a_life_needs_a_criterion(text, tmp_path, capsys):
+    """The block `end_of_life` is missing, empty, or has only null."""
     scene, output = tmp_path / "endless.yaml", tmp_path / "life.nc"
     end = GOOD[GOOD.index("  end_of_life:") :]
     scene.write_text(edited((end, text)))

@@ -1,4 +1,4 @@
-"""Cases of a scene: keys changed, checked, and nothing that a design has in all of them."""
+"""Cases of a scene: changed keys, which are checked; what all cases share cannot be changed."""
 
 import json
 import pickle
@@ -16,6 +16,7 @@ CASES = {"cold": {"friction": {"ball_race": 0.2}}, "hot": {"friction.ball_race":
 
 @pytest.fixture
 def scene():
+    """Returns the scene gyro_s1 with CASES."""
     return load_scene(scene_file("gyro_s1")).with_({"cases": CASES})
 
 
@@ -29,6 +30,7 @@ def test_a_case_is_the_scene_with_keys_changed(scene):
 
 
 def test_a_scene_with_cases_is_a_value(scene, tmp_path):
+    """It survives plain data, pickling and files, and its hash depends on its cases."""
     assert scene_from_dict(scene.to_dict()) == scene
     assert pickle.loads(pickle.dumps(scene)) == scene
     assert hash(scene) == hash(scene.with_({}))
@@ -70,7 +72,7 @@ def test_a_case_is_solved_by_its_name(scene, case, tmp_path, capsys):
     assert torque["value"] == pytest.approx(1e6 * float(result.shaft_torque), rel=1e-12)
 
 
-def test_a_case_that_a_scene_has_not_is_refused_in_one_line(scene, tmp_path, capsys):
+def test_an_unknown_case_is_refused_in_one_line(scene, tmp_path, capsys):
     bearingwear.save(scene, tmp_path / "a.yaml")
     assert main(["solve", str(tmp_path / "a.yaml"), "--case", "warm"]) == 2
     assert capsys.readouterr().err == "--case: got warm, expected nominal, cold, hot\n"

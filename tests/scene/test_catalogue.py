@@ -17,10 +17,11 @@ from bearingwear.scene.new.designations import designation_of
 
 @pytest.fixture(scope="module")
 def identify():
+    """Returns the program that identifies the balls of a bearing by its ratings."""
     return benchmark("identify")
 
 
-def test_the_table_is_what_the_program_makes(identify):
+def test_the_table_of_bearings_is_what_the_program_makes(identify):
     with identify.TABLE.open(encoding="utf-8", newline="") as file:
         assert list(csv.reader(file)) == identify.table()
 
@@ -35,14 +36,14 @@ def test_the_static_factor_is_that_of_iso_76(identify, gamma, f0):
 
 @pytest.fixture(scope="module")
 def snfa(identify):
-    """Bearings of SNFA, which prints their balls, identified by their ratings."""
+    """Returns bearings of SNFA, which prints their balls, as identified by their ratings."""
     return identify.snfa_found_again()
 
 
 def test_most_printed_balls_are_identified(snfa):
     """At least 150 of 180 are right. Half of all are called certain, and 94 % of these are right.
 
-    The series EX and E 200 do not rate by one rule, hence the misses.
+    The others are wrong because the series EX and E 200 do not rate by one rule.
     """
     certain = [bearing for bearing in snfa if bearing.found.certain]
     assert len(snfa) == 180 and sum(bearing.right for bearing in snfa) >= 150
@@ -50,13 +51,14 @@ def test_most_printed_balls_are_identified(snfa):
 
 
 def test_all_balls_of_series_that_rate_by_one_rule_are_identified(snfa):
+    """These are SEA, SEB and VEB, with 81 bearings."""
     series = {"SEA", "SEB", "VEB"}
     of_series = [bearing for bearing in snfa if bearing.designation.split()[0] in series]
     assert len(of_series) == 81 and all(bearing.right for bearing in of_series)
 
 
 def test_wrong_ratings_identify_nothing(identify):
-    """A rating that is 3 % off fits no balls, so nothing is called certain."""
+    """A rating of NSK's 7010C that is 3 % off fits no balls, so nothing is called certain."""
     row = next(row for row in identify.rows_of("nsk") if row["designation"] == "7010C")
     C0, C, f0 = 1e3 * float(row["C0r_kN"]), 1e3 * float(row["Cr_kN"]), float(row["f0"])
     right = identify.identified(50.0, 80.0, [identify.Rating(15.0, C0, C, (100.0, 100.0), f0)])
@@ -67,7 +69,7 @@ def test_wrong_ratings_identify_nothing(identify):
 
 @pytest.mark.parametrize(("maker", "count"), [("NSK", 241), ("SNFA", 340), ("GMN", 269)])
 def test_every_bearing_with_a_class_m_makes_a_scene_of_its_preload(maker, count):
-    """There are as many as its table in benchmarks/catalogue has."""
+    """There are as many as the maker's table in benchmarks/catalogue has."""
     entries = [entry for entry in bearings() if entry.maker == maker and "M" in entry.preloads]
     assert len(entries) == count
     for entry in entries:
@@ -75,9 +77,9 @@ def test_every_bearing_with_a_class_m_makes_a_scene_of_its_preload(maker, count)
             maker=maker, preload_class="M", designation=entry.designation,
             contact_angle=entry.angle,
         )  # fmt: skip
-        b = scene.bearing
-        assert (b.ball_count, b.ball_diameter_mm) == (entry.balls, entry.ball)
-        assert (b.maker, b.designation) == (entry.maker, entry.designation)
+        bearing = scene.bearing
+        assert (bearing.ball_count, bearing.ball_diameter_mm) == (entry.balls, entry.ball)
+        assert (bearing.maker, bearing.designation) == (entry.maker, entry.designation)
         assert scene.operation.preload_N == entry.preloads["M"]
         assert entry.preloads["M"] > 0.0
         assert scene.operation.preload_method == "fixed_position"
@@ -109,7 +111,7 @@ def test_the_speed_of_a_rigid_pair_is_that_of_the_next_class(preload, factor):
     assert entry.speed_factor("fixed_position", preload) == factor
 
 
-def test_a_spring_takes_no_speed():
+def test_a_spring_does_not_reduce_the_permitted_speed():
     entry, _ = entry_of("NSK", "7010C")
     assert entry.speed_factor("constant_force", 1e4) == (1.0, "")
 
@@ -132,15 +134,15 @@ def test_a_spring_takes_no_speed():
         ("GMN", "S 619/5 C", "S 619/5 C", ""),
     ],
 )
-def test_a_makers_name_has_its_entry_and_leaves_suffixes_unused(maker, text, designation, ignored):
+def test_a_designation_has_its_entry_and_leaves_suffixes_unused(maker, text, designation, ignored):
     entry, unused = entry_of(maker, text)
     assert (entry.designation, unused) == (designation, ignored)
 
 
 @pytest.mark.parametrize("maker", MAKERS)
 @pytest.mark.parametrize("text", ["7010", "7011X", "EX 61", "", "9", "7" * 300, "7010\0"])
-def test_a_name_that_no_maker_lists_takes_one_short_line(maker, text):
-    """Its 320 characters at most are four lines of a screen."""
+def test_a_designation_that_no_maker_lists_is_refused_in_one_short_line(maker, text):
+    """320 characters are four lines of a screen."""
     with pytest.raises(SceneError, match="got .*, expected ") as error:
         entry_of(maker, text)
     assert "\n" not in str(error.value) and len(str(error.value)) < 320
@@ -155,7 +157,7 @@ def test_a_name_that_no_maker_lists_takes_one_short_line(maker, text):
         ("NSK", "S 6007 E TA", "which is in the catalogue of GMN, expected"),
     ],
 )
-def test_an_unknown_name_is_refused_with_the_nearest_of_the_maker(maker, text, expected):
+def test_an_unknown_designation_is_refused_with_the_makers_nearest_ones(maker, text, expected):
     with pytest.raises(SceneError) as error:
         entry_of(maker, text)
     assert expected in str(error.value)
@@ -171,16 +173,18 @@ def test_a_designation_of_snfa_alone_requires_its_maker(text):
     ("groove", "Z", "D", "dm", "angle"),
     [(0.52, 15, 6.35, 36.0, 15.0), (0.56, 17, 5.556, 36.0, 25.0), (0.53, 8, 2.381, 9.0, 15.0)],
 )
-def test_inner_groove_of_a_static_rating(identify, groove, Z, D, dm, angle):
-    """The rating of Hertz's contact at 4.2 GPa gives the groove back, by elliptic integrals.
+def test_a_static_rating_gives_back_the_inner_groove_that_it_was_computed_for(
+    identify, groove, Z, D, dm, angle
+):
+    """The rating is that of ISO 76: a load of 5 C0/(Z cos a) on a ball makes 4200 MPa.
 
-    Written once more without the program: 5 C0/(Z cos a) on a ball makes 4200 MPa.
+    Here it follows from Hertz's elliptic integrals, without the program.
     """
     cosine = np.cos(np.radians(angle))
     gamma, E_star = D * cosine / dm, 207e9 / (2.0 * 0.91)
     across, along = (2.0 - 1.0 / groove) / (1e-3 * D), 2.0 / (1.0 - gamma) / (1e-3 * D)
 
-    def curvature_ratio(k):  # at an axis ratio b/a = k
+    def curvature_ratio(k):  # of the contact with an axis ratio b/a = k
         K, E = ellipk(1.0 - k * k), ellipe(1.0 - k * k)
         return (K - E) / (E / (k * k) - K)
 
@@ -197,7 +201,7 @@ def test_inner_groove_of_a_static_rating(identify, groove, Z, D, dm, angle):
 
 @pytest.fixture(scope="module")
 def gmn_grooves():
-    """Groove factors, inner and outer, of bearings of GMN by designation."""
+    """Returns the groove factors, inner and outer, of bearings of GMN by designation."""
     return {entry.designation: entry.grooves for entry in bearings() if entry.maker == "GMN"}
 
 
@@ -213,9 +217,9 @@ def test_the_outer_groove_of_gmn_is_assumed(gmn_grooves):
 
 
 def test_ratings_of_both_angles_have_the_same_groove(gmn_grooves):
-    """71 bearings of the series S have an angle of 15 (C) and one of 25 degrees (E).
+    """71 bearings of the series S are rated at 15 (C) and at 25 degrees (E).
 
-    In 95 of 100 both ratings give the same groove factor to 6e-4, their rounding; the others 5e-3.
+    Of 95 %, both ratings give the same groove factor to 6e-4, their rounding; of all, to 5e-3.
     """
     differences = [
         gmn_grooves[name][0] - gmn_grooves[f"{name[:-1]}E"][0]
@@ -229,18 +233,19 @@ def test_ratings_of_both_angles_have_the_same_groove(gmn_grooves):
 
 @pytest.mark.parametrize(("series", "rms"), [("S", 0.02), ("SM", 0.015), ("KH", 0.015)])
 def test_grooves_of_gmn_give_its_dynamic_ratings(identify, series, rms):
-    """The inner groove comes from C0 alone, and C of ISO 281 depends on both grooves.
+    """The inner groove comes from C0 alone, while C of ISO 281 depends on both grooves.
 
-    To 2 or 1.5 % in the mean square. With a factor of 0.52 in both races, C of the series SM and KH
-    would be 40 % too large.
+    The root mean square of the relative error is below `rms`. With a factor of 0.52 in both races,
+    C of the series SM and KH would be 40 % too large.
     """
     rated = identify.gmn_rated()
-    ratios = [item.dynamic for item in rated if item.designation.split()[0] == series]
+    ratios = [bearing.dynamic for bearing in rated if bearing.designation.split()[0] == series]
     assert np.sqrt(np.mean((np.array(ratios) - 1.0) ** 2)) < rms
 
 
 def test_unclear_catalogue_rows_are_marked():
-    assert [e.designation for e in bearings() if e.source == "unclear"] == ["S 606 C", "SM 606 C"]
+    unclear = [entry.designation for entry in bearings() if entry.source == "unclear"]
+    assert unclear == ["S 606 C", "SM 606 C"]
 
 
 def test_bearings_with_the_same_name_differ_by_their_angle():
@@ -260,14 +265,19 @@ def test_bearings_with_the_same_name_differ_by_their_angle():
         (["725C", "--maker", "NSK", "--preload-class", "L"], "725C"),
     ],
 )
-def test_bad_input_takes_one_line(argv, problem, tmp_path, capsys, monkeypatch):
+def test_wrong_arguments_for_makers_bearings_are_refused_in_one_line(
+    argv, problem, tmp_path, capsys, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     assert main(["new", *argv]) == 2
     assert problem in only_line(capsys) and not list(tmp_path.iterdir())
 
 
-def test_list_of_gmn_has_the_least_spring_preload(capsys):
-    """Catalogue p. 24: KH 6000 E, classes 16, 50 and 100 N, 110 000 r/min, spring 95 N."""
+def test_the_list_of_gmn_has_the_least_spring_preload(capsys):
+    """Catalogue p. 24: KH 6000 E, classes 16, 50 and 100 N, 110 000 r/min, spring 95 N.
+
+    The list of NSK, whose catalogue has none, ends with the speed with oil.
+    """
     assert main(["new", "--list", "GMN", "KH 6000"]) == 0
     title, heads, *rows = capsys.readouterr().out.splitlines()
     assert "GMN, catalogue 4000 0813 EN" in title and heads.split()[-1] == "spring"

@@ -1,4 +1,4 @@
-"""The table of measured coefficients, its page, and the scenes that take it."""
+"""The table of measured coefficients, its page, and the scenes that use it."""
 
 import math
 
@@ -42,9 +42,10 @@ def test_the_page_is_that_of_the_table():
 
 @pytest.mark.parametrize("name", MEASURED_WEAR)
 def test_each_row_has_a_source_and_its_ends_in_order(name):
+    """A row may lack wear or friction: its ends are then NaN."""
     row = MEASURED_WEAR[name]
     assert row.url.startswith("https://") and row.source and row.conditions
-    # what was opened; nothing is known by recollection alone
+    # which part of the source was read; none is cited from memory
     assert row.read in ("abstract", "text", "page", "table", "examples")
     ends = [end for end in (*row.wear, *row.friction) if not math.isnan(end)]
     assert ends and all(end > 0.0 for end in ends)
@@ -61,10 +62,10 @@ def test_each_row_has_a_source_and_its_ends_in_order(name):
     ],
 )
 def test_coefficients_without_a_source_are_listed_as_assumed(surface, name, material):
-    """Each stands in the list with what its scenes take, and no row of the table claims it."""
-    (assumed,) = (item for item in coefficients_page.ASSUMED if item.surface == surface)
-    taken = load_scene(scene_file(name)).materials[material]
-    K = taken.wear_coefficient / (1e9 * taken.brinell_hardness_GPa)
+    """The list has the K_s/H of the scene, to 2 %, and no row of the table has it."""
+    (assumed,) = [row for row in coefficients_page.ASSUMED if row.surface == surface]
+    of_scene = load_scene(scene_file(name)).materials[material]
+    K = of_scene.wear_coefficient / (1e9 * of_scene.brinell_hardness_GPa)
     assert_allclose(assumed.wear, K, rtol=0.02)
     assert name in assumed.taken_by and assumed.why
     ends = [M2_PER_N * end for row in MEASURED_WEAR.values() for end in row.wear]
@@ -87,7 +88,8 @@ def test_a_scene_has_the_coefficients_of_its_lubrication_with_their_spread(lubri
     assert f"docs/coefficients.md: {', '.join(coefficients.rows)}" in text
     scene = scene_from_dict(data_of(text, "a"), "a")
     films = Films.of(scene)
-    for part in (films.race, films.ball)[: 1 if films.race.film else 2]:  # the film is on the races
+    parts = [films.race] if films.race.film else [films.race, films.ball]  # a film is on the races
+    for part in parts:
         assert_allclose((part.film or part.substrate).factor, coefficients.wear.median, rtol=0.03)
     spread = scene.uncertainty["wear_coefficient"]
     assert_allclose(spread.factor, coefficients.wear.factor, rtol=0.02)
@@ -122,15 +124,15 @@ def test_a_lubrication_without_measured_coefficients_is_refused():
 
 
 def test_a_friction_beside_that_of_a_film_is_refused():
-    given = {"operation.shaft_speed_rpm": 9000.0, "friction.ball_race": 0.1}
+    numbers = {"operation.shaft_speed_rpm": 9000.0, "friction.ball_race": 0.1}
     with pytest.raises(SceneError, match="--friction: got 0.1; only allowed"):
-        scene_text("a", 40, 68, given, lubrication="mos2")
+        scene_text("a", 40, 68, numbers, lubrication="mos2")
 
 
 def test_the_projects_scene_with_a_film_wears_as_its_measured_rows_say():
-    """Its film has the geometric mean of two tests in vacuum, its substrate a value of dry steel.
+    """K_s/H of its film is the geometric mean of two tests in vacuum, to 1 %.
 
-    The film's is compared to 1 %: the file has two digits of it, 7.9, which are right to 0.6 %.
+    The file has two digits, 7.9, which are right to 0.6 %. Its substrate has a value of dry steel.
     """
     scene = load_scene(ROOT / "config/scenes/mos2_gyro.yaml")
     race = Films.of(scene).race

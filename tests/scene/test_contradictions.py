@@ -1,4 +1,4 @@
-"""Friction, temperatures and arrangement: what contradicts the rest is refused in one line.
+"""Friction, temperatures and arrangement: keys that contradict others are refused in one line.
 
 Types and ranges of single keys: test_records.py, test_hostile.py and the list in config/README.md.
 """
@@ -13,23 +13,24 @@ from bearingwear.scene.friction import friction_changes_with_wear, has_thickness
 from bearingwear.scene.read import variant
 
 STEEL = "materials.bearing_steel"
-LAW = "friction.film"
+FILM_KEY = "friction.film"
 FILM = {
     "uncertainty": None,
     "friction.ball_race": None,
-    f"{LAW}.shear_strength_MPa": 24.8,
-    f"{LAW}.pressure_coefficient": 0.001,
+    f"{FILM_KEY}.shear_strength_MPa": 24.8,
+    f"{FILM_KEY}.pressure_coefficient": 0.001,
 }
-THIN = FILM | {f"{LAW}.thickness_um": 0.5, f"{LAW}.wear_coefficient": 1e-7}
+WEARING_FILM = FILM | {f"{FILM_KEY}.thickness_um": 0.5, f"{FILM_KEY}.wear_coefficient": 1e-7}
 ON_STEEL = {f"{STEEL}.film.thickness_um": 0.5}
 FRICTION = [
     ({"friction.ball_race": None, "uncertainty": None}, "friction.ball_race: got nothing"),
-    ({f"{LAW}.shear_strength_MPa": 24.8}, "friction.ball_race: got 0.08 with friction.f"),
+    ({f"{FILM_KEY}.shear_strength_MPa": 24.8}, "friction.ball_race: got 0.08 with friction.f"),
     ({**FILM, "uncertainty": {"ball_race": {"distribution": "normal", "standard_deviation": 0.1}}},
      "uncertainty.ball_race: got this key with friction.film"),
-    (FILM | {f"{LAW}.thickness_um": 0.5}, f"{LAW}.wear_coefficient: got nothing"),
-    (FILM | {f"{LAW}.bare_ball_race": 0.4}, f"{LAW}.bare_ball_race: got 0.4 with a film that n"),
-    (THIN | ON_STEEL, f"{LAW}.thickness_um: got 0.5 with {STEEL}.film"),
+    (FILM | {f"{FILM_KEY}.thickness_um": 0.5}, f"{FILM_KEY}.wear_coefficient: got nothing"),
+    (FILM | {f"{FILM_KEY}.bare_ball_race": 0.4},
+     f"{FILM_KEY}.bare_ball_race: got 0.4 with a film that n"),
+    (WEARING_FILM | ON_STEEL, f"{FILM_KEY}.thickness_um: got 0.5 with {STEEL}.film"),
     (ON_STEEL, f"{STEEL}.film.wear_coefficient: got nothing"),
     ({f"{STEEL}.film.wear_coefficient": 1e-7}, f"{STEEL}.film.thickness_um: got nothing"),
     ({"materials.phenolic.film": {"thickness_um": 1, "wear_coefficient": 1e-7}},
@@ -113,5 +114,6 @@ def test_a_contradiction_is_refused_in_one_line(changes, problem):
     ],
 )
 def test_films_and_running_in_have_a_thickness_or_change_with_wear(scene, changes, thick, changing):
+    """A film without a thickness never wears through. Running-in has none, but changes wear."""
     gyro = scene("gyro_s1", changes)
     assert (has_thickness(gyro), friction_changes_with_wear(gyro)) == (thick, changing)

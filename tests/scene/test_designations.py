@@ -46,10 +46,11 @@ def test_a_designation_gives_bore_outside_and_width(designation, bore, outside, 
 
 @pytest.mark.parametrize("series", SERIES)
 def test_sizes_grow_with_the_bore_code(series):
-    """They do in any dimension series, so that a wrong entry of the table would stand out."""
+    """They do in every dimension series, so that a wrong entry of the table stands out."""
     sizes = [designation_of(series + code) for code in CODES]
-    for a, b in itertools.pairwise(sizes):
-        assert b.bore > a.bore and b.outside > a.outside and b.width >= a.width
+    for smaller, size in itertools.pairwise(sizes):
+        assert size.bore > smaller.bore and size.outside > smaller.outside
+        assert size.width >= smaller.width
     for size in sizes:
         section = 0.5 * (size.outside - size.bore)
         assert 0.7 < size.width / section < 1.3  # narrow series: nearly square
@@ -70,7 +71,7 @@ def test_every_suffix_of_an_angle_is_tested():
 
 @pytest.mark.parametrize(("suffix", "angle"), SUFFIXES.items())
 def test_a_suffix_gives_the_contact_angle(suffix, angle):
-    """Makers use E and A for different angles, so that these have a rule that is printed."""
+    """Makers use E and A for different angles, so that a line states the rule for these."""
     designation = designation_of(f"7210{suffix}")
     assert designation.angle == angle and bool(designation.angle_rule) == (suffix in ("E", "A"))
 
@@ -126,9 +127,9 @@ def test_a_suffix_gives_the_clearance_group(group):
     ],
 )
 def test_the_letters_of_makers_are_understood(text, name, balls, pair, load, ignored):
-    """Letters of the balls, of a pair and of its preload, and those that change nothing here.
+    """Letters stand for the balls, a pair and its preload; others change nothing here.
 
-    Each has a line on what it means; without letters it is the designation alone.
+    Each group of letters has a line on what it means. Without them, the designation is `name`.
     """
     designation = designation_of(text)
     letters = designation.letters
@@ -171,19 +172,20 @@ def test_ceramic_balls_reach_the_scene():
 )
 def test_letters_of_a_high_speed_series_ask_for_the_size_of_its_small_balls(text, letters):
     """The program does not know that size, and names the option for it."""
-    of_text = designation_of(text).letters
-    assert of_text.small_balls == letters and letters not in of_text.ignored.split()
-    assert "--ball-diameter" in " ".join(of_text.explanations())
+    read = designation_of(text).letters
+    assert read.small_balls == letters and letters not in read.ignored.split()
+    assert "--ball-diameter" in " ".join(read.explanations())
 
 
 @pytest.mark.parametrize("text", ["B7008-C", "HCB7008-C", "HC6204", "S7008-C"])
 def test_letters_of_other_series_mean_no_small_balls(text):
-    of_text = designation_of(text).letters
-    assert of_text.small_balls == "" and "--ball-diameter" not in " ".join(of_text.explanations())
+    letters = designation_of(text).letters
+    assert letters.small_balls == "" and "--ball-diameter" not in " ".join(letters.explanations())
 
 
-def test_letters_of_small_balls_before_an_unknown_one_are_refused():
-    with pytest.raises(SceneError):
+def test_letters_of_small_balls_before_an_unknown_designation_are_refused():
+    """7008D is none."""
+    with pytest.raises(SceneError, match="designation: got 'RS7008D-C', expected"):
         designation_of("RS7008D-C")
 
 
@@ -219,7 +221,7 @@ def test_the_preload_is_that_of_the_makers_class(text, option, preload):
     ],
 )
 def test_designations_of_gmn_have_its_balls(text, balls, ball, preload):
-    """Spindle bearings with printed balls, without the name of the maker."""
+    """GMN prints the balls of spindle bearings. A designation shows the maker without its name."""
     written, _ = scene_text("a", None, None, {}, designation=text)
     bearing = checked_scene(written).bearing
     assert (bearing.maker, bearing.ball_count, bearing.ball_diameter_mm) == ("GMN", balls, ball)
@@ -253,11 +255,11 @@ def test_a_class_of_preload_without_a_rule_is_named():
 
 
 @pytest.mark.parametrize(
-    ("text", "sides"), [("7010CDFL", "face_to_face"), ("7010CDBL", "back_to_back")]
+    ("text", "orientation"), [("7010CDFL", "face_to_face"), ("7010CDBL", "back_to_back")]
 )
-def test_the_orientation_of_a_pair_stands_in_the_file(text, sides):
+def test_the_orientation_of_a_pair_stands_in_the_file(text, orientation):
     written, assumptions = scene_text("a", None, None, {}, designation=text)
-    assert f"# arrangement: {{kind: spring_pair, orientation: {sides}," in written
+    assert f"# arrangement: {{kind: spring_pair, orientation: {orientation}," in written
     assert sum("both with --pair spring or --pair rigid" in line for line in assumptions) == 1
 
 
@@ -278,24 +280,26 @@ def test_the_nearest_bearings_of_gmn_are_named(text, expected):
 
 @pytest.mark.parametrize(("text", "is_there"), [("SM 6205 C", False), ("S 6205 C", True)])
 def test_a_bearing_not_in_the_gmn_catalogue_is_reported(text, is_there):
-    """Size and angle follow from its rules, balls and grooves are assumed."""
+    """Its size and angle follow from rules of GMN; balls and grooves are assumed."""
     written, assumptions = scene_text("a", None, None, {}, designation=text)
     assert any("not in GMN's catalogue" in line for line in assumptions) == (not is_there)
     assert (checked_scene(written).bearing.maker == "GMN") == is_there
 
 
-def test_a_digit_of_snfa_is_the_angle():
+def test_a_digit_after_ce_is_the_angle_of_a_bearing_of_snfa():
+    """1 is 15 degrees and 3 is 25 degrees; others are refused."""
     assert [size_of(f"SNFA SEA 60 7CE{k}", None, None).angle for k in (1, 3)] == [15, 25]
     with pytest.raises(SceneError, match="SNFA designation: got .* expected --contact-angle"):
         size_of("SNFA EX 20 7CE2", None, None)
 
 
-def test_the_name_of_a_maker_without_a_catalogue_here_changes_nothing():
+def test_the_name_of_a_maker_whose_catalogue_is_not_known_changes_nothing():
     assert size_of("FAG B7008-C", None, None) == size_of("B7008-C", None, None)
 
 
 def test_a_size_that_the_makers_catalogue_lacks_is_the_standard_one():
-    assert isinstance(size_of("NSK 6204", None, None), Designation)
+    size = size_of("NSK 6204", None, None)
+    assert isinstance(size, Designation) and (size.bore, size.outside) == (20, 47)
 
 
 def test_two_makers_are_refused():
@@ -315,7 +319,7 @@ def test_two_makers_are_refused():
 def test_unknown_designations_are_refused_in_one_line(text):
     with pytest.raises(ValueError, match="designation: got .*, expected ") as error:
         designation_of(text)
-    assert "\n" not in str(error.value) and len(str(error.value)) < 360
+    assert "\n" not in str(error.value) and len(str(error.value)) < 360  # a few lines of a screen
 
 
 @pytest.mark.parametrize(
@@ -332,5 +336,8 @@ def test_unknown_designations_are_refused_in_one_line(text):
     ],
 )
 def test_clearance_groups_are_those_of_the_standard(bore, ranges):
-    """ISO 5753-1, deep groove bearings with a cylindrical bore."""
+    """Ranges [um] of C2, CN and C3 in ISO 5753-1, for deep groove bearings with cylindrical bores.
+
+    A range applies to bores [mm] up to an end of the standard's table.
+    """
     assert [clearance_range(group, bore) for group in CLEARANCES] == ranges

@@ -26,11 +26,14 @@ def least(scene):
 
 
 def test_gmn_minimum_preload_grows_with_the_square_of_the_relative_speed():
-    """715 N at the largest speed, 30 000 r/min (catalogue, p. 32)."""
+    """It is 715 N at the largest speed, 30 000 r/min (catalogue, p. 32).
+
+    A counter-rotating outer ring adds its speed.
+    """
     assert least(bearingwear.new(**GMN, speed=30000.0)).load == pytest.approx(715.0)
     assert least(bearingwear.new(**GMN, speed=15000.0)).load == pytest.approx(715.0 / 4.0)
-    turned = bearingwear.new(**GMN, speed=15000.0).with_({"operation.outer_speed_rpm": -15000.0})
-    assert least(turned).load == pytest.approx(715.0)
+    counter = bearingwear.new(**GMN, speed=15000.0).with_({"operation.outer_speed_rpm": -15000.0})
+    assert least(counter).load == pytest.approx(715.0)
 
 
 @pytest.mark.parametrize("series", ["72", "73"])
@@ -38,16 +41,17 @@ def test_gmn_minimum_preload_grows_with_the_square_of_the_relative_speed():
 def test_factors_of_skf_grow_with_the_size(series, suffix):
     """Each is larger than that of the next smaller size of its series, but 3.5 times at most.
 
-    A number read from a wrong place of the table would stand out.
+    A number read from a wrong place of SKF's table would stand out.
     """
     factors = [factor for name, factor in sorted(skf_factors().items())
                if name.startswith(series) and name.endswith(suffix)]  # fmt: skip
     assert factors == sorted(factors) and len(factors) >= 8
-    assert all(1.0 < b / a < 3.5 for a, b in itertools.pairwise(factors))
+    assert all(1.0 < factor / smaller < 3.5 for smaller, factor in itertools.pairwise(factors))
 
 
 @pytest.fixture(scope="module")
 def skf_7210():
+    """Returns a scene with a 7210 AC, which SKF lists."""
     return bearingwear.new(designation="7210AC", preload=100.0, speed=5000.0)
 
 
@@ -57,7 +61,7 @@ def test_skf_minimum_preload_is_its_factor_times_the_square_of_the_speed(skf_721
 
 
 @pytest.mark.parametrize(("speed", "load"), [(5000.0, 146), (14000.0, 1140)])
-def test_the_line_of_skf_tells_load_speed_factor_and_preload(skf_7210, speed, load):
+def test_the_line_of_skf_states_load_speed_factor_and_preload(skf_7210, speed, load):
     scene = skf_7210.with_({"operation.shaft_speed_rpm": speed})
     (line,) = minimum_preload_lines(scene.plain)
     maker, _, numbers = line.partition("7210AC: ")
@@ -67,7 +71,7 @@ def test_the_line_of_skf_tells_load_speed_factor_and_preload(skf_7210, speed, lo
 
 @pytest.mark.parametrize("designation", ["7214ACB", "7205 ACCBM", "7310AC", "7217BECBP"])
 def test_a_factor_that_is_missing_is_named(designation):
-    """Bearings of SKF's tables whose place in the text is unclear: no silence, and no guess."""
+    """SKF's tables have these bearings, but the text does not show which factor is theirs."""
     scene = bearingwear.new(designation=designation, preload=100.0, speed=5000.0)
     (line,) = minimum_preload_lines(scene.plain)
     assert f"{scene.bearing.designation}: factor not known" in line
@@ -83,7 +87,7 @@ def test_no_line_without_a_known_minimum_preload(bearing):
     assert minimum_preload_lines(bearingwear.new(**bearing, preload=50.0).plain) == []
 
 
-LAUNCHED = """
+LAUNCH_BLOCKS = """
 arrangement: {kind: spring_pair, spring_stiffness_N_um: 1.0, rotor_mass_kg: 2.0, span_mm: 60.0}
 launch: {axial_g: 5.0}
 """
@@ -100,13 +104,15 @@ launch: {axial_g: 5.0}
         "uncertainty a.yaml --samples 8 -j 1 -o u.nc",
     ],
 )
-def test_the_minimum_preload_is_on_the_sheet(command, tmp_path, capsys, monkeypatch):
+def test_the_minimum_preload_is_on_the_sheet_of_every_command(
+    command, tmp_path, capsys, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     argv = ["new", "a.yaml", "S 6007 E", "--preload", "140", "--speed", "15000", "--maker", "GMN"]
     assert main(argv) == 0
     if command.startswith("launch"):
         with Path("a.yaml").open("a", encoding="utf-8") as file:
-            file.write(LAUNCHED)
+            file.write(LAUNCH_BLOCKS)
     capsys.readouterr()
     assert main(command.split()) == 0
     (line,) = minimum_preload_lines(load_scene(Path("a.yaml")).plain)
@@ -116,7 +122,7 @@ def test_the_minimum_preload_is_on_the_sheet(command, tmp_path, capsys, monkeypa
 
 
 def test_the_minimum_preload_is_on_the_line_of_the_bearing():
-    """It is there without a preload of the scene, too, as in studies."""
+    """It is there even if the scene has no preload, as in studies."""
     data = bearingwear.new(**GMN, speed=15000.0).to_dict()
     del data["operation"]["preload_N"]
     assert "GMN minimum preload 179 N at 15000 r/min" in bearing_line(data)

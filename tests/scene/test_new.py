@@ -1,4 +1,4 @@
-"""`bearingwear new`: a scene from catalogue numbers; and what the shell completes."""
+"""`bearingwear new`: a scene from catalogue numbers; and completion by the shell."""
 
 import math
 import os
@@ -7,6 +7,7 @@ import shlex
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from support import only_line
 
@@ -34,7 +35,7 @@ def new(path, *argv) -> int:
     ids=["7008", "the paper's size", "7007", "623"],
 )
 def test_rules_give_about_the_size_of_real_bearings(bore, outside, ball, pitch, tmp_path):
-    """A rule of thumb meets their balls within a third, and their pitch within 2 %."""
+    """A rule of thumb meets their ball diameter within a third, and their pitch within 2 %."""
     assert new(tmp_path / "a.yaml", "--bore", bore, "--outside", outside) == 0
     bearing = load_scene(tmp_path / "a.yaml").bearing
     assert bearing.ball_diameter_mm == pytest.approx(ball, rel=0.34)
@@ -42,7 +43,7 @@ def test_rules_give_about_the_size_of_real_bearings(bore, outside, ball, pitch, 
 
 
 def test_balls_without_a_designation_fill_three_quarters_of_the_pitch_circle(tmp_path):
-    """Rounded to a whole ball; `touching` would fill it."""
+    """Their number is rounded; `touching` is the number of balls that would fill it."""
     assert new(tmp_path / "a.yaml", *SIZE) == 0
     bearing = load_scene(tmp_path / "a.yaml").bearing
     touching = math.pi / math.asin(bearing.ball_diameter_mm / bearing.pitch_diameter_mm)
@@ -51,17 +52,17 @@ def test_balls_without_a_designation_fill_three_quarters_of_the_pitch_circle(tmp
 
 @pytest.mark.parametrize("size", [(40, 68), (100, 150), (0.6, 2)])
 def test_the_scene_of_new_solves_with_about_one_gpa(size, tmp_path):
+    """The assumed preload makes about 1 GPa, whatever the bore and outside diameter [mm]."""
     scene = tmp_path / "some_bearing.yaml"
     assert new(scene, "--bore", size[0], "--outside", size[1]) == 0
     assert main(["check", str(scene)]) == 0
     solved = solve(load_scene(scene))
     assert solved.status == "ok"
-    # the preload that is assumed: about 1 GPa, whatever the size
     assert 0.7e9 < solved.values["maximum_pressure"].max() < 1.3e9
     assert life(load_scene(scene)).status == "ok"
 
 
-def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
+def test_given_numbers_are_written_and_not_listed_as_assumed(tmp_path, capsys):
     inputs = {"--balls": 16, "--ball-diameter": 7.938, "--pitch-diameter": 53.5, "--speed": 24000,
              "--contact-angle": 18, "--preload": 120, "--friction": 0.05}  # fmt: skip
     path = tmp_path / "Spindle-7008.yaml"
@@ -78,7 +79,7 @@ def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("name", ["7008", "true", "null", "1e-5", "1e5", "my-spindle"])
-def test_file_names_that_yaml_reads_as_other_types_stay_names(name, tmp_path):
+def test_file_names_that_yaml_might_read_as_other_types_are_names(name, tmp_path):
     assert new(tmp_path / f"{name}.yaml", *SIZE) == 0
     assert load_scene(tmp_path / f"{name}.yaml").name == name
 
@@ -151,6 +152,7 @@ def test_a_designation_with_a_slash_is_no_file(designation, tmp_path, capsys, mo
 
 
 def output_of(capsys) -> str:
+    """Returns what commands have printed since the last call."""
     return capsys.readouterr().out
 
 
@@ -166,9 +168,9 @@ def output_of(capsys) -> str:
     ],
 )
 def test_the_radial_clearance_gives_the_free_contact_angle(argv, clearance, tmp_path):
-    """cos(a) = 1 - G/(2 (f_i + f_o - 1) D), of the middle of the group, in the file's four digits.
+    """cos(a) = 1 - G/(2 (f_i + f_o - 1) D), with grooves of 0.52 and 0.53.
 
-    Of grooves of 0.52 and 0.53; clearances [um] of ISO 5753-1.
+    The clearance G [um] is the middle of its group in ISO 5753-1. The file has four digits.
     """
     assert new(tmp_path / "a.yaml", *argv) == 0
     bearing = load_scene(tmp_path / "a.yaml").bearing
@@ -184,7 +186,7 @@ def test_the_radial_clearance_gives_the_free_contact_angle(argv, clearance, tmp_
 def test_deep_groove_bearings_have_the_real_number_of_balls_within_one(
     designation, balls, tmp_path
 ):
-    """The numbers were counted in real bearings."""
+    """The expected numbers were counted in real bearings."""
     assert new(tmp_path / "a.yaml", designation) == 0
     assert load_scene(tmp_path / "a.yaml").bearing.ball_count == pytest.approx(balls, abs=1)
 
@@ -225,11 +227,13 @@ def test_new_solves_its_scene_and_prints_commands_that_work(tmp_path, capsys):
     assert study[:2] == ["study", str(path)]  # tests/workflow/test_own.py types that
     for argv in short:
         assert main(argv) == 0, argv
-    assert new(tmp_path / "b.yaml", "7008C", "--friction", 0) == 0  # it is written all the same
+    # without friction there is no solution, but the file is written
+    assert new(tmp_path / "b.yaml", "7008C", "--friction", 0) == 0
     assert "undetermined" in output_of(capsys)
 
 
 def test_new_compiles_no_kernel(tmp_path, capsys, monkeypatch):
+    """Where none is compiled yet, it does not solve its scene."""
     monkeypatch.setitem(PROJECT.__dict__, "code_folder", str(tmp_path / "empty"))
     assert new(tmp_path / "a.yaml", "608") == 0
     assert "not solved" in output_of(capsys) and not (tmp_path / "empty").exists()
@@ -252,8 +256,8 @@ def test_the_shell_completes_options_and_keys(line, offered, tmp_path):
     subprocess.run(
         [sys.executable, "-m", "bearingwear"], env=os.environ | shell, check=True, timeout=60
     )
-    words = (tmp_path / "offered").read_text(encoding="utf-8").split("\n")
-    assert {text.strip() for text in words} == offered
+    lines = (tmp_path / "offered").read_text(encoding="utf-8").split("\n")
+    assert {line.strip() for line in lines} == offered
 
 
 @pytest.mark.parametrize("block", ["temperature", "thermal", "arrangement"])
@@ -269,7 +273,7 @@ def test_a_block_in_a_comment_is_valid_without_its_number_sign(block):
 def test_an_instrument_bearing_has_the_stiffness_of_its_maker(tmp_path):
     """R168: 2.88 N/um under 0.45 kg with a radial play of 8 um, printed by its maker.
 
-    Within 5 %, as its balls and grooves are those of a rule.
+    The stiffness agrees to 5 %, as balls and grooves are those of a rule.
     """
     path, size = tmp_path / "r168.yaml", ["--bore", "6.35", "--outside", "9.525"]
     preload = str(0.45 * 9.80665)
@@ -293,7 +297,10 @@ def test_an_instrument_bearing_has_the_stiffness_of_its_maker(tmp_path):
 def test_bearings_below_a_bore_of_10_mm_have_uncertain_grooves(
     argv, is_small, grooves, tmp_path, capsys
 ):
-    """Those without an ISO designation are instrument bearings: Dynaroll prints 0.56 +-0.03."""
+    """Those without an ISO designation are instrument bearings: Dynaroll prints 0.56 +-0.03.
+
+    `new` writes 0.57 for these. Factors of all small bearings are uncertain from 0.52 to 0.58.
+    """
     assert new(tmp_path / "a.yaml", *argv) == 0
     lines = output_of(capsys)
     assert ("0.52 to 0.58" in lines) == is_small
@@ -312,7 +319,7 @@ def test_bearings_below_a_bore_of_10_mm_have_uncertain_grooves(
     [("7000C", "-2 to +6", 5.5), ("7008C", "-3.5 to +9.5", 7.5), ("7020C", "-5 to +13", 10.5)],
 )
 def test_fits_are_written_with_the_range_of_their_class(designation, ends, gap):
-    """ISO 286 and ISO 492, entered once more: 10 x 26, 40 x 68 and 100 x 150 mm."""
+    """Numbers [um] from ISO 286 and ISO 492, entered once more: 10 x 26, 40 x 68, 100 x 150 mm."""
     text, _ = scene_text("mine", None, None, {}, designation=designation)
     (line,) = re.findall("^fits: .*", text, re.MULTILINE)
     assert f"{ends} um" in line and "js4" in line and "P4" in line
@@ -325,14 +332,14 @@ def test_fits_are_written_with_the_range_of_their_class(designation, ends, gap):
 def test_written_fits_change_no_number(rings):
     """The fits are loose or line to line, so that rings are not pressed.
 
-    That holds until the outer ring fills its housing: when it is 9 K warmer here.
+    Here, the outer ring would fill its housing only if it were 9 K warmer.
     """
     text, _ = scene_text("mine", None, None, {}, None, "fixed_position", designation="7008C")
     scene = scene_from_dict(data_of(text, "mine"), "mine")
     scene = scene.with_({f"temperature.{part}": degC for part, degC in rings.items()})
     fitted, free = solve(scene).values, solve(scene.with_({"fits": None})).values
     for name, value in free.items():
-        assert (fitted[name] == value).all() if hasattr(value, "all") else fitted[name] == value
+        np.testing.assert_array_equal(fitted[name], value, name)
 
 
 @pytest.mark.parametrize(
@@ -354,20 +361,24 @@ def test_a_pair_is_written_as_its_option_and_its_designation_say(designation, pa
     assert solve(scene).status == "ok"
 
 
-def new_with_film(**given):
-    """A 7204AC with a film of MoS2, and the lines on what was assumed."""
+def new_with_film(**numbers):
+    """Returns a scene of a 7204AC with a film of MoS2, and the lines on what was assumed.
+
+    numbers: by their keys of the scene.
+    """
     text, lines = scene_text(
-        "mine", None, None, given, designation="7204AC", lubrication="mos2"
+        "mine", None, None, numbers, designation="7204AC", lubrication="mos2"
     )  # fmt: skip
     return scene_from_dict(data_of(text, "mine"), "mine"), lines
 
 
 def warning_ids(result):
+    """Returns the ids of the warnings of a result."""
     return {warning["id"] for warning in warnings_in(result.attrs)}
 
 
 def test_a_film_gets_the_speed_and_the_pressure_of_its_tests():
-    """1750 r/min of a 7204C (docs/film_tests.md), and 1500 MPa, where its relative life is 1."""
+    """A 7204C was tested at 1750 r/min (docs/film_tests.md); at 1500 MPa its relative life is 1."""
     scene, lines = new_with_film()
     assert scene.operation.shaft_speed_rpm == pytest.approx(1750.0, rel=0.05)
     assert any("docs/film_tests.md" in line for line in lines)

@@ -1,4 +1,4 @@
-"""The bearings that match what the paper states, which `benchmarks/paper_bearings.py` finds."""
+"""`benchmarks/paper_bearings.py` finds the bearings that match the statements of the paper."""
 
 from dataclasses import replace
 
@@ -9,21 +9,22 @@ from support import benchmark
 
 @pytest.fixture(scope="module")
 def bearings():
+    """Returns the program as a module."""
     return benchmark("paper_bearings")
 
 
 @pytest.fixture
 def gyro(scene):
-    """One of the bearings that match, and which the scene gyro_s1 was chosen to be."""
+    """Returns the scene gyro_s1 without its cage, which was chosen as one of these bearings."""
     return replace(scene("gyro_s1"), cage=None)
 
 
 def test_the_search_finds_the_angle_of_a_bearing_that_matches(bearings, gyro):
-    """It is that of the scene within half a degree, because the scene has it rounded."""
-    angle = gyro.bearing.contact_angle_deg
-    (found,) = bearings.angles_with_loss(gyro, [angle - 2.0, angle + 2.0])
-    assert found == pytest.approx(angle, abs=0.5)
-    bearing = bearings.candidate(bearings.with_angle(gyro, found))
+    """It is the angle of the scene, which has it rounded, within half a degree."""
+    scene_angle = gyro.bearing.contact_angle_deg
+    (angle,) = bearings.angles_with_loss(gyro, [scene_angle - 2.0, scene_angle + 2.0])
+    assert angle == pytest.approx(scene_angle, abs=0.5)
+    bearing = bearings.candidate(bearings.with_angle(gyro, angle))
     assert bearing.failed == "" and len(bearing.drags) > 0 and np.isfinite(bearing.lives_h).all()
 
 
@@ -32,7 +33,7 @@ def test_a_steep_angle_fails_a_statement_of_the_paper(bearings, gyro):
 
 
 def test_the_search_passes_over_angles_without_a_state(bearings, scene, monkeypatch):
-    """The loss is that of the paper at 14 and 26 degrees, of which only the second has states."""
+    """The preload loss is the paper's at 14 and 26 degrees, but at 14 degrees there is no state."""
 
     def loss(scene):
         angle = scene.bearing.contact_angle_deg

@@ -1,4 +1,4 @@
-"""A duty of a scene: phases by their cases, and a line for whatever is no duty."""
+"""The duty of a scene: its cycle, the cases of its phases, and duties that are refused."""
 
 import pickle
 
@@ -23,11 +23,12 @@ DUTY = {
 
 @pytest.fixture
 def scene():
+    """Returns the scene gyro_s1 with CASES and DUTY."""
     return load_scene(scene_file("gyro_s1")).with_({"cases": CASES, "duty": DUTY})
 
 
 def test_a_cycle_takes_the_hours_and_the_starts_of_its_phases(scene):
-    """7.5 h, and two starts of 20 s with their stops of 60 s."""
+    """They are 1 + 6 + 0.5 h, and two starts of 20 s with their stops of 60 s."""
     duty = scene.duty
     assert duty.cycle_s == 7.5 * 3600.0 + 2.0 * (20.0 + 60.0)
     assert sum(map(duty.phase_s, duty.phases.values())) == duty.cycle_s

@@ -17,6 +17,7 @@ class Sampling:
     seed: int = setting("Random seed for the sequence", within="[0, inf)", default=1)
 
     def __post_init__(self) -> None:
+        """Refuses a number of samples that is no power of two."""
         if self.samples & (self.samples - 1):
             raise SceneError("samples", f"got {self.samples}, expected a power of two")
 
@@ -26,10 +27,11 @@ class Axis:
     values: tuple[float, ...]
 
     @classmethod
-    def from_plain(cls, given: Any) -> "Axis":
-        if not isinstance(given, list) or given != sorted(given):
-            raise ValueError(f"got {given}, expected rising numbers")
-        return cls(tuple(map(float, given)))
+    def from_plain(cls, data: Any) -> "Axis":
+        """Returns the axis of a list of rising numbers; refuses others."""
+        if not isinstance(data, list) or data != sorted(data):
+            raise ValueError(f"got {data}, expected rising numbers")
+        return cls(tuple(float(value) for value in data))
 
 
 @keyed
@@ -50,21 +52,23 @@ class Plan:
 
 
 def plan(**changes: Any) -> dict[str, Any]:
-    """Returns plain data of a Plan with its required keys, and with changes of whole blocks."""
+    """Returns plain data of a Plan: its required keys, with blocks added or replaced."""
     return {"sweeps": {"one": {"title": "One"}}, "scenes": ["a"]} | changes
 
 
-def test_data_become_records():
+def test_plain_data_become_records_with_the_types_of_their_fields():
     sweep = {"title": "One", "from": "steady", "set": {"a.b": 1}, "along": [1, 2]}
-    read = record(Plan, plan(sweeps={"one": sweep}, factor=2, aim=3, sampling={"samples": 8.0}))
-    assert read.sampling == Sampling(samples=8) and isinstance(read.sampling.samples, int)
-    (sweep_record,) = read.sweeps.values()
+    data = plan(sweeps={"one": sweep}, factor=2, aim=3, sampling={"samples": 8.0})
+    plan_record = record(Plan, data)
+    sampling, (sweep_record,) = plan_record.sampling, plan_record.sweeps.values()
+    assert sampling == Sampling(samples=8) and isinstance(sampling.samples, int)
     assert sweep_record.base == "steady" and sweep_record.settings == {"a.b": 1}
     assert sweep_record.along == Axis((1.0, 2.0))
-    assert read.scenes == ("a",) and isinstance(read.factor, float) and read.aim == 3.0
+    assert plan_record.scenes == ("a",) and plan_record.aim == 3.0
+    assert isinstance(plan_record.factor, float)
 
 
-def test_nothing_is_the_same_as_the_default():
+def test_null_is_the_same_as_the_default():
     assert record(Plan, plan(sampling=None, factor=None)) == record(Plan, plan())
 
 
@@ -103,7 +107,7 @@ def test_the_first_fault_of_a_record_is_refused_in_one_line(changes, message):
     assert str(caught.value).startswith(f"plan.yaml: {message}")
 
 
-def test_files_may_hold_anchors(tmp_path):
+def test_files_of_records_may_have_anchors_and_merge_keys(tmp_path):
     path = tmp_path / "plan.yaml"
     path.write_text(
         "scenes: [a]\nsweeps:\n  one: {title: x, set: &set {a.b: 1, a.c: 2}}\n"
@@ -119,7 +123,7 @@ def test_files_may_hold_anchors(tmp_path):
         ("scenes: &a [*a]\n", "got more than 20 nested blocks"),
     ],
 )
-def test_files_that_hold_no_record_are_refused(text, problem, tmp_path):
+def test_files_without_a_record_are_refused(text, problem, tmp_path):
     path = tmp_path / "plan.yaml"
     path.write_text(text)
     with pytest.raises(SceneError, match=problem):

@@ -13,14 +13,13 @@ import yaml
 from support import benchmark
 
 from bearingwear.scene import read as config
-from bearingwear.scene import scene as module
 from bearingwear.scene.accuracy import STANDARD
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.checking.errors import yaml_number
 from bearingwear.scene.checking.records import file_part, keys
 from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.read import variant
-from bearingwear.scene.scene import Scene, SceneError
+from bearingwear.scene.scene import Scene, SceneError, key_of_scene, most_balls
 
 key_lists = benchmark("key_lists")
 schema = benchmark("scene_schema").schema
@@ -32,11 +31,13 @@ S1 = CONFIG / "scenes" / "gyro_s1.yaml"
 
 @pytest.fixture
 def scene() -> Scene:
+    """Returns the scene gyro_s1."""
     return config.load_scene(S1)
 
 
 @pytest.fixture
 def plain(scene) -> dict:
+    """Returns the scene gyro_s1 as plain data, which a test may change."""
     return scene.to_dict()
 
 
@@ -69,7 +70,7 @@ def test_null_is_the_same_as_leaving_out(key, plain):
     assert config.scene_from_dict(plain | {key: None}) == config.scene_from_dict(left_out)
 
 
-def test_numpy_values_are_taken(plain):
+def test_numpy_values_are_accepted(plain):
     plain["operation"]["preload_N"] = np.float32(7.0)
     plain["bearing"]["ball_count"] = np.int64(9)
     plain["wear"]["ball_diameter_loss_um"] = np.linspace(0.1, 0.2, 9)
@@ -122,8 +123,8 @@ def test_balls_that_just_touch_fit_on_the_pitch_circle(count):
     """Centres of balls that touch are a diameter apart: D = d_m sin(pi/Z)."""
     diameter = 2.0
     pitch_diameter = diameter / np.sin(np.pi / count)
-    assert module.most_balls(diameter, pitch_diameter) == count
-    assert module.most_balls(diameter, pitch_diameter * (1 - 1e-6)) == count - 1
+    assert most_balls(diameter, pitch_diameter) == count
+    assert most_balls(diameter, pitch_diameter * (1 - 1e-6)) == count - 1
 
 
 def test_an_error_survives_pickling():
@@ -161,7 +162,7 @@ def test_overrides_are_read_as_yaml():
 
 @pytest.mark.parametrize("indent", [None, 2, "\t"])
 def test_json_is_read_as_a_scene(indent, plain, tmp_path):
-    """It has a number and a text that JSON writes in another way than YAML."""
+    """The scene has a number and a text that JSON writes differently from YAML."""
     plain["friction"]["slip_regularisation_m_s"] = 5e-06
     plain["description"] = 'assumed: "\u03bc/2" \\ 5'
     path = tmp_path / "scene.yaml"
@@ -179,7 +180,7 @@ def test_json_is_read_as_a_scene(indent, plain, tmp_path):
      ("0.1", 0.1), ("true", True), ("~", None), ("'7'", "7"), ("1e-5", 1e-5), ("5e-06", 5e-6),
      ("1E3", 1e3), ("1.0e5", 1e5), (".5e1", 5.0), ("-1e+2", -100.0)],
 )  # fmt: skip
-def test_yaml_has_the_numbers_that_people_write(text, value):
+def test_yaml_values_have_the_types_that_people_mean(text, value):
     read = data_of(f"x: {text}", "scene")["x"]
     assert read == value and type(read) is type(value)
 
@@ -197,7 +198,7 @@ def test_written_numbers_are_read_as_numbers(value):
     assert data_of(yaml_number(value), "scene") == value
 
 
-def test_a_byte_order_mark_is_taken(tmp_path):
+def test_a_byte_order_mark_is_ignored(tmp_path):
     path = tmp_path / "bom.yaml"
     path.write_bytes(b"\xef\xbb\xbf" + S1.read_bytes())
     assert config.load_scene(path) == config.load_scene(S1)
@@ -207,7 +208,7 @@ def test_a_byte_order_mark_is_taken(tmp_path):
 
 
 def blocks(part: dict, path: str = ""):
-    """Every (path, schema) of the schema, depth first."""
+    """Yields the dotted path and the schema of a part and of all parts below it, depth first."""
     yield path, part
     for name, below in part.get("properties", {}).items():
         yield from blocks(below, f"{path}.{name}" if path else name)
@@ -230,7 +231,7 @@ def test_defaults_decided_by_the_accuracy_are_those_of_standard_accuracy():
     standard = STANDARD.keys("ellipse")
     assert by_accuracy == set(standard)
     for path, value in standard.items():
-        assert module.key_of_scene(path).default == value
+        assert key_of_scene(path).default == value
 
 
 @pytest.mark.parametrize(
@@ -245,7 +246,7 @@ def test_defaults_decided_by_the_accuracy_are_those_of_standard_accuracy():
     ],
 )
 def test_wear_of_a_cage_takes_finer_steps(changes, expected):
-    """The presets' own tolerance is meant for balls; what the scene says stays."""
+    """The step tolerance of a preset is meant for balls; one that the scene has is kept."""
     gyro = variant(S1, changes)
     assert gyro.model.dynamic_tolerance == expected
     assert config.as_scene(gyro) == gyro
@@ -253,7 +254,7 @@ def test_wear_of_a_cage_takes_finer_steps(changes, expected):
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_the_schema_alone_accepts_the_scenes_of_the_project(path):
-    """Editors use the schema so, without this program."""
+    """Editors use the schema without this program."""
     data = yaml.safe_load(path.read_text())
     record = config.BasedOn if "based_on" in data else Scene
     jsonschema.Draft202012Validator(schema(record)).validate(data)
@@ -273,11 +274,11 @@ def test_key_list_is_up_to_date():
     ("text", "orientation"),
     [("O", "back_to_back"), ("DB", "back_to_back"), ("X", "face_to_face"), ("DF", "face_to_face")],
 )
-def test_makers_letters_of_an_orientation_are_the_same_scene(text, orientation, plain):
+def test_makers_letters_of_an_orientation_make_the_same_scene(text, orientation, plain):
     """The schema accepts the letters, too."""
     kind = PAIRS[plain["operation"]["preload_method"]]
     data = plain | {"arrangement": {"kind": kind, "orientation": text}}
     jsonschema.Draft202012Validator(schema()).validate(data)
-    words = plain | {"arrangement": {"kind": kind, "orientation": orientation}}
-    assert config.scene_from_dict(data) == config.scene_from_dict(words)
+    with_word = plain | {"arrangement": {"kind": kind, "orientation": orientation}}
+    assert config.scene_from_dict(data) == config.scene_from_dict(with_word)
     assert config.scene_from_dict(data).to_dict()["arrangement"]["orientation"] == orientation

@@ -1,4 +1,4 @@
-"""The regularisation of friction that a scene has by default, and the slip that it follows."""
+"""The default regularisation of friction, which depends on the mean slip of a scene."""
 
 import numpy as np
 import pytest
@@ -18,11 +18,12 @@ STANDARD = NAMED_PRESETS["standard"].slip_regularisation_m_s
 
 @pytest.fixture
 def spindle():
+    """Returns a scene of `new` at 18 000 r/min."""
     return checked_scene(SPINDLE)
 
 
 def random_slow_scene(draw: np.random.Generator):
-    """A bearing of `new` at 0.1 to 100 r/min, with any preload, friction and outer speed."""
+    """Returns a random scene of `new` at 0.1 to 100 r/min, whose outer ring may turn, too."""
     bore = draw.choice([4.0, 10.0, 25.0, 40.0, 100.0])
     text, _ = scene_text(
         "slow",
@@ -64,7 +65,7 @@ def test_the_default_regularisation_keeps_coulombs_torque_in_slow_scenes():
 def test_the_estimated_slip_is_near_that_of_the_solve():
     """It is 1.04 to 1.61 times the slip of the solve, QV over the load, in these 20 scenes.
 
-    The limits of 1 and 1.8 keep some distance: the estimate may be that rough.
+    The limits of 1 and 1.8 allow somewhat more, as the estimate may be rough.
     """
     draw = np.random.default_rng(6)
     for _ in range(20):
@@ -94,13 +95,13 @@ def test_the_default_regularisation_follows_the_speed_of_variants_and_cases(spin
     assert v_r < STANDARD
 
 
-# the first is also what the default is at the speed of the spindle
+# the first is also the default at the speed of the spindle
 GIVEN = pytest.mark.parametrize("given", [STANDARD, 1e-3, 1e-6])
 
 
 @GIVEN
 def test_a_given_regularisation_is_kept_when_a_scene_is_changed(spindle, given):
-    """Directly, with other changes, in a case and as plain data: it does not follow the speed."""
+    """It stays at a speed that is set alone, with other keys, in a case or after `to_dict`."""
     scene = spindle.with_({KEY: given})
     for slow in (
         scene.with_({SPEED: 60.0}),

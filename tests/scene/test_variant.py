@@ -27,10 +27,10 @@ def folder(tmp_path):
 
 @pytest.mark.parametrize("kind", ["path", "plain data", "scene"])
 def test_a_variant_is_the_scene_that_the_option_set_makes(kind):
-    given = {"path": S1, "plain data": load_scene(S1).to_dict(), "scene": load_scene(S1)}[kind]
+    source = {"path": S1, "plain data": load_scene(S1).to_dict(), "scene": load_scene(S1)}[kind]
     changes = {"operation.preload_N": 9, "model.strips": 20, "friction.ball_race": 1e-5}
     texts = ["operation.preload_N=9", "model.strips=20", "friction.ball_race=1e-5"]
-    assert variant(given, changes) == load_scene(S1, texts)
+    assert variant(source, changes) == load_scene(S1, texts)
 
 
 def test_a_variant_leaves_its_plain_data_alone():
@@ -51,7 +51,7 @@ def test_a_variant_leaves_its_plain_data_alone():
         {"wear.end_of_life.pocket_clearance_mm": 0.3, "cage.pocket_clearance_mm": 0.11},
     ],
 )
-def test_new_values_of_a_checked_scene_are_those_of_its_file(changes):
+def test_changes_of_a_scene_and_of_its_file_give_the_same_scene(changes):
     scene, expected = load_scene(S1).with_(changes), variant(S1, changes)
     assert scene == expected and scene.json == expected.json
 
@@ -82,11 +82,11 @@ def test_null_for_a_required_key_is_refused():
 
 @pytest.fixture
 def fast(folder):
-    """A file based on gyro_s1."""
+    """Returns the path of a file that is based on gyro_s1, with a speed of 40 000 r/min."""
     return write(folder, "fast", "based_on: gyro_s1\nset: {operation.shaft_speed_rpm: 4e4}\n")
 
 
-def test_a_file_based_on_another_has_its_other_values(fast):
+def test_a_file_based_on_another_has_the_values_that_it_does_not_set(fast):
     scene, base = load_scene(fast), load_scene(S1)
     assert scene.operation.shaft_speed_rpm == 40000 and scene.name == "fast"
     assert scene.description == base.description and scene.cage == base.cage

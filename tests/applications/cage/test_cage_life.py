@@ -27,8 +27,9 @@ DEVIATE_95 = 1.6449  # of the normal distribution at 95 %
 
 
 def ensemble_with_work(work, motion=WITH_BALLS, error=0.1):
-    """Returns an ensemble with some work in pockets and at the land [J], and one motion.
+    """Returns an ensemble whose runs have all the same motion.
 
+    work: per turn in the pockets and at the land [J].
     error: half-width of the interval of the work, over the work.
     """
     share = np.zeros(len(MOTIONS))
@@ -44,15 +45,18 @@ def ensemble_with_work(work, motion=WITH_BALLS, error=0.1):
 def cage_life(scene, ensemble_at=None):
     """Returns the dataset of the life of a scene's cage, without that of balls and races.
 
-    ensemble_at: returns the ensemble for its number and the worn depths of pockets and land [m]; by
-        default one with the constant work `WORK`.
+    ensemble_at: returns the ensemble for its number and the worn depths of pockets and land [m]. By
+        default its work is `WORK` at any wear.
     """
     ensemble_at = ensemble_at or constant(WORK)
     return cage_life_dataset(ensemble_life(scene, ensemble_at), with_other_parts=False)
 
 
 def constant(work):
-    """Returns an `ensemble_at` whose ensembles have the same work at any wear [J]."""
+    """Returns an `ensemble_at` for `cage_life` that gives the same work at any wear.
+
+    work: per turn in the pockets and at the land [J].
+    """
     ensemble = ensemble_with_work(work)
     return lambda number, depth: ensemble
 
@@ -97,7 +101,7 @@ def test_with_constant_work_the_film_worn_through_first_ends_the_life():
     assert end_criterion(dataset) == "cage_film_worn_share"
     assert dataset.attrs["cage_ended_by"].startswith(name)
     assert numbers_in(dataset.attrs["cage_ended_by"]) == [100.0, 100.0]  # % worn, and its limit
-    turns_per_hour = 30000 * 60
+    turns_per_hour = 30000 * 60  # at the speed of the scene
     assert float(dataset["cage_hours"]) == pytest.approx(life / turns_per_hour)
 
 

@@ -96,7 +96,7 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path, lines, problem):
 
 
 def test_numbers_may_have_decimal_commas_if_semicolons_separate_columns(tmp_path):
-    """So a European Excel writes CSV, with a byte-order mark at its start."""
+    """A European Excel writes such CSV, with a byte-order mark at its start."""
     scene = scene_with_spread()
     english = ["operation.preload_N,life_h", "7.25,4.5", ",1.5e2"]
     european = ["\ufeffoperation.preload_N;life_h", "7,25;4,5", ";1,5e2"]
@@ -136,7 +136,7 @@ def test_a_scene_without_a_distribution_that_tests_need_is_refused(tmp_path, nam
 @pytest.mark.long
 @pytest.mark.parametrize("kind", ["life", "loss", "preload"])
 def test_friction_and_wear_that_made_exact_tests_are_recovered(tmp_path, kind):
-    """A batch with 0.4 times the K_s and mu 0.095, whose bearings hardly scatter."""
+    """The tested batch has 0.4 times the K_s and mu 0.095; its bearings hardly scatter."""
     wear_ratio, mu = 0.4, 0.095
     scene = scene_with_spread(wear_scatter={"distribution": "lognormal", "factor": 1.001})
     batch = scene_with_values(scene, {"ball_race": mu})
@@ -176,7 +176,7 @@ def test_after_two_lives_l10_is_as_uncertain_as_their_mean(tmp_path):
     before, after = calibration.data["batch_life_quantile"].values
     scatter = float(calibration.data["scatter"])
     assert math.log(1.3) < scatter < 0.32  # K_s scatters by 1.3; the preload adds some
-    # a factor of 3 in K_s alone, from 5 to 95 %, spans 3^3.29 = 37
+    # a factor of 3 in K_s alone spans 3^(2 x 1.645) = 37 from 5 to 95 %
     assert before[-1] / before[0] > 35.0
     # log L10 is normal about the mean of both lives; friction acts on both alike
     theory = math.exp(2.0 * DEVIATE_95 * scatter / math.sqrt(2.0))
@@ -242,14 +242,16 @@ def test_the_same_tests_give_the_same_bytes(calibrated_folder):
 
 
 def test_a_calibration_is_plotted(calibrated_folder):
-    bearingwear.plot(bearingwear.load(calibrated_folder / "calibrated.nc"))
+    figure = bearingwear.plot(bearingwear.load(calibrated_folder / "calibrated.nc"))
+    assert figure.axes and figure.get_suptitle()
 
 
 def l10_of_batches(scene, correlation):
     """Returns L10 of a batch [h] at probabilities 0.05, 0.5 and 0.95, by quadrature over friction.
 
-    The logarithm of a batch's median life is m(x) - y. Lives are solved at 13 values of friction;
-    for a known friction, K_s/H is lognormal.
+    The logarithm of a batch's median life is that of a life at its friction less that of its K_s/H
+    relative to the scene's. Lives are solved at 13 values of friction; for a known friction, K_s/H
+    is lognormal.
 
     correlation: of ln K_s/H with ln mu.
     """
@@ -262,13 +264,14 @@ def l10_of_batches(scene, correlation):
         math.log(life_hours(replace(scene_with_values(scene, {"ball_race": mu}), uncertainty=None)))
         for mu in frictions
     ]
-    u = np.linspace(-4.0, 4.0, 2001)
-    weights = norm.pdf(u) / norm.pdf(u).sum()
+    deviates = np.linspace(-4.0, 4.0, 2001)  # of ln mu, standard normal
+    weights = norm.pdf(deviates) / norm.pdf(deviates).sum()
     wear = deviation["wear_coefficient"]
-    means = CubicSpline(nodes, log_lives)(u) - correlation * wear * u
+    means = CubicSpline(nodes, log_lives)(deviates) - correlation * wear * deviates
     remaining_deviation = wear * math.sqrt(1.0 - correlation**2)
 
     def excess(log_life, probability):
+        """Returns by how much the share of batches with a shorter median life is too large."""
         return float(weights @ norm.cdf((log_life - means) / remaining_deviation)) - probability
 
     medians = [brentq(excess, -20.0, 20.0, args=(p,)) for p in (0.05, 0.5, 0.95)]
@@ -279,11 +282,11 @@ def l10_of_batches(scene, correlation):
 def test_the_calibrated_scene_keeps_the_correlation_with_friction(tmp_path):
     """Where a life depends much on friction, lives determine K_s/H and friction only together.
 
-    A sample of the calibrated scene has the L10 of its batches that a quadrature finds, and the
-    lives of bearings that the posterior has, within 2.5 %; without the correlation they are more
-    than 15 % off. The scene has lognormal distributions. The posterior follows the
-    life, whose slope with friction goes here from 0.1 to 1.9, so that the scene's L10 of a batch
-    spans somewhat more than the posterior's (a factor of 1.66 instead of 1.54).
+    A sample of the calibrated scene has the L10 of its batches that a quadrature finds. It has the
+    lives of bearings that the posterior has within 2.5 %; without the correlation they are more
+    than 15 % off. The posterior follows the life, whose slope with friction goes here from 0.1 to
+    1.9, while the scene has lognormal distributions. The scene's L10 of a batch therefore spans
+    somewhat more than the posterior's (a factor of 1.66 instead of 1.54).
     """
     settings = ["friction.ball_race=0.06", "model.contact=paper"]
     plain = load_scene(scene_file("bearing218"), settings).to_dict()
@@ -335,7 +338,7 @@ def test_tests_far_from_the_scene_are_a_conflict(tmp_path, capsys):
 
 
 def test_the_stated_interval_of_wear_is_that_of_the_calibrated_scene(tmp_path):
-    """Of a lognormal distribution, from 5 to 95 %; a scene file has five digits."""
+    """The distribution is lognormal, its interval from 5 to 95 %; a scene file has five digits."""
     scene = scene_with_spread()
     calibration = calibration_by_tests(scene, csv_file(tmp_path, "life_h", "150", "180"))
     factor = calibration.scene.uncertainty["wear_coefficient"].factor

@@ -18,7 +18,7 @@ from bearingwear.applications.calibrate.posterior import (
 
 KNOWN = Normal(0.0, 0.0)
 FAILED_FIRST = [2.5e8, 2.4e8, 2.7e8]  # lives of the handbook's first three units [revolutions]
-FAILED_LATER = [3.1e8, 3.4e8, 3.8e8, 5.1e8]  # and of four others
+FAILED_LATER = [3.1e8, 3.4e8, 3.8e8, 5.1e8]  # lives of four others [revolutions]
 PROBABILITY_ENDS = (0.05, 0.95)
 
 
@@ -41,10 +41,12 @@ class Handbook(NamedTuple):
 
     @property
     def prior(self):
+        """Returns the distribution before tests: a known friction, and an uncertain median."""
         return Prior(KNOWN, Normal(0.0, self.deviation))
 
     @property
     def model(self):
+        """Returns the model whose life is the median."""
         return constant(math.exp(self.log_median))
 
 
@@ -104,22 +106,27 @@ def test_the_posterior_of_lives_and_run_outs_is_that_of_the_handbook():
     assert_allclose([log_median, estimate.deviation], [20.23302, 0.125269], rtol=4e-6)
 
 
-def test_moments_and_quantiles_are_those_of_a_dense_quadrature():
-    """For ln K ~ N(0, 1), and lives 100/K exp(0.3 e) h, of which 40 and 55 h were observed.
+def test_moments_and_quantiles_of_wear_and_life_are_those_of_lognormal_distributions():
+    """ln K and e are standard normal, and lives are 100/K exp(0.3 e) h; 40 and 55 h were observed.
 
-    The expected numbers are from a dense quadrature.
+    The posterior of ln K is then normal, with a mean and a variance in closed form.
     """
-    model = constant(100.0)
-    tests = [observation(life, model, 0.3) for life in (40.0, 55.0)]
+    model, scatter, lives = constant(100.0), 0.3, np.array([40.0, 55.0])
+    variance = 1.0 / (1.0 + len(lives) / scatter**2)
+    log_mean = variance * np.log(100.0 / lives).sum() / scatter**2
+    tests = [observation(life, model, scatter) for life in lives]
     estimate = posterior(Prior(KNOWN, Normal(0.0, 1.0)), tests)
     K = np.exp(estimate.y)[None]
-    mean = estimate.expectation(K)
-    assert_allclose(mean, 2.10853655, rtol=5e-9)
-    assert_allclose(math.sqrt(estimate.expectation((K - mean) ** 2)), 0.44230459, rtol=2e-8)
-    assert_allclose(estimate.quantile(model, 0.1, 0.3), 30.3630596, rtol=2e-9)
-    L10 = 0.3 * norm.ppf(0.1)
+    mean, expected_mean = estimate.expectation(K), math.exp(log_mean + 0.5 * variance)
+    assert_allclose(mean, expected_mean, rtol=5e-9)
+    deviation = math.sqrt(estimate.expectation((K - mean) ** 2))
+    assert_allclose(deviation, expected_mean * math.sqrt(math.expm1(variance)), rtol=2e-8)
+    log_median, L10 = math.log(100.0) - log_mean, scatter * norm.ppf(0.1)
+    expected = math.exp(log_median + norm.ppf(0.1) * math.hypot(math.sqrt(variance), scatter))
+    assert_allclose(estimate.quantile(model, 0.1, scatter), expected, rtol=2e-9)
     ends = [estimate.median_quantile(model, p, L10) for p in PROBABILITY_ENDS]
-    assert_allclose(ends, [23.4509492, 46.4126662], rtol=2e-9)
+    expected_ends = np.exp(log_median + L10 + norm.ppf(PROBABILITY_ENDS) * math.sqrt(variance))
+    assert_allclose(ends, expected_ends, rtol=2e-9)
 
 
 class LinearExample:
@@ -176,7 +183,10 @@ def test_quantiles_of_the_life_of_another_bearing_are_lognormal():
 
 @pytest.mark.parametrize("censored", [False, True])
 def test_90_percent_intervals_contain_90_percent_of_batches_and_bearings(censored):
-    """In 200 random batches of three tested bearings; if censored, stopped at a random time."""
+    """In each of 200 random batches, three bearings are tested and a fourth one is predicted.
+
+    If censored, a test is stopped at a random time.
+    """
     random = np.random.default_rng(5)
     prior, scatter, model = Normal(0.0, 1.0), 0.3, constant(100.0)
     batch_count = bearing_count = 0
@@ -253,7 +263,7 @@ def test_a_known_friction_has_equal_quantiles():
 
 @pytest.mark.parametrize(("lives", "span"), [([], 37.0), ([8.0, 11.0], 1.83)])
 def test_two_lives_shrink_the_interval_of_l10_by_theory(lives, span):
-    """With a factor of 3 in K_s, and 1.3 within a batch; `span` is the ratio of 95 % to 5 %."""
+    """K_s has a factor of 3, and 1.3 within a batch; `span` is the ratio of the 95 % end to 5 %."""
     scatter, deviation = math.log(1.3), math.log(3.0)
     model = constant(10.0)
     tests = [observation(life, model, scatter) for life in lives]

@@ -16,10 +16,8 @@ from bearingwear.scene.scene import SceneError
 from bearingwear.solvers.solve import solve
 
 SPEEDS = [1000.0, 3000.0, 5000.0, 7000.0, 9000.0]
-MASS, SPAN = 3.0, 0.06
-
-
-FROM_ROSS = [1, 2, 0]  # places of its x, y and z here
+MASS, SPAN = 3.0, 0.06  # of the rotor [kg], between its bearings [m]
+FROM_ROSS = [1, 2, 0]  # indices here of the axes x, y and z of ROSS
 RAD_S = math.pi / 30.0  # of 1 r/min
 
 
@@ -56,7 +54,8 @@ def test_csv_has_the_stiffness_matrices_of_solves(pair, files):
     ]
     result = solve(pair.with_({"operation.shaft_speed_rpm": SPEEDS[2]}))
     expected = result.values["stiffness_matrix"][0]
-    K = np.array([[float(rows[4][f"k_{p}_{q}"]) for q in DOFS] for p in DOFS])
+    row = rows[4]  # of bearing 1 at SPEEDS[2]
+    K = np.array([[float(row[f"k_{p}_{q}"]) for q in DOFS] for p in DOFS])
     assert np.allclose(K, expected, rtol=1e-12, atol=1e-14 * expected.max())  # rounding
 
 
@@ -71,16 +70,16 @@ def test_toml_has_the_axes_and_units_of_ross(over_speed, files):
 
 
 def test_the_key_of_the_speeds_depends_on_the_version_of_ross(files):
-    for_2, for_3 = (
+    element_2, element_3 = (
         tomllib.loads((files / f"{name}.toml").read_text())[f"BearingElement_{name}"]
         for name in ("ross2", "ross3")
     )
-    assert for_2["frequency"] == for_3["speed"]
-    assert "speed" not in for_2 and "frequency" not in for_3
+    assert element_2["frequency"] == element_3["speed"]
+    assert "speed" not in element_2 and "frequency" not in element_3
 
 
 def test_stiffness_with_released_tilt_is_that_without_moments(over_speed):
-    """By the inverse of the matrix, whose upper left part is the flexibility under forces alone."""
+    """The upper left part of the inverse matrix is the flexibility under forces alone."""
     released = over_speed.ross_matrices(tilt="released")
     for K, K_released in zip(over_speed.matrices[:, 0], released, strict=True):
         flexibility = np.linalg.inv(K)[:3, :3]
@@ -89,15 +88,16 @@ def test_stiffness_with_released_tilt_is_that_without_moments(over_speed):
 
 
 def test_released_tilt_softens_a_bearing_radially_but_not_axially(over_speed):
+    """The radial stiffness falls to 0.05 to 0.1, measured."""
     K_held, K_released = over_speed.ross_matrices(), over_speed.ross_matrices(tilt="released")
-    assert (K_released[:, 0, 0] < 0.6 * K_held[:, 0, 0]).all()
+    assert (K_released[:, 0, 0] < 0.2 * K_held[:, 0, 0]).all()
     assert K_released[:, 2, 2] == pytest.approx(K_held[:, 2, 2])
 
 
 def test_a_node_at_the_effective_arm_has_no_coupling(over_speed):
-    """Less than 3 % of that at the bearing, as the arm is the mean over all speeds."""
+    """Less than 3 % of the coupling at the bearing is left: the arm is a mean over all speeds."""
     arm = over_speed.effective_arm()
-    pitch_radius, contact_angle = 0.0325, math.radians(16.0)  # at speed, nearly
+    pitch_radius, contact_angle = 0.0325, math.radians(16.0)  # of a 7010C, at speed, nearly
     assert arm == pytest.approx(pitch_radius * math.tan(contact_angle), rel=0.1)
     bearing_by_node = np.eye(5)  # displacement of the bearing by that of the node
     bearing_by_node[2, 3] = -arm
@@ -108,7 +108,7 @@ def test_a_node_at_the_effective_arm_has_no_coupling(over_speed):
 
 
 def test_bearings_in_tandem_are_one_side(pair):
-    """Two in tandem share the load of the third one, so that each is less stiff than it."""
+    """Two in tandem share the load of the third, so that each is less stiff than the third."""
     tandem = pair.with_({"arrangement.tandem": [2, 1]})
     K_tandem, K_single = StiffnessOverSpeed.of(tandem, [5000.0]).matrices[0]
     assert K_tandem.shape == K_single.shape == (5, 5)
