@@ -23,9 +23,9 @@ previous_hook = sys.excepthook
 
 
 def print_exception(kind, *details):
-    """Prints an exception that nobody handled, as the previous hook does; nothing for Ctrl-C.
+    """Prints an unhandled exception as the previous hook does; nothing for Ctrl-C.
 
-    Ctrl-C would otherwise give a traceback while Snakemake reads rules.
+    Ctrl-C would otherwise print a traceback while Snakemake reads rules.
 
     kind: class of the exception.
     *details: the exception and its traceback.
