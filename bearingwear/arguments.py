@@ -421,8 +421,7 @@ def _limit_of_ramp(text: str) -> tuple[str, float]:
 def _course(text: str) -> list[tuple[float, float]]:
     """Returns the pairs of time [s] and shaft speed [r/min] in a text such as `0:0,10:6000`.
 
-    ArgumentTypeError: a pair that does not consist of two numbers, or times that do not rise from
-    0.
+    ArgumentTypeError: a pair that is not two numbers, or times that do not rise from 0.
     """
     points = []
     for pair in text.split(","):
@@ -476,9 +475,7 @@ def _names(text: str) -> list[str]:
 def _part(text: str) -> tuple[int, int]:
     """Returns K, the number of a part, and N, the count of all parts, of a text K/N.
 
-    The sweep itself checks that 1 <= K <= N.
-
-    ArgumentTypeError: a text of another form.
+    ArgumentTypeError: a text of another form. The sweep itself checks that 1 <= K <= N.
     """
     part, _, parts = text.partition("/")
     if not (part.isdecimal() and parts.isdecimal()):

@@ -142,7 +142,7 @@ def _print_bearings(words: list[str]) -> int:
 def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
     """Returns the scene's file and the designation in the typed words of `new`.
 
-    Without a file, it is named after the designation. Without a designation, that is None.
+    If no file is typed, it is named after the designation. If no designation is typed, it is None.
 
     names: words in the order of typing; the file may also come last, and the designation may have
         spaces.

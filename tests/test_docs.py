@@ -38,7 +38,8 @@ def without_code(text: str) -> str:
 def anchors(page: Path) -> set[str]:
     """Returns the anchors (the text after #) of the headings of a page."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
-    return {re.sub(r"[^\w -]", "", h.lower()).strip().replace(" ", "-") for h in headings}
+    names = [re.sub(r"[^\w -]", "", heading.lower()).strip() for heading in headings]
+    return {name.replace(" ", "-") for name in names}
 
 
 def test_the_readme_is_short_and_links_to_the_main_pages():
@@ -66,13 +67,11 @@ def test_the_report_page_defines_a_term_as_the_glossary_does(term):
 
 def test_every_page_is_in_the_navigation():
     def leaves(entry):
+        """Returns the pages of an entry of the navigation."""
         if isinstance(entry, str):
             return [entry]
-        return [
-            leaf
-            for below in (entry.values() if isinstance(entry, dict) else entry)
-            for leaf in leaves(below)
-        ]
+        entries = entry.values() if isinstance(entry, dict) else entry
+        return [leaf for inner_entry in entries for leaf in leaves(inner_entry)]
 
     site = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
     generated = {"reference/keys.md", "reference/commands.md", "contributing.md", "changelog.md"}
@@ -137,9 +136,9 @@ def test_cited_equations_and_sections_exist():
     cited = []
     for path in citing_files():
         text = path.read_text(encoding="utf-8")
-        cited += [(path, e) for pair in CITED.findall(text) for e in pair if e]
+        cited += [(path, number) for pair in CITED.findall(text) for number in pair if number]
         assert set(SECTION.findall(text)) <= set(numbers), path
-    assert len(cited) > 25
+    assert len(cited) > 25  # so that citations are found at all
     assert not [(path, number) for path, number in cited if number not in tags]
 
 

@@ -51,7 +51,7 @@ MAY_IMPORT = {
 }
 MAY_COMPILE = {"kernels"}
 NO_NUMBA = {"kerneljit.interrupt", "kerneljit.project", "kerneljit.versions"}
-"""What everybody may import of `kerneljit`, which imports nothing of the package."""
+"""Modules of `kerneljit` that any part may import, since they do not import numba."""
 
 BETWEEN_STUDIES = {
     "accuracy": {"cage.plan", "cage.ensemble"},  # ensembles of short and of long runs
@@ -144,10 +144,10 @@ MODELS_OF_APPLICATIONS = {
 """What single applications import of the models besides."""
 
 MOST_IMPORTS = {"solvers": 12, "lives": 15}
-"""Of other modules of the package in a file, kernels aside: more is a meeting room."""
+"""Largest number of other modules of the package, besides kernels, that a file may import."""
 
 MOST_FILES = 15
-"""In a folder of `solvers` and `lives`."""
+"""Largest number of files in a folder of `solvers` or `lives`."""
 
 LIBRARIES = {
     "kernels": {"numpy"},
@@ -219,10 +219,10 @@ def may_import(module: Path, name: str) -> bool:
 def forbidden_imports(is_allowed, files):
     """Returns the imports that are not allowed, as text."""
     return [
-        f"{m} imports {name}"
-        for m in files
-        for name in imported_names(m)
-        if not is_allowed(m, name)
+        f"{file} imports {name}"
+        for file in files
+        for name in imported_names(file)
+        if not is_allowed(file, name)
     ]
 
 
@@ -233,29 +233,26 @@ def test_imports_point_downward():
 def test_files_and_folders_of_solvers_and_lives_are_small():
     """Few imports in a file, and few files in a folder."""
     crowded, folders = {}, Counter[Path]()
-    for module in (m for m in source_paths() if part_of(m) in MOST_IMPORTS):
+    for module in [path for path in source_paths() if part_of(path) in MOST_IMPORTS]:
         folders[module.parent] += 1
         names = {name for name in imported_names(module) if name.startswith("bearingwear.")}
         names = {name for name in names if not name.startswith("bearingwear.kernels")}
         if len(names) > MOST_IMPORTS[part_of(module)]:
             crowded[str(module)] = len(names)
     assert not crowded
-    assert not {str(folder): n for folder, n in folders.items() if n > MOST_FILES}
+    assert not {str(folder): count for folder, count in folders.items() if count > MOST_FILES}
 
 
 def is_independent(module: Path, name: str) -> bool:
-    """Returns whether an import keeps a study independent of the others."""
-    study_of_module = module.parts[2]
-    _, studies, study, *rest = [*name.split("."), "", "", ""][:5]
-    if studies != "studies" or not study or not ROOT.joinpath(*name.split(".")[:3]).is_dir():
+    """Returns whether an import of a module of a study keeps it independent of other studies."""
+    parts, study = name.split("."), module.parts[2]
+    if len(parts) < 3 or parts[1] != "studies" or not ROOT.joinpath(*parts[:3]).is_dir():
         return True
-    return study == study_of_module or f"{study}.{rest[0]}" in BETWEEN_STUDIES.get(
-        study_of_module, set()
-    )
+    return parts[2] == study or ".".join(parts[2:4]) in BETWEEN_STUDIES.get(study, set())
 
 
 def is_free_of_studies(module: Path, name: str) -> bool:
-    """Returns whether an import of a shared module is of no single study."""
+    """Returns whether an import of a module that studies share is from no single study."""
     folder = PACKAGE.joinpath(*name.split(".")[1:3])
     if not name.startswith("bearingwear.studies.") or not folder.is_dir():
         return True
@@ -267,7 +264,8 @@ def test_studies_import_only_shared_modules():
     of_studies = [module for module in in_studies if len(module.parts) > 3]  # in their folders
     assert any(len(module.parts) > 4 for module in of_studies)
     assert not forbidden_imports(is_independent, of_studies)
-    assert not forbidden_imports(is_free_of_studies, (m for m in in_studies if m not in of_studies))
+    shared = [module for module in in_studies if module not in of_studies]
+    assert not forbidden_imports(is_free_of_studies, shared)
 
 
 APPLICATIONS = sorted(path.parent.name for path in PACKAGE.glob("applications/*/__init__.py"))
@@ -275,9 +273,8 @@ APPLICATIONS = sorted(path.parent.name for path in PACKAGE.glob("applications/*/
 
 def application_of(name: str) -> str:
     """Returns the application that a dotted name belongs to; empty for others."""
-    return name.removeprefix("bearingwear.applications.").split(".")[0] * name.startswith(
-        "bearingwear.applications."
-    )
+    prefix = "bearingwear.applications."
+    return name.removeprefix(prefix).split(".")[0] if name.startswith(prefix) else ""
 
 
 def is_public(module: Path, name: str) -> bool:
@@ -297,11 +294,12 @@ def is_free_of_applications(module: Path, name: str) -> bool:
 
 
 def test_applications_import_only_the_public_interface():
-    """One of them at least imports each module that INTERFACE or MODELS_OF_APPLICATIONS lists."""
-    files = [m for m in source_paths() if part_of(m) == "applications" and len(m.parts) > 3]
-    assert {m.parts[2] for m in files} == set(APPLICATIONS)
+    """At least one of them imports each module that INTERFACE or MODELS_OF_APPLICATIONS lists."""
+    in_applications = [path for path in source_paths() if part_of(path) == "applications"]
+    files = [path for path in in_applications if len(path.parts) > 3]  # in their folders
+    assert {file.parts[2] for file in files} == set(APPLICATIONS)
     assert not forbidden_imports(is_public, files)
-    used = {(m.parts[2], name) for m in files for name in imported_names(m)}
+    used = {(file.parts[2], name) for file in files for name in imported_names(file)}
     names = {name.removeprefix("bearingwear.") for _, name in used}
     assert not INTERFACE - names
     for application, modules_of_models in MODELS_OF_APPLICATIONS.items():
@@ -310,10 +308,11 @@ def test_applications_import_only_the_public_interface():
 
 def test_nothing_imports_an_application():
     """One application does not import another, either; a study of accuracy is an exception."""
-    mine = Path("workflow/studies/accuracy/cages.py")  # on the accuracy of an ensemble
-    files = [m for m in source_paths() if m not in (mine, Path("bearingwear/__init__.py"))]
+    exception = Path("workflow/studies/accuracy/cages.py")  # on the accuracy of an ensemble
+    exceptions = exception, Path("bearingwear/__init__.py")
+    files = [path for path in source_paths() if path not in exceptions]
     assert not forbidden_imports(is_free_of_applications, files)
-    # what an editable installation loads before it is no matter of the package
+    # an editable installation may load modules before the package
     loaded = modules_loaded_by("import bearingwear") - modules_loaded_by("import sys")
     assert "bearingwear" in loaded and not loaded & {"argparse", "pathlib"}
 

@@ -1,4 +1,4 @@
-"""Each row of the table of measures is everywhere where a measure has to be."""
+"""Each row of the table of measures appears wherever a measure has to: in keys, sheets, figures."""
 
 import json
 from dataclasses import replace
@@ -60,7 +60,7 @@ OF_RACES = {"gyroscopic_slip_share", "film_worn_share"}
 
 
 def state_at(measure: Measure, ratio: float) -> State:
-    """Returns a state with one measure at a ratio to its limit, and the others nearly unknown."""
+    """Returns a state with one measure at a ratio to its limit, and almost no other values."""
     limit_values = {name: value_at(measure, ratio) for name in measure.variables}
     limit_values |= {
         name: np.array([0.1, 1.0]) * limit_values[name] for name in OF_RACES & limit_values.keys()
@@ -78,6 +78,18 @@ def scene_with_criterion(name: str):
     return replace(scene, wear=replace(scene.wear, end_of_life=EndOfLife(**{name: LIMIT})))
 
 
+class EndCriterion:
+    """Stands for the variable of an open file with the criterion that ended a life."""
+
+    flag_meanings = " ".join(CRITERIA)
+
+    def __init__(self, name):
+        self._code = CRITERIA.index(name)
+
+    def __getitem__(self, _):
+        return self._code
+
+
 class File:
     """Stands for an open result file, as far as the sheets read it.
 
@@ -85,22 +97,10 @@ class File:
     """
 
     def __init__(self, arrays, end, scene="{}"):
-        self.variables, self.scene = dict(arrays), scene
-        flag = SimpleNamespace(flag_meanings=" ".join(CRITERIA))
-        self._end = CRITERIA.index(end), flag
+        self.variables, self.scene, self._end = dict(arrays), scene, EndCriterion(end)
 
     def __getitem__(self, name):
-        if name == "end_criterion":
-            k, flag = self._end
-
-            class Flag:
-                flag_meanings = flag.flag_meanings
-
-                def __getitem__(self, _):
-                    return k
-
-            return Flag()
-        return np.asarray(self.variables[name])
+        return self._end if name == "end_criterion" else np.asarray(self.variables[name])
 
 
 WORSE_WHEN_LESS = {
@@ -145,7 +145,7 @@ def test_margins_are_negative_beyond_the_limit(measure):
     ids=lambda measure: measure.key,
 )
 def test_the_excess_over_a_limit_is_the_ratio_of_value_and_limit(measure):
-    """Some measures count from a base; inverse for one that must not fall."""
+    """It is the inverse if the measure falls. The `base` of a measure is added to both numbers."""
     limit = measure.file_limit(LIMIT, 1.0)
     twice_as_critical = limit / 2.0 if measure.falls else 2.0 * limit
     expected = (2.0 * LIMIT + measure.base) / (LIMIT + measure.base)
@@ -311,7 +311,7 @@ def test_every_limit_of_a_design_is_a_key_and_an_option(name):
     assert DesignLimits(**{name: LIMIT}).given == {name: LIMIT}
     args = command_parser().parse_args(["recommend", "a.yaml", measure.option, str(LIMIT)])
     assert getattr(args, name) == LIMIT
-    assert sum(item.option == measure.option for item in MEASURES) == 1
+    assert [other.option for other in MEASURES].count(measure.option) == 1
 
 
 @of_limits
@@ -349,8 +349,11 @@ def test_a_limit_of_a_design_applies_to_the_worst_value_along_a_life(name, monke
 @of_all
 def test_a_measure_of_a_pair_is_that_of_its_worse_bearing(measure, monkeypatch):
     """One bearing is at 1.2 times the limit and the other at 0.3, in either order."""
-    lowest = lambda _, both: min(item["lowest_frequency"] for item in both)  # noqa: E731
-    monkeypatch.setattr(many, "lowest_frequency", lowest)
+
+    def lowest_of_states(_, states):
+        return min(state["lowest_frequency"] for state in states)
+
+    monkeypatch.setattr(many, "lowest_frequency", lowest_of_states)
     rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))
     critical_state, safe_state = state_at(measure, 1.2), state_at(measure, 0.3)
     for both in ((critical_state, safe_state), (safe_state, critical_state)):
@@ -362,12 +365,11 @@ def test_a_measure_of_a_pair_is_that_of_its_worse_bearing(measure, monkeypatch):
 
 def test_a_measure_of_several_variables_is_the_worst_of_them_and_names_it():
     """Two stiffnesses have values [N/m] at two states; margins to 2.5 N/um are shares of it."""
-    both = replace(
-        LIMITED["axial_stiffness_N_um"],
-        variables=("axial_stiffness", "skid_ratio"),
-        kinds=("dynamic", "quasi-static"),
-    )
-    case_values = {"axial_stiffness": np.array([3e6, 5e6]), "skid_ratio": np.array([4e6, 2e6])}
-    assert both.critical(case_values.__getitem__) == (2e6, "skid_ratio")
-    assert both.worst(case_values).tolist() == [3e6, 2e6]
-    assert both.margins(case_values, 2.5).tolist() == pytest.approx([0.2, -0.2])
+    measure = LIMITED["axial_stiffness_N_um"]
+    values = {
+        "axial_stiffness": np.array([3e6, 5e6]),
+        "quasistatic_axial_stiffness": np.array([4e6, 2e6]),
+    }
+    assert measure.critical(values.__getitem__) == (2e6, "quasistatic_axial_stiffness")
+    assert measure.worst(values).tolist() == [3e6, 2e6]
+    assert measure.margins(values, 2.5).tolist() == pytest.approx([0.2, -0.2])

@@ -1,4 +1,4 @@
-"""Mistakes that people make in commands and scenes: a helpful line refuses each of them."""
+"""Mistakes that people make in commands and scenes: each is refused with helpful advice."""
 
 import re
 from pathlib import Path
@@ -246,7 +246,7 @@ NEAREST_KEYS = {
 
 def typed_words(text):
     """Returns the words of a line, of which a quoted one may have spaces."""
-    return [a or b for a, b in re.findall(r"'([^']*)'|(\S+)", text)]
+    return [quoted or bare for quoted, bare in re.findall(r"'([^']*)'|(\S+)", text)]
 
 
 def text_with_line(text, line):
@@ -255,16 +255,16 @@ def text_with_line(text, line):
     key = NEAREST_KEYS.get(key, key.partition(" ")[0])
     inline = re.compile(rf"(?<=[{{ ]){key}: (?:\[[^]]*\]|[^,\]}}\n#]*)")
     if line.startswith("\t"):
-        return re.sub(rf"^ +{key}: .*$", line.replace("\\", ""), text, count=1, flags=re.M)
+        return re.sub(rf"^ +{key}: .*$", line, text, count=1, flags=re.M)
     if "{" in line:
         return re.sub(rf"{key}: .*", line, text, count=1)
-    begins = {match.start() for match in re.finditer(r"^#.*$", text, re.M)}
-    result = next(
-        item
-        for item in inline.finditer(text)
-        if text.rfind("\n", 0, item.start()) + 1 not in begins
-    )
-    return text[: result.start()] + line + " " + text[result.end() :]
+    comments = {match.start() for match in re.finditer(r"^#.*$", text, re.M)}
+    matches = [
+        match
+        for match in inline.finditer(text)
+        if text.rfind("\n", 0, match.start()) + 1 not in comments
+    ]
+    return text[: matches[0].start()] + line + " " + text[matches[0].end() :]
 
 
 def refusal(argv, capsys):

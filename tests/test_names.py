@@ -23,7 +23,7 @@ IN_EACH_APPLICATION = "APPLICATION"
 
 
 def public_names(body: Sequence[ast.stmt]) -> Iterator[str]:
-    """Functions, classes and constants that statements at the top of a module define."""
+    """Yields the public names that statements at the top of a module define."""
     for node in body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             names = [node.name]
@@ -45,9 +45,9 @@ def public_names(body: Sequence[ast.stmt]) -> Iterator[str]:
 
 
 def defined_twice(*folders: Path) -> dict[str, list[str]]:
-    """Names that more than one module defines, with the files."""
+    """Returns the public names that more than one module defines, each with its files."""
     files: dict[str, list[str]] = {}
-    for top, path in sorted((folder, p) for folder in folders for p in folder.rglob("*.py")):
+    for top, path in sorted((folder, file) for folder in folders for file in folder.rglob("*.py")):
         place = path.relative_to(top)
         if place.as_posix() in REPEATING or "__pycache__" in place.parts:
             continue
@@ -62,7 +62,7 @@ def test_no_public_name_has_two_meanings():
 
 
 def lines_of(function: ast.FunctionDef) -> int:
-    """Lines of a function without its docstring."""
+    """Returns the number of lines of a function without its docstring."""
     first = function.body[0]
     has_docstring = ast.get_docstring(function) is not None
     docstring = (first.end_lineno or 0) - first.lineno + 1 if has_docstring else 0

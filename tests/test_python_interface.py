@@ -53,7 +53,7 @@ def assert_read_by_xarray(dataset, folder):
 
 
 def printed_json(capsys, *argv, status=0):
-    """Returns the JSON that a command prints."""
+    """Returns the JSON that a command prints, which must end with an exit status."""
     capsys.readouterr()
     assert main([*map(str, argv), "--json"]) == status
     return json.loads(capsys.readouterr().out)

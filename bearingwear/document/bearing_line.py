@@ -59,10 +59,7 @@ def _boundary_dimensions_phrase(bearing: Mapping[str, Any]) -> str:
 
 
 def _speed_and_friction_phrases(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
-    """States the range of the speeds in all cases, and of the friction coefficients if all exist.
-
-    scenes: the content of the scene in each case.
-    """
+    """States the range of the speeds of scenes, and of their friction coefficients if all exist."""
     speeds = [scene["operation"]["shaft_speed_rpm"] for scene in scenes]
     frictions = [scene["friction"].get("ball_race") for scene in scenes]
     phrases = [f"{_range_text(speeds)} r/min"]

@@ -200,10 +200,7 @@ def _lives_with_spread(file: Any) -> Iterator[_LifeWithSpread]:
 
 
 def _lives_at_preload_choices(file: Any, kind: str) -> Iterator[_LifeWithSpread]:
-    """Yields the lives at the scene's own and the recommended preload that a file contains.
-
-    kind: of the file; only one of uncertainty may contain both.
-    """
+    """Yields the lives at the scene's own and the recommended preload that a file contains."""
     frictions = variable_values(file, "friction").tolist() if "friction" in file.variables else []
     scene_friction = stored_scene(file)["friction"].get("ball_race")
     choices = variable_values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,)
@@ -224,10 +221,7 @@ def _preload_methods(file: Any) -> list[str]:
 
 
 def _coordinate_text(file: Any, name: str) -> str:
-    """Lists the values of a coordinate, or the first and the last of many, with their unit.
-
-    Empty for a dimension without a coordinate.
-    """
+    """Lists the values of a coordinate, or the ends of many, with the unit; "" without one."""
     if name not in file.variables or file[name].dimensions != (name,):
         return ""
     flags = str(getattr(file[name], "flag_meanings", "")).split()

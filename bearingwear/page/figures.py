@@ -64,7 +64,7 @@ def drawings(files: Sequence[Path]) -> Iterator[Drawing]:
 
 def _data_behind(root: ET.Element) -> list[Path]:
     """Returns the files that an SVG figure names as its source, and tables of their numbers."""
-    text = next((node.text or "" for node in root.iter(_SOURCE)), "").strip()
+    text = (root.findtext(f".//{_SOURCE}") or "").strip()
     files = [Path(path) for path in text.split(DATA_SEPARATOR) if path]
     tables = [
         file.parent / "tables" / f"{AS_CSV[file.name]}.csv" for file in files if file.name in AS_CSV
@@ -85,7 +85,7 @@ def _drawing(file: Path, png: Path | None) -> Drawing:
         reason = " ".join(str(error).split())
         raise CaseFileError(f"{file}: cannot be read ({reason}), expected an SVG figure") from None
     message = (root.findtext(TITLE) or file.stem.replace("_", " ")).strip()
-    description = next((node.text or "" for node in root.iter(DESCRIPTION)), "").strip()
+    description = (root.findtext(f".//{DESCRIPTION}") or "").strip()
     data = _data_behind(root)
     # the page shows the message beside the figure
     message_height = _remove_message(root)

@@ -353,9 +353,9 @@ def _page_answers(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Pag
 def _sketch_of_first_answer(
     scenes: Sequence[Mapping[str, Any]], answers: Sequence[PageAnswer]
 ) -> Markup:
-    """Returns the sketch of the bearing of the first answer, at its recommended preload if any.
+    """Returns the sketch of the first answer's bearing, else of the first scene; "" without scenes.
 
-    Without answers, the sketch is of the first scene; without scenes, it is empty.
+    The preload is the recommended one, if there is one.
     """
     if not scenes:
         return Markup()
@@ -427,10 +427,7 @@ _SINGULAR = {"lives": "life", "cases": "case", "dynamic cases": "dynamic case"}
 def _warnings_with_counts(
     datasets: Sequence[xr.Dataset], scene: Mapping[str, Any]
 ) -> Iterator[tuple[str, str]]:
-    """Yields each warning of a scene, and words for the numbers of cases and lives that have it.
-
-    The warning is the one of the largest excess in all datasets of the scene.
-    """
+    """Yields each warning of a scene at its largest excess, and how many results have it."""
     merged = {"warnings": merged_warnings(dataset.attrs for dataset in datasets)}
     for warning in warnings_in(merged):
         counts = [

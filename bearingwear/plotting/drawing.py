@@ -140,10 +140,7 @@ def _set_plain_log_labels(figure: Figure) -> None:
 
 
 def _svg_metadata(figure: Figure) -> dict[str, str | None]:
-    """Returns message, labels and data files of a figure as metadata of an SVG.
-
-    They serve readers who cannot see the figure.
-    """
+    """Returns message, labels and data files as SVG metadata, for readers who see no figure."""
     ordinates = _distinct_texts(axes.get_ylabel() for axes in figure.axes)
     abscissae = _distinct_texts(axes.get_xlabel() for axes in figure.axes)
     panels = _distinct_texts(axes.get_title(loc="left") for axes in figure.axes)
@@ -198,10 +195,7 @@ def list_failed(axes: Any, names: list[str]) -> None:
 
 
 def key(label: str, **style: Any) -> Line2D:
-    """Returns an entry of a legend: a line without points.
-
-    **style: of the line, as in Matplotlib.
-    """
+    """Returns an entry of a legend: a line without points, whose style is as in Matplotlib."""
     return Line2D([], [], label=label, **style)
 
 

@@ -47,7 +47,7 @@ def test_every_format_states_limits_that_differ_between_bearings():
 
 
 def test_the_sheet_of_a_spring_pair_has_each_quantity_once(scene):
-    """One bearing takes the spring force of 7 N, the other one the external 2 N as well."""
+    """One bearing carries the spring force of 7 N, and the other one the external 2 N as well."""
     changes = {
         "arrangement.kind": "spring_pair",
         "arrangement.orientation": "back_to_back",
@@ -56,10 +56,10 @@ def test_the_sheet_of_a_spring_pair_has_each_quantity_once(scene):
     blocks = sheet_of_result(solve(scene("gyro_s1", changes))).blocks
     names = [row.name for block in blocks for row in block.rows]
     assert "maximum_pressure" in names and len(names) == len(set(names))
-    columns, preload = next(
+    ((columns, preload),) = [
         (block.columns, row)
         for block in blocks
         for row in block.rows
         if row.name == "residual_preload"
-    )
+    ]
     assert columns == ("bearing 1", "bearing 2") and preload.values == pytest.approx((9.0, 7.0))

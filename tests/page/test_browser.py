@@ -28,24 +28,24 @@ if not REQUIRED:
 
 # Elements that reach beyond the edge of the screen, that are cut, or that scroll without a cue.
 TOO_WIDE = """() => {
-  const found = [];
-  const shown = document.documentElement.clientWidth;
-  if (document.documentElement.scrollWidth > shown) found.push("the page itself");
+  const faults = [];
+  const width = document.documentElement.clientWidth;
+  if (document.documentElement.scrollWidth > width) faults.push("the page itself");
   for (const node of document.body.querySelectorAll("*")) {
     const box = node.getBoundingClientRect();
     if (!box.width || node.closest("script, style, svg")) continue;
     const scrolled = node.parentElement.closest("nav, .wide, .plot");
-    if (!scrolled && box.right > shown + 1) found.push("beyond the edge: " + node.outerHTML);
+    if (!scrolled && box.right > width + 1) faults.push("beyond the edge: " + node.outerHTML);
     const hidden = node.scrollWidth > node.clientWidth + 1 && node.clientWidth > 0;
     const inline = getComputedStyle(node).display.startsWith("inline");
     if (!hidden || inline) continue;
-    if (!node.matches("nav, .wide, .plot")) found.push("cut: " + node.outerHTML);
+    if (!node.matches("nav, .wide, .plot")) faults.push("cut: " + node.outerHTML);
     const cue = node.matches(".plot")
       ? node.nextElementSibling.getBoundingClientRect().height > 0
       : getComputedStyle(node).backgroundImage.includes("gradient");
-    if (!cue) found.push("no cue: " + node.outerHTML);
+    if (!cue) faults.push("no cue: " + node.outerHTML);
   }
-  return found.map((text) => text.slice(0, 200));
+  return faults.map((text) => text.slice(0, 200));
 }"""
 
 # Visible texts of more than 12 characters in boxes narrower than three times their letters' size.
@@ -61,8 +61,8 @@ CONTRASTS = """() => {
     .map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4))
     .reduce((sum, c, k) => sum + c * [0.2126, 0.7152, 0.0722][k], 0);
   const behind = (node) => {
-    for (let one = node; one; one = one.parentElement) {
-      const colour = rgba(getComputedStyle(one).backgroundColor);
+    for (let parent = node; parent; parent = parent.parentElement) {
+      const colour = rgba(getComputedStyle(parent).backgroundColor);
       if (colour.length < 4 || colour[3] > 0) return colour;
     }
     return [255, 255, 255];
@@ -129,7 +129,7 @@ def opened(browser, path):
 
 def unfold(page):
     """Opens all folded parts of a page."""
-    page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
+    page.evaluate("for (const part of document.querySelectorAll('details')) part.open = true")
 
 
 @pytest.mark.parametrize("size", [DESK, PHONE])
@@ -181,9 +181,9 @@ def test_text_has_enough_contrast_in_both_schemes(opened, scheme):
 
 
 def test_every_link_leads_to_a_file_or_an_element(opened, path):
-    """As the browser resolves it; an element stands once."""
+    """As the browser resolves it; there is only one element of a name."""
     page, _ = opened()
-    links = page.eval_on_selector_all("a", "links => links.map((one) => one.href)")
+    links = page.eval_on_selector_all("a", "links => links.map((link) => link.href)")
     assert links
     for link in links:
         file, _, place = link.removeprefix("file://").partition("#")

@@ -96,12 +96,11 @@ def check_self_contained(text):
 
 
 def test_the_page_is_one_file_that_fetches_nothing(page_text):
-    """See `check_self_contained`."""
     check_self_contained(page_text)
 
 
 def test_the_page_has_all_figures_counts_and_sections_of_a_study(page_text):
-    """Sections are the targets of links: answers, a slider, the scene, figures, terms."""
+    """Links lead to the sections: answers, a slider, the scene, figures, and terms."""
     tree = parsed(page_text)
     assert len(list(tree.iter("img"))) == len(FIGURES)
     assert "8 of 8 cases, 4 of 4 lives" in words(tree)  # 2 methods, 2 frictions, 2 losses
@@ -276,7 +275,7 @@ def test_a_heavy_figure_is_a_bitmap(small_project, page_of, monkeypatch):
 
 
 def test_a_figure_that_is_not_heavy_is_no_bitmap(page_of, monkeypatch):
-    """With a limit of ten million bytes all figures are SVG."""
+    """With a limit of ten million bytes, all figures are SVG."""
     monkeypatch.setattr(figures, "HEAVY", 10_000_000)
     assert "data:image/png" not in page_of()
 

@@ -138,7 +138,7 @@ def test_a_file_that_is_loaded_and_saved_is_the_same(file_of, kind, tmp_path):
 
 
 def shown(capsys, *argv):
-    """The sheet of two files as JSON, and its quantities by block and name."""
+    """Returns the sheet that `show` prints as JSON, and its quantities by block and name."""
     capsys.readouterr()
     run_command("show", *argv, "--json")
     sheet = json.loads(capsys.readouterr().out)
@@ -196,7 +196,7 @@ def test_one_changed_number_is_shown_with_its_percentage(
 
 
 def test_keys_and_attributes_that_differ_stand_below(file_of, tmp_path, capsys):
-    """A solve has other keys; its file gets another source hash and an attribute of its own."""
+    """One file has two other keys, another source hash, and one attribute more."""
     changed = tmp_path / "changed.nc"
     changes = "operation.preload_N=9", "friction.ball_race=0.05"
     run_command("solve", SCENE, "-o", changed, "--set", *changes)
@@ -214,14 +214,14 @@ def test_keys_and_attributes_that_differ_stand_below(file_of, tmp_path, capsys):
 
 
 def test_units_and_missing_numbers_of_two_files(file_of, tmp_path, capsys):
-    """A quantity has one unit in both columns; what one lacks is missing there."""
+    """A quantity has one unit in both columns; a value that one file lacks is null."""
     copy = tmp_path / "copy.nc"
     shutil.copy(file_of["steady case"], copy)
     with netCDF4.Dataset(copy, "a") as file:
         file["maximum_pressure"][...] *= 0.01
         file["orbit_speed"][...] = np.nan
     _, rows = shown(capsys, file_of["steady case"], copy)
-    (pressure,) = (v for (_, name), v in rows.items() if name == "maximum_pressure.inner")
+    (pressure,) = [values for (_, name), values in rows.items() if name == "maximum_pressure.inner"]
     assert pressure["B"] == pytest.approx(0.01 * pressure["A"])
     assert pressure["difference, %"] == pytest.approx(-99.0)
     speed = rows["bearing", "orbit_speed"]
@@ -251,16 +251,7 @@ def test_the_former_command_compare_says_what_to_type(capsys):
     assert "bearingwear show A.nc B.nc" in only_line(capsys)
 
 
-# the conventions
-
-# What the checker asks for beyond the conventions, where a dimension is called `time`: that it has
-# dates (CF 4.4 asks for a date to count from only of times that are dates; ours count from the
-# start of a run), and that the name in cell_methods is that of a dimension (7.3 also allows a
-# standard name, as `time` is one).
-BEYOND_CF = (
-    "Coordinate variable 'time' should have standard_name='time', found: 'None'",
-    "cell_methods name component time does not match a dimension, area or auxiliary coordinate",
-)
+# figures and tables
 
 
 def test_a_dynamic_life_is_drawn_and_tabulated(file_of, tmp_path, capsys):
@@ -301,17 +292,29 @@ def test_every_kind_is_drawn(file_of, kind, tmp_path, capsys):
 
 @pytest.mark.parametrize("kind", NOT_DRAWN)
 def test_files_without_a_figure_are_refused_in_one_line(file_of, kind, tmp_path, capsys):
-    """Parts of a study of accuracy are no results of their own."""
+    """They are parts of a study of accuracy, not results of their own."""
     capsys.readouterr()
     assert main(["plot", str(file_of[kind]), "-o", str(tmp_path / "a.svg")]) == 2
     assert re.fullmatch(r"got .*sweep.*, expected .*\n", capsys.readouterr().err)
+
+
+# the conventions
+
+# What the checker requires beyond the conventions, where a dimension is called `time`: that it has
+# dates (CF 4.4 requires a reference date only of times that are dates; ours count from the start of
+# a run), and that the name in cell_methods is that of a dimension (7.3 also allows a standard name,
+# as `time` is one).
+BEYOND_CF = (
+    "Coordinate variable 'time' should have standard_name='time', found: 'None'",
+    "cell_methods name component time does not match a dimension, area or auxiliary coordinate",
+)
 
 
 # other kinds are written by the same code as one of these
 @pytest.mark.long  # the checker takes seconds a file, and its set-up more
 @pytest.mark.parametrize("kind", ["dynamic case", "dynamic life", "study"])
 def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeypatch):
-    """The checker finds nothing but BEYOND_CF, and that only in dynamic cases."""
+    """The checker reports only `BEYOND_CF`, and that only in dynamic cases."""
     runner = pytest.importorskip(
         "compliance_checker.runner", reason="compliance-checker is not installed (extra cf)"
     )
@@ -336,5 +339,5 @@ def test_result_files_follow_the_cf_conventions(file_of, kind, tmp_path, monkeyp
     ]
     assert len(checks) > 10
     messages = {message for check in checks for message in check["msgs"]}
-    assert not {m for m in messages if not m.endswith(BEYOND_CF)}
+    assert not {message for message in messages if not message.endswith(BEYOND_CF)}
     assert kind == "dynamic case" or not messages  # only a dynamic case has times

@@ -1,4 +1,4 @@
-"""The kind of a result file: how it is read from the file, and who shows and draws it."""
+"""The kind of a result file: how it is found, and which functions show and draw the file."""
 
 import re
 
@@ -18,13 +18,13 @@ from bearingwear.results.netcdf import CaseFileError, load
 
 
 def sheet_of_a_map(file) -> Document:
-    """What a study might show of its own file."""
+    """Returns a sheet, as a study might define it for its own kind of file."""
     longest = Row("longest", "h", (float(variable_values(file, "life").max()),))
     return Document(("A map",), {}, (Block("", (), (longest,)),))
 
 
 def figure_of_a_map(dataset: xr.Dataset) -> Figure:
-    """What a study might draw of its own file."""
+    """Returns a figure, as a study might define it for its own kind of file."""
     figure, panels = new_figure(1, 1, 3.0, 3.0)
     panels[0, 0].plot(dataset["life"])
     return figure

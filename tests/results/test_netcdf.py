@@ -59,16 +59,19 @@ def random_values(table, sizes=SIZES) -> dict:
 
 @pytest.fixture
 def case() -> Result:
+    """Returns a solved case of random values."""
     return Result(random_values(variables.CASE), attributes(), 0.25)
 
 
 @pytest.fixture
 def life() -> Result:
+    """Returns a life of random values."""
     return Result(random_values(variables.LIFE) | {"end_criterion": 1}, attributes(), 0.25)
 
 
 @pytest.fixture(params=["case", "life", "failed case", "failed life", "nine balls"])
 def result(request) -> Result:
+    """Returns a result of each kind: solved or failed, a case or a life, and one of all balls."""
     if request.param == "nine balls":
         return Result(random_values(variables.CASE, SIZES | {"ball": 9}), attributes())
     if request.param == "failed case":
@@ -184,7 +187,7 @@ def test_the_file_of_an_unsolved_case_contains_fill_values(tmp_path):
         assert int(file["status"][...]) == code.NOT_CONVERGED
 
 
-def test_unnamed_values_are_refused(case):
+def test_a_value_that_is_in_no_table_of_variables_is_refused(case):
     case.values["contact_laod"] = 1.0
     with pytest.raises(KeyError, match="contact_laod"):
         dataset_of_result(case)
@@ -237,7 +240,7 @@ def test_the_table_of_variables_is_consistent(table):
 
 
 def refused(reader, path, problem) -> None:
-    """Asserts that a reader refuses a file in one line that names it."""
+    """Asserts that a reader refuses a file in one line that names it and matches `problem`."""
     with pytest.raises(CaseFileError, match=problem) as caught:
         reader(path)
     assert str(caught.value).startswith(f"{path}: got ") and "\n" not in str(caught.value)

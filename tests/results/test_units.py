@@ -40,7 +40,7 @@ from bearingwear.results.units import (
         ("kg m-3", [12.0], "kg m-3", "12"),  # a unit that the table does not know
     ],
 )
-def test_the_unit_is_scaled(units, values, unit, text):
+def test_the_unit_suits_the_size_of_a_number(units, values, unit, text):
     chosen = display(units, values)
     assert chosen.unit == unit
     assert chosen.text(values[0] if values else math.nan) == text
