@@ -63,7 +63,7 @@ class _Parser(argparse.ArgumentParser):
     """A parser that reports an error in one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Prints a line that says what was given and what is expected; exits with `BAD_INPUT`."""
+        """Prints a line that states what was given and what is expected; exits with `BAD_INPUT`."""
         message = _choice_message(_number_message(message))
         preload = re.match("argument --preload: got '([a-z]+)'", message)
         if preload and preload[1] in PRELOAD_CLASSES:

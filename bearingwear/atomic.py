@@ -102,6 +102,8 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 def reason(error: BaseException) -> str:
     """Returns why a file could not be read or written, on one line."""
+    if isinstance(error, UnicodeDecodeError):
+        return "its text is not UTF-8"
     if isinstance(error, UnicodeError):
         return "netCDF accepts only UTF-8 names"
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__

@@ -271,7 +271,9 @@ class Measure:
         limit: in `key_unit`.
         name: of the variable or extreme that has the value.
         """
-        side = "at" if self.margin(value, limit) == 0.0 else "below" if self.falls else "above"
+        side = "below" if self.falls else "above"
+        if self.margin(value, limit) == 0.0:
+            side = "at"
         return f"{self.words_of(name)} {self.text(value)} {side} {self.limit_text(limit)}"
 
     def criterion_phrase(self, value: float, limit: float, name: str) -> str:

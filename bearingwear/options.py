@@ -83,8 +83,8 @@ def output_of(args: argparse.Namespace, ending: str) -> Path:
 def number_in(part: Part, key: str = "") -> Callable[[str], float]:
     """Returns the `type` of an option for argparse, which reads a number from a text.
 
-    It raises ArgumentTypeError for a text that is no number, NaN, infinity, a number out of the
-    range, and a speed such as 18.000, which may mean 18 or 18000 r/min.
+    It raises ArgumentTypeError for a text that is no finite number, a number out of the range, and
+    a speed such as 18.000, which may mean 18 or 18000 r/min.
 
     part: unit and range of the number.
     key: name of the number in a scene, for the message; "" if it is no key of a scene.
@@ -113,17 +113,17 @@ _NOT_NEGATIVE = Part("number", Key("", "-", "[0, inf)"))
 
 
 def positive(text: str) -> float:
-    """Returns the number above 0 that a text stands for."""
+    """Returns a typed number. ArgumentTypeError: it is not above 0."""
     return number_in(_POSITIVE)(text)
 
 
 def not_negative(text: str) -> float:
-    """Returns the number of at least 0 that a text stands for."""
+    """Returns a typed number. ArgumentTypeError: it is not 0 or more."""
     return number_in(_NOT_NEGATIVE)(text)
 
 
 def share_below_one(text: str) -> float:
-    """Returns the number from 0 to below 1 that a text stands for."""
+    """Returns a typed number. ArgumentTypeError: it is not from 0 to below 1."""
     return number_in(_SHARE)(text)
 
 
@@ -155,7 +155,7 @@ def result_name(text: str) -> Path:
 
 
 def positive_count(text: str) -> int:
-    """Returns the whole number of at least 1 that a text stands for."""
+    """Returns a typed whole number. ArgumentTypeError: it is not 1 or more."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"got {text!r}, expected 1 or more")
     return int(text)

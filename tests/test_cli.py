@@ -467,6 +467,14 @@ def test_the_scene_itself_as_output_is_refused(tmp_path, capsys):
     assert mine.read_text() == SCENE.read_text()
 
 
+def test_a_table_of_points_that_is_not_utf8_is_refused_with_that_reason(tmp_path, capsys):
+    table = tmp_path / "rows.csv"
+    table.write_text("operation.preload_N\né\n", encoding="latin-1")
+    assert main(["sweep", str(SCENE), "--rows", str(table), "-o", str(tmp_path / "a.nc")]) == 2
+    problem = f"{table}: got a file that cannot be read (its text is not UTF-8)"
+    assert without_waits(capsys.readouterr().err).startswith(problem)
+
+
 @pytest.mark.parametrize("words", [["uncertainty"], ["solve", "--each", "friction.ball_race=0.1"]])
 def test_a_missing_scene_is_refused_by_its_name_if_the_output_exists(words, tmp_path, capsys):
     """Not by the name of the output, which is compared with the scene."""

@@ -99,7 +99,7 @@ class Block:
     def table(self) -> tuple[list[str], list[list[str]]]:
         """Returns the heads of the columns and the lines of the table, for a page or Markdown.
 
-        A column of notes stands last if any row has notes.
+        The last column has the notes, if any row has some.
         """
         cells = self.cells
         if self.axes:

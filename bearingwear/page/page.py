@@ -154,7 +154,7 @@ def page(
         of scenes; Markdown tables and figures in folders beside them, and figures of several scenes
         elsewhere.
     docs: documents to link.
-    answers: answers of studies (`Document.stored`, .json); the one of the least rank stands first.
+    answers: answers of studies (`Document.stored`, .json); the one of the lowest rank comes first.
         Markdown and figures in folders beside one belong to it. The scenes of recommendations (.nc)
         are the inputs if there are no sections.
     scenes: files of the scenes, for their descriptions, which may have changed since the results

@@ -1,7 +1,7 @@
 """The kind of a result file, and registries of functions for each kind.
 
 A registry maps kinds to functions by their dotted names, `module:function`, so that nothing is
-imported before it is needed. The studies, which stand above this part of the package, hand in a
+imported before it is needed. Studies, which this part of the package does not import, pass a
 registry of their own kinds.
 """
 
