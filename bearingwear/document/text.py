@@ -94,14 +94,14 @@ def _point_lines(block: Block) -> list[str]:
     """Returns the lines of a table with a line for each point; long heads take several lines."""
     heads, points = block.table
     cell_widths = [
-        max(POINT_WIDTH, *(len(text) for text in column)) for column in zip(*points, strict=True)
+        max([POINT_WIDTH, *(len(texts[k]) for texts in points)]) for k in range(len(heads))
     ]
     wrapped_heads = [
         textwrap.wrap(head, width) for head, width in zip(heads, cell_widths, strict=True)
     ]
     # a long word in a head widens its column
     widths = [
-        max(width, *(len(part) for part in parts), 0)
+        max([width, *(len(part) for part in parts)])
         for width, parts in zip(cell_widths, wrapped_heads, strict=True)
     ]
     head_lines = zip_longest(*wrapped_heads, fillvalue="")
