@@ -91,6 +91,7 @@ def number_in(part: Part, key: str = "") -> Callable[[str], float]:
     """
 
     def number(text: str) -> float:
+        """Returns the number in a text."""
         if part.unit == "r/min":
             try:
                 check_thousands("", text)

@@ -147,7 +147,7 @@ def _range_text(values: Sequence[float]) -> str:
 
 
 def _load_phrases(scenes: Iterable[Mapping[str, Any]]) -> list[str]:
-    """States the range over all cases of each load, and of the drag density, if not zero in all."""
+    """States each load and the drag density as ranges over all cases; zeros are left out."""
     loads: dict[str, list[float]] = {}
     for scene in scenes:
         operation = scene["operation"]

@@ -164,7 +164,8 @@ def _compared_row(row: Row, a: Any, b: Any) -> Row:
     if a == b or (_is_nan(a) and _is_nan(b)):
         return row._replace(values=(a, b))
     are_numbers = all(isinstance(value, int | float) and math.isfinite(value) for value in (a, b))
-    difference = Percent(100.0 * (b - a) / abs(a)) if are_numbers and a else "differs"
+    is_relative = are_numbers and a != 0.0
+    difference = Percent(100.0 * (b - a) / abs(a)) if is_relative else "differs"
     return row._replace(values=(a, b, difference))
 
 

@@ -217,7 +217,7 @@ def _history_value(
     """Returns the worst value of a measure at a step of the history of a life."""
 
     def value_of(name: str) -> np.ndarray:
-        """Returns the value of a variable at the step (n,)."""
+        """Returns the values of a variable at the step."""
         return np.atleast_1d(variable_values(file, f"history_{name}"))[step]
 
     critical, name = measure.critical(value_of, scene["operation"]["preload_N"])

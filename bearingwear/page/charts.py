@@ -41,7 +41,7 @@ class ChartAxis:
     """An axis with a linear or logarithmic scale, and its range `low` to `high`.
 
     numbers: to show; the range exceeds them slightly.
-    zero: whether a linear axis of positive numbers starts at zero.
+    zero: whether a linear axis without negative numbers starts at zero.
     """
 
     def __init__(self, numbers: Sequence[float], log: bool, zero: bool = False) -> None:
@@ -51,7 +51,10 @@ class ChartAxis:
         if log:
             self.low, self.high = low / _LOG_MARGIN, high * _LOG_MARGIN
         else:
-            margin = _MARGIN_SHARE * (high - low or abs(high) or 1.0)
+            span = high - low
+            if span == 0.0:  # a single number
+                span = abs(high) if high else 1.0
+            margin = _MARGIN_SHARE * span
             self.low = 0.0 if zero and low >= 0.0 else low - margin
             self.high = high + margin
 

@@ -537,7 +537,7 @@ def key_rows(scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()) 
             column[KIND_KEY] = _value_text(list(METHODS))
     keys = list(dict.fromkeys(key for column in columns for key in column))
     blocks = list(dict.fromkeys(key.partition(".")[0] for key in keys))
-    for key in sorted(keys, key=lambda key: blocks.index(key.partition(".")[0])):
+    for key in sorted(keys, key=lambda name: blocks.index(name.partition(".")[0])):
         if key not in _NOT_COMPARED:
             *blocks_of_key, _ = key.split(".")
             words, unit = key_in_words(key)

@@ -271,7 +271,7 @@ def _cause_words(key: str) -> str:
     if key == "ball_race":
         return "ball-race friction"
     words, _ = key_in_words(key)
-    return words.replace("brinell", "Brinell")
+    return words
 
 
 def _decisive_scene(

@@ -158,7 +158,7 @@ def test_a_table_that_scrolls_without_a_cue_is_detected(opened):
 
 @pytest.mark.parametrize("size", [DESK, PHONE])
 def test_the_first_screen_has_bearing_question_answer_and_chart(opened, size):
-    """On a phone at least the upper 60 pixels of the chart."""
+    """On a phone, the first screen has at least the upper 60 pixels of the chart."""
     page, _ = opened(size)
     for selector in (".eyebrow", "h1", ".asked", ".chart .keys"):
         box = page.locator(selector).first.bounding_box()
@@ -257,9 +257,9 @@ def test_all_charts_state_their_values_at_the_slider_and_draw_a_cursor(slider):
     """To three digits; a line without a point there has any value."""
     for k in (0, len(slider.stops) - 1, *(slider.stops.index(star) for star in slider.stars)):
         slider.input.fill(str(k))
-        texts = iter(slider.values.all_inner_texts())
-        for line in (line for chart in slider.chart_data for line in chart["lines"]):
-            text, value = next(texts), dict(line["points"]).get(slider.stops[k])
+        lines = [line for chart in slider.chart_data for line in chart["lines"]]
+        for line, text in zip(lines, slider.values.all_inner_texts(), strict=True):
+            value = dict(line["points"]).get(slider.stops[k])
             if value is not None:
                 # 5e-3 is half of the last digit of 1.00
                 assert float(text.split()[0]) == pytest.approx(value, rel=6e-3)
