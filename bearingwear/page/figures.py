@@ -132,7 +132,7 @@ def _reduced_svg(root: ET.Element) -> str:
     _remove_black_of_texts(root)
     for node in root.iter():
         _shorten_references(node, short_ids)
-        if node.get("transform", "").startswith("rotate(-0 "):
+        if node.get("transform", "").startswith("rotate(-0 "):  # as of all horizontal texts
             del node.attrib["transform"]
         for name in WITH_COORDINATES:
             if name in node.attrib and "scale" not in node.attrib[name]:
