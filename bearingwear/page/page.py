@@ -364,12 +364,13 @@ def _sketch_of_first_answer(
     document, charts = answers[0].document, answers[0].charts
     scenes_of_answer = [scene for scene in scenes if scene["name"] == document.facts["scene"]]
     scene = scenes_of_answer[0] if scenes_of_answer else scenes[0]
-    starred = [line for line in charts[0].lines if line.star] if charts else []
-    if not starred:
+    lines = charts[0].lines if charts else []
+    stars = [(line.star, line.method) for line in lines if line.star]
+    if not stars:
         return sketch(scene)
-    # the star is at the preload [N] and life of the recommendation for a method
-    best = max(starred, key=lambda line: line.star[1] if line.star else 0.0)
-    return sketch(scene, best.method, best.star[0] if best.star else None)
+    # a star is at the preload [N] and life of the recommendation for a method
+    (preload_N, _), method = max(stars, key=lambda star: star[0][1])
+    return sketch(scene, method, preload_N)
 
 
 def _check_suffixes(files: Iterable[Path], suffixes: Sequence[str]) -> None:
@@ -552,14 +553,12 @@ def key_rows(scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()) 
 
 def _with_distribution_texts(scene: Mapping[str, Any]) -> Mapping[str, Any]:
     """Returns a scene in which each uncertain value has its distribution as one text."""
-    blocks = {block: scene[block] for block in _DISTRIBUTIONS if scene.get(block)}
-    return {
-        **scene,
-        **{
-            block: {key: _distribution_text(parameters) for key, parameters in values.items()}
-            for block, values in blocks.items()
-        },
+    texts = {
+        block: {key: _distribution_text(parameters) for key, parameters in scene[block].items()}
+        for block in _DISTRIBUTIONS
+        if scene.get(block)
     }
+    return {**scene, **texts}
 
 
 def _distribution_text(parameters: Mapping[str, Any]) -> str:

@@ -417,7 +417,7 @@ def test_in_a_sketch_the_ball_touches_both_grooves_at_the_contact_angle(name, ri
 
 @pytest.mark.parametrize(("kind", "balls"), [("single", 1), ("spring_pair", 2), ("rigid_pair", 2)])
 def test_a_sketch_shows_every_bearing_of_an_arrangement(kind, balls):
-    """By one ball each."""
+    """The sketch has a ball for each bearing."""
     scene = yaml.safe_load(scene_file("gyro_s1").read_text()) | {"arrangement": {"kind": kind}}
     svg = ET.fromstring(str(sketch(scene)).replace("ø", "o"))
     assert len([node for node in svg.iter() if node.get("class") == "ball"]) == balls
