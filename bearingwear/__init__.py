@@ -31,7 +31,7 @@ _FUNCTIONS = {
     "uncertainty": "api",
     "warmup": "api",
 }
-"""Where the public names are; applications add theirs."""
+"""Modules below `bearingwear` that define the public names; applications add further names."""
 
 __all__ = ["__version__", *_FUNCTIONS, *application_functions()]  # noqa: PLE0604
 

@@ -15,12 +15,12 @@ from bearingwear.process import set_environment
 def run_program() -> int:
     """Runs a command and returns its exit status.
 
-    It installs handlers of Ctrl-C and SIGTERM, which end the process at once, unless the parent has
-    them ignored or handled; and it sets the environment for libraries.
+    Before, it sets the environment for libraries, and handlers of Ctrl-C and SIGTERM that end the
+    process at once. A signal that is ignored, or has another handler, is left alone.
     """
     process = os.getpid()
     for signal_number in (signal.SIGINT, signal.SIGTERM):
-        # in a background job, the shell has Ctrl-C ignored, and that stays
+        # a shell starts a background job with Ctrl-C ignored, which must stay so
         if signal.getsignal(signal_number) in (signal.SIG_DFL, signal.default_int_handler):
             # Python restores the default handler as it ends, and a late signal would kill it
             atexit.register(signal.signal, signal_number, signal.SIG_IGN)
@@ -32,10 +32,11 @@ def run_program() -> int:
 
 
 def _exit_on_signal(process: int, number: int) -> None:
-    """Ends this process at once with the status of a signal, 128 and its number.
+    """Ends this process at once with the status of a signal, 128 plus its number.
 
-    process: id of the process of the command. A process forked from it has the same handler, but
-        leaves it to that one to tidy up and to tell.
+    process: id of the process of the command, which tidies up and prints a line. A process forked
+        from it has the same handler, but only ends.
+    number: of the signal.
     """
     if os.getpid() == process:
         _tidy_up()

@@ -65,6 +65,7 @@ CHOICES: Mapping[str, Collection[str]] = {
 """Choices of the options of `new`."""
 
 RADIAL_CLEARANCE = "radial_clearance_um"
+"""Option of `new` that gives the clearance as a number, in place of the group in `clearance`."""
 
 
 def solve(
@@ -231,7 +232,7 @@ def recommend(scene: Source, workers: int = 1, **requirements: float) -> xr.Data
     from bearingwear.studies.design.recommend import best_method, recommendation_and_map
     from bearingwear.studies.solve import life_scene
 
-    keys = {_argument(measure.option): key for key, measure in LIMITED.items()}
+    keys = {_python_name(measure.option): key for key, measure in LIMITED.items()}
     keys |= {"at_speed_only": "at_speed_only", "warmup": "warmup_s"}
     for name in sorted(requirements):
         if name not in keys:
@@ -299,11 +300,11 @@ def warmup(
 
 
 def _dataset_with_warnings(result: Result, scene_name: str) -> xr.Dataset:
-    """Return the dataset of a result with `message`, and issue its warnings.
+    """Return the dataset of a result, with the attribute `message`, and issue its warnings.
 
-    A warning names the line that called `solve` or `life`, which alone may call this function.
+    Only `solve` and `life` may call this function: a warning names the line that called them.
 
-    scene_name: with which warnings begin.
+    scene_name: text at the start of each warning.
     """
     result_dataset = dataset_of_result(result, by_name=True)
     result_dataset.attrs["message"] = STATUS_SENTENCES[result.status]
@@ -363,7 +364,8 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
     """
     from bearingwear.atomic import OutputError, write_text
 
-    suffixes, has_scene_suffix = " or ".join(SCENE_SUFFIXES), Path(path).suffix in SCENE_SUFFIXES
+    suffixes = " or ".join(SCENE_SUFFIXES)
+    has_scene_suffix = Path(path).suffix in SCENE_SUFFIXES
     if isinstance(data, Scene):
         if not has_scene_suffix:
             problem = f"got a scene, expected a file name with the suffix {suffixes}"
@@ -418,7 +420,7 @@ def new(
     bore: float | None = None,
     outside: float | None = None,
     name: str = "bearing",
-    **known: float | str,
+    **values: float | str,
 ) -> Scene:
     """Make a scene from a few catalogue numbers, like `bearingwear new`.
 
@@ -430,7 +432,7 @@ def new(
         Diameters [mm], unless a designation gives them.
     name : str
         Name of the scene.
-    **known : float or str
+    **values : float or str
         Further values, named like the options of the command: `maker`, `balls`,
         `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` (a group)
         or `radial_clearance_um`, `speed` [r/min], `preload` [N], `preload_class`, `friction`,
@@ -456,19 +458,19 @@ def new(
         raise SceneError("", problem, source="bore")
     if designation is not None and not isinstance(designation, str):
         raise TypeError(f"new: got {designation!r}, expected a designation such as '7008C'")
-    keys = {_argument(option): key for option, key, *_ in OPTIONS}
+    keys = {_python_name(option): key for option, key, *_ in OPTIONS}
     allowed = sorted([*CHOICES, *keys, RADIAL_CLEARANCE])
-    for option in sorted(known):
+    for option in sorted(values):
         if option not in allowed:
             raise TypeError(f"new: got {option!r}, expected {', '.join(allowed)}")
-    _check_choices(known)
-    if RADIAL_CLEARANCE in known:
-        if "clearance" in known:
+    _check_choices(values)
+    if RADIAL_CLEARANCE in values:
+        if "clearance" in values:
             raise TypeError(f"new: got clearance and {RADIAL_CLEARANCE}, expected only one of them")
-        known["clearance"] = known.pop(RADIAL_CLEARANCE)
+        values["clearance"] = values.pop(RADIAL_CLEARANCE)
     numbers: dict[str, Any] = {}
     options: dict[str, Any] = {"bore": bore, "outside": outside, "designation": designation}
-    for option, value in known.items():
+    for option, value in values.items():
         if option in keys:
             numbers[keys[option]] = value
         else:
@@ -477,13 +479,13 @@ def new(
         text, assumed = scene_text(name, given=numbers, **options)
         return checked_scene(text, f"Assumed or catalogue values: {'; '.join(assumed)}.")
     except SceneError as error:
-        raise error.in_source(_argument(error.source)) from None
+        raise error.in_source(_python_name(error.source)) from None
 
 
 def _check_choices(options: Mapping[str, float | str]) -> None:
-    """Raise SceneError for an option of `new` with a text that is none of its choices.
+    """Raise SceneError if an option of `new` has a text that is none of its choices.
 
-    Options that have no list of choices, and values that are no text, are not checked.
+    Options without a list of choices, and values that are no text, are not checked.
     """
     for option, choices in CHOICES.items():
         text = options.get(option)
@@ -493,8 +495,8 @@ def _check_choices(options: Mapping[str, float | str]) -> None:
             raise SceneError("", problem, source=option)
 
 
-def _argument(option: str) -> str:
-    """Return the Python name of an option such as `--ball-diameter`."""
+def _python_name(option: str) -> str:
+    """Return the name in Python of an option: `ball_diameter` of `--ball-diameter`."""
     return option.replace("--", "").replace("-", "_")
 
 
@@ -559,23 +561,24 @@ class Plot:
         return figure
 
     def __dir__(self) -> list[str]:
-        """Return the names of the functions for each kind, too, for completion."""
+        """Return all attributes for completion, with the names of the functions for each kind."""
         return [*super().__dir__(), *(kind.replace(" ", "_") for kind in STUDY_PLOTS)]
 
     @staticmethod
     def _figure(
         data: str | os.PathLike[str] | xr.Dataset, figures: Registry, bearing: str | None
     ) -> Figure:
-        """Draw a file or a dataset by the function of its kind in `figures`.
+        """Draw the figure of a file or a dataset.
 
-        CaseFileError: a kind that `figures` lacks, or neither a path nor a dataset.
+        figures: dotted name of the function that draws each kind.
+        CaseFileError: `figures` lacks the kind, or `data` is neither a path nor a dataset.
         """
         import matplotlib
         import xarray as xr
 
         from bearingwear.plotting.plot import figure_of
 
-        with matplotlib.rc_context():  # drawing sets the package's style, and this takes it back
+        with matplotlib.rc_context():  # restores the user's settings, which drawing changes
             if isinstance(data, str | os.PathLike):
                 return figure_of(read_file(data), os.fspath(data), figures, bearing)
             if isinstance(data, xr.Dataset):

@@ -1,8 +1,8 @@
-"""Applications: commands that stand on the rest of the program, a folder of `applications` each.
+"""Applications: commands that use the rest of the program, each in a folder of `applications`.
 
-A folder's `__init__` names its command, its functions in Python, its sheets and its figures, by
-dotted names (`module:function`), so that nothing is imported before it is needed. Nothing else
-knows of the folder: without it, its command is gone, and all others stay (docs/develop.md).
+A folder's `__init__` gives its command, and the dotted names (`module:function`) of its handler,
+functions, sheets and figures. Nothing is imported before it is needed. No other code refers to the
+folder: if it is deleted, only its command is missing (docs/develop.md).
 """
 
 from __future__ import annotations

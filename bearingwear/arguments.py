@@ -1,4 +1,4 @@
-"""The command line: commands, their arguments and options, and the checks of these."""
+"""The parser of the command line: commands, their arguments and options, and checks of values."""
 
 from __future__ import annotations
 
@@ -33,23 +33,22 @@ from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS, PAIR_KINDS
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS, key_of_scene
 
 AS_IN_DUTY = object()
-"""In place of the time of a ramp to full speed: that of the duty, if there is one."""
+"""Value of `--warmup` without a time: it stands for the time to full speed in the scene's duty."""
 
 _CLEARANCE = Part("number", Key("", "um", "(0, 2000]"))
 _FRICTION = Part("number", Key("", "1", "(0, 2]"))
 _SECONDS = Part("number", Key("", "s", "[0, 1e9]"))
 _DURATION = Part("number", Key("", "s", "(0, 1e9]"))
-"""Numbers that options take."""
+"""Units and ranges of numbers that are no keys of a scene."""
 
 STUDIES = ("all", "design", "uncertainty", "lives", "cage", "accuracy", "robustness")
-"""Studies of the workflow: rules that collect what belongs together."""
+"""Studies of the workflow: names of rules that collect the results of each."""
 
 MODELS = ("steady", "worn", "dynamic")
 """Models whose kernels `compile` compiles."""
 
-
 _EXPECTED = {r"int value: '(.+)'": "a whole number", r"float value: '(.+)'": "a number"}
-"""Expected values in words, by patterns of argparse's messages."""
+"""What is expected, in words, by patterns of argparse's messages on invalid numbers."""
 
 _CHOICE = re.compile(r"invalid choice: '(.+?)' \(choose from (.+)\)")
 
@@ -61,10 +60,10 @@ def _integer_hint(text: str) -> str:
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors take one line."""
+    """A parser that reports an error in one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Prints a line that says what was given and what is expected; exits with `BAD_INPUT`."""
+        """Prints a line that states what was given and what is expected; exits with `BAD_INPUT`."""
         message = _choice_message(_number_message(message))
         preload = re.match("argument --preload: got '([a-z]+)'", message)
         if preload and preload[1] in PRELOAD_CLASSES:
@@ -89,7 +88,7 @@ def _number_message(message: str) -> str:
 def _choice_message(message: str) -> str:
     """Returns argparse's message on an invalid choice in the words of this program.
 
-    Any other message is unchanged.
+    Any other message is returned unchanged.
     """
     match = _CHOICE.search(message)
     if match is None:
@@ -182,7 +181,7 @@ def _add_one_scene(add_command: Callable[[str, str], argparse.ArgumentParser]) -
 
 
 def _add_quiet_formats(sub: argparse.ArgumentParser) -> None:
-    """Adds the formats of the output, and `--quiet` as an alternative to them."""
+    """Adds the options `--json`, `--csv` and `--quiet`, of which only one may be given."""
     add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
 
 
@@ -414,15 +413,15 @@ def _limit_of_ramp(text: str) -> tuple[str, float]:
     name, equals, value = text.partition("=")
     if name not in ("pressure", "preload") or not equals:
         raise argparse.ArgumentTypeError(f"got {text}, expected pressure=GPA or preload=N")
-    # the largest values that a scene takes for a pressure limit and for preload_N
-    unit, most = ("GPa", "20") if name == "pressure" else ("N", "1e7")
-    return name, number_in(Part("number", Key("", unit, f"(0, {most}]")))(value)
+    # up to the largest values that a scene takes for a pressure limit and for preload_N
+    unit, allowed_range = ("GPa", "(0, 20]") if name == "pressure" else ("N", "(0, 1e7]")
+    return name, number_in(Part("number", Key("", unit, allowed_range)))(value)
 
 
 def _course(text: str) -> list[tuple[float, float]]:
-    """Returns pairs of time [s] and shaft speed [r/min] of a text such as `0:0,10:6000`.
+    """Returns the pairs of time [s] and shaft speed [r/min] in a text such as `0:0,10:6000`.
 
-    ArgumentTypeError: a pair that is no two numbers, or times that do not rise from 0.
+    ArgumentTypeError: a pair that is not two numbers, or times that do not rise from 0.
     """
     points = []
     for pair in text.split(","):
@@ -434,8 +433,8 @@ def _course(text: str) -> list[tuple[float, float]]:
             ) from None
         points.append((time, speed))
     times = [time for time, _ in points]
-    rises = all(earlier < later for earlier, later in itertools.pairwise(times))
-    if times[0] != 0.0 or not rises:
+    are_rising = all(earlier < later for earlier, later in itertools.pairwise(times))
+    if times[0] != 0.0 or not are_rising:
         raise argparse.ArgumentTypeError(f"got {text}, expected times that rise from 0")
     return points
 
@@ -464,7 +463,7 @@ def _add_plot(sub: argparse.ArgumentParser) -> None:
 
 
 def is_result(text: str) -> bool:
-    """Whether the NAME of `bearingwear study` is a file in the folder `results`."""
+    """Whether the NAME of `bearingwear study` is a path in the folder `results`."""
     return Path(text).parts[:1] == ("results",)
 
 
@@ -474,9 +473,9 @@ def _names(text: str) -> list[str]:
 
 
 def _part(text: str) -> tuple[int, int]:
-    """Returns the number of a part and the number of all parts of a text K/N.
+    """Returns K, the number of a part, and N, the count of all parts, of a text K/N.
 
-    ArgumentTypeError: no such text. The sweep checks that 1 <= K <= N.
+    ArgumentTypeError: a text of another form. The sweep itself checks that 1 <= K <= N.
     """
     part, _, parts = text.partition("/")
     if not (part.isdecimal() and parts.isdecimal()):

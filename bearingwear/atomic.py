@@ -1,4 +1,4 @@
-"""Files that appear under their name only when they are complete, and which they may replace."""
+"""Writes files that appear under their names only when complete, and checks what they replace."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ from collections.abc import Iterator
 from pathlib import Path
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""What a netCDF-4 file starts with."""
+"""The first bytes of a netCDF-4 file."""
 
 PROBE_BYTES = 16_000_000
-"""Written to learn whether a disk is full; more than other processes free as they fail there."""
+"""Bytes written to a disk to find out whether it is full.
+
+They are more than other processes free when their own writing to this disk fails.
+"""
 
 _WRITABLE = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 
 UNFINISHED: set[Path] = set()
-"""Files and folders that go with this process if it is interrupted."""
+"""Files and folders that are removed if this process is interrupted."""
 
 
 class OutputError(OSError):
@@ -45,7 +48,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             _check_writable(path)
-            # netCDF4 calls every fault here "Permission denied", so they are provoked before it
+            # netCDF4 would call every fault "Permission denied", so each is raised here first
             part.open("wb").close()
             os.fspath(part).encode()  # fails for a name that is not UTF-8
             try:
@@ -80,9 +83,9 @@ def _check_writable(path: Path) -> None:
 
 
 def _check_disk_space(part: Path) -> None:
-    """Raises the OSError of a full disk by a plain write, if the disk is full.
+    """Appends bytes to a file, which raises OSError with the right reason if the disk is full.
 
-    HDF5 fails there with a RuntimeError that does not say why, or calls it "Permission denied".
+    HDF5 raises a RuntimeError without a reason there, or calls it "Permission denied".
     """
     with part.open("ab") as file:
         file.write(bytes(PROBE_BYTES))
@@ -99,6 +102,8 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 def reason(error: BaseException) -> str:
     """Returns why a file could not be read or written, on one line."""
+    if isinstance(error, UnicodeDecodeError):
+        return "its text is not UTF-8"
     if isinstance(error, UnicodeError):
         return "netCDF accepts only UTF-8 names"
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
@@ -108,17 +113,17 @@ def reason(error: BaseException) -> str:
 def check_output(path: Path, scene: str) -> None:
     """Refuses, before anything is solved, an output that cannot or must not be written.
 
-    OutputError: no file name, the scene itself, an existing file that is no result or is read-only,
+    OutputError: a folder, the scene itself, an existing file that is no result or is read-only,
     more than one new folder.
 
-    scene: file of the scene, which the output must not replace.
+    scene: file of the scene, which the output must not replace; it may be missing.
     """
     try:
         check_folder(path)
         if path.exists():
             if not path.is_file():
                 raise OutputError(f"{path}: got a folder or a device, expected a file name")
-            if path.samefile(scene):
+            if os.path.exists(scene) and path.samefile(scene):
                 raise OutputError(f"{path}: got the scene itself, expected a different file name")
             _check_replaceable(path)
             _check_writable(path)
@@ -129,7 +134,7 @@ def check_output(path: Path, scene: str) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Raises OutputError if more than one new folder is needed, or if the folder is a file.
+    """Raises OutputError if a file needs more than one new folder, or if its folder is a file.
 
     A path with several new folders is probably mistyped.
     """

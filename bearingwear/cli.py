@@ -1,9 +1,9 @@
-"""The command line: calls the handler in `commands` of what was typed (`arguments`).
+"""The command line: parses what was typed (`arguments`), and calls its handler (`commands`).
 
-Exit status: 0; 2 for bad input, with one line on standard error; 3 where the solver could not
-reach a verified answer (the file is written, its `status` says why); 4 where no preload satisfies
-the requirements, or a torque margin is insufficient; 74 where not even a line can be written, on a
-full disk; 130 when interrupted.
+Exit status: 0 on success; 2 for bad input, with one line on standard error; 3 if the solver found
+no verified solution (the `status` in the file gives the reason); 4 if no preload satisfies the
+requirements, or a torque margin is insufficient; 74 on a full disk without room even for a line;
+130 after an interrupt.
 """
 
 from __future__ import annotations
@@ -40,22 +40,22 @@ if TYPE_CHECKING:
 
 FULL_DISK, INTERRUPTED = 74, 130
 RENAMED = {"compare": "show A.nc B.nc"}
-"""What is typed today in place of commands that are gone."""
+"""What to type in place of commands of earlier versions."""
 
 RENAMED_OPTIONS = {"--film": "--lubrication"}
-"""Options of earlier versions."""
+"""Options of earlier versions, and those that replace them."""
 
 _KEY_OF_OPTION = {option: key for option, key, *_ in OPTIONS}
-"""Keys of a scene by the options of `new`, which other commands take as `--set KEY=VALUE`."""
+"""Keys of a scene by the options of `new`; other commands set them by `--set KEY=VALUE`."""
 
 _GARBAGE_THRESHOLD = 100_000
-"""New objects after which Python looks for garbage; by default, it is 700."""
+"""Number of new objects after which Python looks for garbage; its default is 700."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs a command and returns its exit status, which the docstring of the module explains.
+    """Runs a command and returns its exit status, as the module's docstring explains it.
 
-    Printed characters that the locale lacks become question marks, also after it returns.
+    From here on, printed characters that the locale lacks become question marks.
 
     argv: arguments after the name of the program; by default those of this process.
     """
@@ -85,19 +85,19 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 @functools.cache
 def _collect_garbage_rarely() -> None:
-    """Saves a quarter of the time of a short command, in which nothing is garbage.
+    """Makes Python look for garbage rarely, and not as it ends.
 
-    By default, Python searches all modules and tables many times while they are loaded, and twice
-    as it ends.
+    This saves a quarter of the time of a short command, which has no garbage. By default, Python
+    searches all modules and tables many times while they are loaded, and twice as it ends.
     """
     gc.set_threshold(_GARBAGE_THRESHOLD, *gc.get_threshold()[1:])
     atexit.register(gc.freeze)
 
 
 def _exit_status(argv: Sequence[str]) -> int:
-    """Runs a command and returns its exit status; turns SystemExit into one.
+    """Runs a command and returns its exit status, also if it raises SystemExit.
 
-    The message of a SystemExit is printed as a line, with the status of bad input.
+    A SystemExit with a message prints it as a line, and gives the status of bad input.
     """
     try:
         return _run(_parsed_arguments(argv))
@@ -108,7 +108,7 @@ def _exit_status(argv: Sequence[str]) -> int:
 
 
 def _drop(stream: TextIO) -> None:
-    """Discards the buffered text of a stream, which Python would try to print again as it ends."""
+    """Discards the buffered text of a stream, which Python would otherwise print as it ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
@@ -142,7 +142,7 @@ def _parsed_arguments(argv: Sequence[str]) -> argparse.Namespace:
 
 
 def _command_hint(typed: str, commands: Iterable[str]) -> str:
-    """Returns what is typed in place of a command that does not exist."""
+    """Returns advice on what to type in place of a command that does not exist."""
     if typed in RENAMED:
         return f"it is now bearingwear {RENAMED[typed]}"
     names = [name for name in commands if name != "step"]  # only rules of the workflow call `step`
@@ -154,8 +154,8 @@ def _command_hint(typed: str, commands: Iterable[str]) -> str:
 def _argument_hint(unknown: Sequence[str], options: Collection[str], argv: Sequence[str]) -> str:
     """Returns advice on arguments that a command does not accept, after a semicolon, or "".
 
-    unknown: these arguments; the advice is on the first one.
-    options: of the command.
+    unknown: the arguments that are not accepted; the advice is on the first one.
+    options: options of the command.
     argv: the whole command line.
     """
     option, _, value = unknown[0].partition("=")
@@ -172,7 +172,10 @@ def _argument_hint(unknown: Sequence[str], options: Collection[str], argv: Seque
 
 
 def _word_hint(word: str, argv: Sequence[str]) -> str:
-    """Returns why a word that no option takes may have been typed, or ""."""
+    """Returns advice on a word that no option takes, after a semicolon, or "".
+
+    argv: the whole command line.
+    """
     place = argv.index(word) if word in argv else 0
     # an option and its value must stand before the word
     if place < 2 or word.startswith("-"):
@@ -188,16 +191,19 @@ def _word_hint(word: str, argv: Sequence[str]) -> str:
 def _check_study(
     parser: argparse.ArgumentParser, args: argparse.Namespace, argv: Sequence[str]
 ) -> None:
-    """Exits with one line if a study has options of a scene but no scene, or misspelt options.
+    """Exits with one line if arguments of `study` are misspelt, or do not fit together.
 
-    Also if its name stands after options for Snakemake.
+    Options for Snakemake come after the name of the study. Requirements and `--output` are only for
+    the study of a scene.
 
     parser: of the command `study`.
     argv: the whole command line.
     """
     from bearingwear.studies.launch import DRY_RUN
 
-    options = [measure.option for measure in LIMITED.values()] + ["--output", "--jobs"]
+    key_of_option = {measure.option: key for key, measure in LIMITED.items()}
+    key_of_option |= {"--warmup": "warmup_s", "--output": "output"}
+    options = [*key_of_option, "--at-speed-only", "--jobs"]
     snakemake_options = [text for text in args.more if text.startswith("-") and text not in DRY_RUN]
     for text in snakemake_options:
         for option in difflib.get_close_matches(text.partition("=")[0], options, n=1, cutoff=0.8):
@@ -207,10 +213,10 @@ def _check_study(
         if text in before_name:
             parser.error(f"got {args.name} after {text}, expected the name of the study first")
     scene_options = [
-        measure.option for key, measure in LIMITED.items() if getattr(args, key) is not None
+        option for option, key in key_of_option.items() if getattr(args, key) is not None
     ]
-    if args.output is not None:
-        scene_options.append("--output")
+    if args.at_speed_only:
+        scene_options.append("--at-speed-only")
     if scene_options and not args.name.endswith(SCENE_SUFFIXES):
         scene_file = Path(f"{args.name}.yaml")
         advice = f"; did you mean {scene_file}" if scene_file.is_file() else ""
@@ -219,10 +225,10 @@ def _check_study(
 
 
 def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
-    """Sets `args.file`, the file that is drawn, and `args.output`, its figures.
+    """Sets `args.file` to the result file to draw, and `args.output` to its figure files.
 
-    In `plot -o figure.png FILE.nc`, `-o` takes the file for one of the figures. Without `-o`, the
-    figure is an SVG beside the file. Exits with one line if no file, or more than one, is named.
+    In `plot -o figure.png FILE.nc`, `-o` takes the result file for a figure. Without `-o`, the
+    figure is an SVG beside the file. Exits with one line unless exactly one result file is named.
     """
     if args.file is None:
         files = [path for path in args.output if path.suffix == ".nc"]
@@ -236,8 +242,8 @@ def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> Non
 def _run(args: argparse.Namespace) -> int:
     """Calls the handler of a command and returns its exit status.
 
-    It prints errors of input as lines and returns `BAD_INPUT`; `NOT_SOLVED` if a process that
-    should have answered has ended. Other exceptions pass.
+    Errors of input are printed as lines, with the status `BAD_INPUT`. If a process ended before it
+    answered, the status is `NOT_SOLVED`. Other exceptions pass.
     """
     # imported here, because `--help` does not need them
     from bearingwear.atomic import OutputError
@@ -262,9 +268,9 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _not_available_line(error: NotAvailable, args: argparse.Namespace) -> str:
-    """Returns the line on a scene that no model solves: the option or file, and the problem.
+    """Returns the line on a scene that no model solves: the typed option or file, and the problem.
 
-    The error begins with the name of the scene, where the user typed a file or an option.
+    They replace the name of the scene, with which the text of the error begins.
     """
     _, _, problem = str(error).partition(": ")
     key, _, explanation = problem.partition(": ")

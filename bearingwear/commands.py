@@ -1,7 +1,7 @@
 """Handlers of the commands. Exit statuses: `cli`.
 
-A handler takes the parsed arguments and returns the exit status. Only what a command needs is
-imported, when it runs: `solve` shall not wait for xarray, nor `show` for numba.
+A handler takes the parsed arguments and returns the exit status. It imports only what it needs, so
+that `solve` does not wait for xarray, nor `show` for numba.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from bearingwear.console import (
     UsageError,
     one_line,
 )
+from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED, plain
 from bearingwear.options import given_scene, output_of
 from bearingwear.printing import (
@@ -57,13 +58,14 @@ NEXT = (
 """Commands that `new` suggests next, each with the end of the name of its output."""
 
 TO_CHOOSE_BY = ("recommend", "study")
-"""Those of them that need limits, which `new` estimates from the bearing at rest."""
+"""Commands of `NEXT` with requirements, which `new` estimates from the bearing at rest."""
 
 
 def new(args: argparse.Namespace) -> int:
-    """Writes a scene file, solves it once and suggests the next commands; `--list` prints bearings.
+    """Writes a scene file, solves it once and suggests the next commands.
 
-    Nothing is solved where that would first compile the solver.
+    It is not solved if that would first compile the solver. With `--list`, bearings are printed
+    instead.
     """
     from bearingwear.scene.new.scene_file import usual_limits, write_scene
     from bearingwear.scene.read import load_scene
@@ -107,7 +109,7 @@ def new(args: argparse.Namespace) -> int:
 def _next_commands(path: str, limits: UsualLimits) -> list[str]:
     """Returns the commands that a new scene file suggests, as lines for a shell.
 
-    limits: of stiffness and pressure, which `recommend` and `study` get as options.
+    limits: requirements of stiffness [N/um] and pressure [GPa], options of `recommend` and `study`.
     """
     stem = str(Path(path).with_suffix(""))
     lines = []
@@ -122,12 +124,12 @@ def _next_commands(path: str, limits: UsualLimits) -> list[str]:
 
 
 def _print_bearings(words: list[str]) -> int:
-    """Prints the bearings in a maker's catalogue; returns the exit status.
+    """Prints the bearings in a maker's catalogue, and returns the exit status.
 
-    words: of `--list`: the maker and, optionally, the beginning of the designations.
+    words: values of `--list`: the maker and, optionally, the beginning of the designations.
     """
     from bearingwear.scene.checking.errors import shown
-    from bearingwear.scene.new.catalogue import MAKERS, bearings_table
+    from bearingwear.scene.new.catalogue import bearings_table
 
     maker, *series = words
     if maker.upper() not in MAKERS:
@@ -138,11 +140,12 @@ def _print_bearings(words: list[str]) -> int:
 
 
 def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
-    """Returns the scene's file and the designation of some typed words.
+    """Returns the scene's file and the designation in the typed words of `new`.
 
-    The file is named after a designation alone. The designation may have spaces; it is None where a
-    file alone is typed. In `7008C mine.yaml`, the file comes last.
+    If no file is typed, it is named after the designation. If no designation is typed, it is None.
 
+    names: words in the order of typing; the file may also come last, and the designation may have
+        spaces.
     SceneError: no word, or a word without a suffix in place of the file.
     """
     if not names:
@@ -178,7 +181,7 @@ def check(args: argparse.Namespace) -> int:
 
 
 def solve(args: argparse.Namespace) -> int:
-    """Solves a scene, or a case for each value of `--each`."""
+    """Solves a scene, or a case for each value of `--each`, and reports the results."""
     if args.each is not None:
         return _solve_each(args)
     args.output = _only_output(args.output)
@@ -192,7 +195,7 @@ def solve(args: argparse.Namespace) -> int:
 
 
 def _only_output(paths: list[str] | None) -> str | None:
-    """Returns the file that a solve writes, or None if -o names none; refuses several."""
+    """Returns the file that -o names, None if there is none. UsageError: several files."""
     if paths is None:
         return None
     if len(paths) > 1:
@@ -205,8 +208,8 @@ def _solve_each(args: argparse.Namespace) -> int:
 
     Returns `NOT_SOLVED` if any case has no solution, unless `--record-failures` is set.
 
-    UsageError: `--each` is no KEY=VALUE,VALUE..., values and files differ in number, or it is given
-    with `--restart`.
+    UsageError: `--each` is no KEY=VALUE,VALUE..., the values and files differ in number, or
+    `--restart` is given as well.
     """
     key, _, values_text = args.each.partition("=")
     values, outputs = values_text.split(","), args.output or []
@@ -236,9 +239,10 @@ def _solve_each(args: argparse.Namespace) -> int:
 
 
 def sweep(args: argparse.Namespace) -> int:
-    """Solves scenes at many values of their keys and writes a dataset; a dry run prints its cost.
+    """Solves scenes at many values of their keys, and writes a dataset of the results.
 
-    Returns `NOT_SOLVED` if no point is solved, unless `--record-failures` is set.
+    Returns `NOT_SOLVED` if no point is solved, unless `--record-failures` is set. A dry run only
+    prints the number of points and the expected time.
     """
     args.scene = args.scenes[0]  # the file that messages name
     part, parts = args.part or (1, 1)
@@ -276,7 +280,7 @@ def sweep(args: argparse.Namespace) -> int:
 
 
 def gather(args: argparse.Namespace) -> int:
-    """Joins case files, or parts of a sweep, to one file."""
+    """Joins case files, or the parts of a sweep, into one file."""
     from bearingwear.results.netcdf import header
     from bearingwear.studies.dataset import write_dataset
 
@@ -302,7 +306,7 @@ def page(args: argparse.Namespace) -> int:
 
 
 def compile(args: argparse.Namespace) -> int:
-    """Compiles the kernels of models."""
+    """Compiles the kernels of the named models, or of all."""
     from bearingwear.arguments import MODELS
     from bearingwear.studies.compile_model import compile_model
 
@@ -313,7 +317,7 @@ def compile(args: argparse.Namespace) -> int:
 
 
 def life(args: argparse.Namespace) -> int:
-    """Computes the life of a scene."""
+    """Computes the life of a scene, and reports the result."""
     with ProgressLines(args.scene) as tell:
         from bearingwear.scene.read import scene_for_life
 
@@ -375,7 +379,7 @@ def recommend(args: argparse.Namespace) -> int:
             scene, limits, args.scene, usable_cores(), tell
         )
         sheet = preload_document(recommendation, lives)
-    if lives is not None and not (lives["status"] == 0).any():
+    if lives is not None and not (lives["status"] == OK).any():
         sys.stderr.write(one_line(f"{args.scene}: no life could be computed at any preload"))
         return NOT_SOLVED
     print_sheet(sheet, args)
@@ -388,8 +392,8 @@ def recommend(args: argparse.Namespace) -> int:
 def warmup(args: argparse.Namespace) -> int:
     """Computes a warm-up, writes a file and prints its sheet.
 
-    `--limit` first finds the shortest ramp that keeps limits. Returns `NOT_SOLVED` without a file
-    if there is none, and with one if the status of the warm-up is not ok.
+    With `--limit`, the ramp is the shortest that satisfies the limits. Returns `NOT_SOLVED` if
+    there is none, without a file, or if the status of the warm-up is not ok.
     """
     args.output = output_of(args, "-warmup.nc")
     scene = given_scene(args)
@@ -413,14 +417,13 @@ def warmup(args: argparse.Namespace) -> int:
     tell_of_file(args)
     if not args.quiet:
         print_file(args.output, args)
-    return SUCCESS if temperatures["status"] == 0 else NOT_SOLVED
+    return SUCCESS if temperatures["status"] == OK else NOT_SOLVED
 
 
 def _shortest_ramp_seconds(scene: Scene, args: argparse.Namespace) -> float | None:
-    """Returns the time [s] of the shortest ramp to speed that keeps the limits of `--limit`.
+    """Returns the time [s] of the shortest ramp to speed that satisfies `--limit`, or None.
 
-    It is None if no ramp keeps them; a line on standard error then says so. Another line names
-    longer ramps that do not keep them.
+    A line on standard error states that no ramp does, or names longer ramps that do not.
     """
     from bearingwear.studies.warmup.shortest_ramp import shortest_ramp
 
@@ -436,7 +439,7 @@ def _shortest_ramp_seconds(scene: Scene, args: argparse.Namespace) -> float | No
 
 
 def show(args: argparse.Namespace) -> int:
-    """Prints the sheet of a file or a scene, or compares two files."""
+    """Prints the sheet of a file or a scene, or those of two files side by side."""
     if args.second is not None:
         from bearingwear.document.comparison import comparison_sheet
         from bearingwear.studies import STUDY_SHEETS
@@ -453,7 +456,7 @@ def show(args: argparse.Namespace) -> int:
 
 
 def plot(args: argparse.Namespace) -> int:
-    """Draws a result file."""
+    """Draws a result file into figure files, and prints their names."""
     from bearingwear.plotting.plot import plot as draw_file
     from bearingwear.studies import STUDY_PLOTS
 
@@ -467,9 +470,9 @@ def plot(args: argparse.Namespace) -> int:
 
 
 def study(args: argparse.Namespace) -> int:
-    """Runs a study of the workflow, or that of one scene; returns the status of Snakemake.
+    """Runs a study of the workflow, or the study of a scene, and returns the exit status.
 
-    A result that is named as a file is computed anew.
+    A result that is named as a file is recomputed.
     """
     from bearingwear.arguments import is_result
     from bearingwear.studies.launch import check_arguments, run_study
@@ -485,10 +488,10 @@ def study(args: argparse.Namespace) -> int:
 
 
 def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
-    """Runs the study of one scene, prints its findings and its page, and returns the status.
+    """Runs the study of one scene, prints its findings and page, and returns the exit status.
 
-    It is `INFEASIBLE` if the study succeeds and no preload satisfies the requirements, otherwise
-    that of the run. A dry run makes no page, and leaves no new folder.
+    The status is that of Snakemake, or `INFEASIBLE` if the study succeeds and no preload satisfies
+    the requirements. A dry run makes no page, and leaves no new folder.
     """
     from bearingwear.scene.read import load_scene
     from bearingwear.studies.launch import DRY_RUN, own_headlines, run_own_study
@@ -502,10 +505,10 @@ def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         with ProgressLines(args.name):
             limits = _design_limits(args, load_scene(file))
-            earlier = write_study(file, folder, limits)
+            before = write_study(file, folder, limits)
             now = requirements_in_words(folder, file.stem)
-        if earlier not in ("", now):
-            sys.stderr.write(one_line(f"{folder}: requirements now: {now}; before: {earlier}"))
+        if before not in ("", now):
+            sys.stderr.write(one_line(f"{folder}: requirements now: {now}; before: {before}"))
         status, page = run_own_study(folder, jobs, args.more)
     if not page:
         return status
@@ -519,7 +522,7 @@ def _study_of_scene(args: argparse.Namespace, jobs: int) -> int:
 
 
 def _is_infeasible(folder: Path, scene_name: str) -> bool:
-    """Whether a study has requirements that no preload satisfies; reads its recommendation.
+    """Whether the recommendation of a study states that no preload satisfies its requirements.
 
     folder: of the study, which has a folder `results`.
     """
@@ -532,9 +535,9 @@ def _is_infeasible(folder: Path, scene_name: str) -> bool:
 
 
 def step(args: argparse.Namespace) -> int:
-    """Calls a function for a rule of the workflow; returns `NOT_SOLVED` if it says so by an error.
+    """Calls a function for a rule of the workflow; returns `NOT_SOLVED` if it raises NotSolved.
 
-    Its arguments are the words NAME=VALUE and the files to write.
+    The function gets the words NAME=VALUE and the files to write.
     """
     from bearingwear.studies.run_step import NotSolved, run_step
 
@@ -547,7 +550,7 @@ def step(args: argparse.Namespace) -> int:
 
 
 def _is_designation(text: str) -> bool:
-    """Whether typed words are a designation, without a file: SKF 7008 CD/P4A."""
+    """Whether typed words are a designation alone, such as `SKF 7008 CD/P4A`."""
     from bearingwear.scene.new.assumed import size_of
 
     try:
@@ -558,9 +561,9 @@ def _is_designation(text: str) -> bool:
 
 
 def _trial_lines(path: str) -> list[str]:
-    """Solves a scene file that was written; returns lines on its status, stiffness and warnings.
+    """Solves a scene file; returns lines on its status, pressure, stiffness and warnings.
 
-    It is not solved where that would first compile the solver.
+    If that would first compile the solver, it is not solved, and the line says so.
     """
     from bearingwear.kernels.project import PROJECT
     from bearingwear.results.warnings import warning_lines
@@ -599,9 +602,9 @@ def _resting_pair_line(scene: Scene) -> str:
 
 
 def _design_limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
-    """Returns the limits that the options give for a scene.
+    """Returns the requirements in the options of a command.
 
-    `--warmup` without a time takes that of a start in the scene's duty.
+    scene: its duty gives the time to full speed for `--warmup` without a value.
     """
     from bearingwear.arguments import AS_IN_DUTY
     from bearingwear.studies.design.plan import DesignLimits
@@ -615,8 +618,8 @@ def _design_limits(args: argparse.Namespace, scene: Scene) -> DesignLimits:
 def _restart_state(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
     """Returns the state in the file of `--restart`: `state` (m,) in SI units, `time` [s], `scene`.
 
-    NotAvailable: a scene that the dynamic model does not solve. CaseFileError: a file from which
-    the scene cannot be continued.
+    NotAvailable: the dynamic model does not solve the scene. CaseFileError: the scene cannot be
+    continued from the file.
     """
     from bearingwear.results.restart import restart_from
     from bearingwear.solvers.effects.choice import choice
@@ -627,9 +630,9 @@ def _restart_state(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _finish(result: Result, args: argparse.Namespace) -> int:
-    """Writes the file that -o names, prints the sheet, and returns the exit status.
+    """Writes the result to the file of -o, prints its sheet, and returns the exit status.
 
-    A failure is reported in a line on standard error. The status is then `NOT_SOLVED`, or `SUCCESS`
+    An unsolved result has a line on standard error. The status is then `NOT_SOLVED`, or `SUCCESS`
     with `--record-failures`.
     """
     if args.record_timing:

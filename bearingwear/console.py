@@ -1,4 +1,4 @@
-"""Text for a terminal: one line, without control characters, and lines that tell of progress."""
+"""Text for a terminal: printable lines, and lines on the progress of a command."""
 
 from __future__ import annotations
 
@@ -17,10 +17,16 @@ LINE_EVERY = 2.0
 """Seconds between two lines of progress, and before the first."""
 
 SILENCE = 2.6
-"""Seconds without a line, after which one states what runs; it comes within 3 s."""
+"""Seconds without a line after which a file or pipe gets one that states what runs.
 
-POLL_SECONDS, TERMINAL_SILENCE = 0.2, 1.0
-"""Seconds between looks at the clock, and without a line after which a terminal shows one."""
+With the time between two checks of the clock, it appears within 3 s.
+"""
+
+TERMINAL_SILENCE = 1.0
+"""Seconds without a line after which a terminal shows what runs."""
+
+POLL_SECONDS = 0.2
+"""Seconds between two checks of the clock."""
 
 _CLEAR_LINE = "\r\x1b[K"  # on a terminal: to the start of the line, and delete it
 
@@ -44,12 +50,12 @@ def one_line(text: str) -> str:
 
 
 class ProgressLines:
-    """Lines of progress on standard error and, where there are none, what runs for how long.
+    """Lines of progress on standard error and, while there are none, what runs for how long.
 
-    A terminal shows that in a line that is renewed each second; elsewhere, lines come after 3, 5,
-    10, ... s. Used as a context, it writes nothing after its block.
+    A terminal shows the latter in one line, which is renewed each second. Elsewhere, a line is
+    printed after 3, 5, 10, ... s. Used as a context, it writes nothing after its block.
 
-    source: file that lines begin with.
+    source: file whose name begins each line; "" for none.
     """
 
     left: Any = None  # `TimeLeft`, where it is known
@@ -76,10 +82,11 @@ class ProgressLines:
     def __call__(self, text: str) -> None:
         """Prints a line of progress, with the time left if that is known, and sets what runs.
 
-        text: what runs; an estimate after `, about ` is left out of that. Where nobody reads the
-            line any more, nothing happens.
+        A line that cannot be written, as on a closed terminal, is left out.
+
+        text: the line. What runs is its part before an estimate, which starts with `, about `.
         """
-        self.running, _, _ = text.partition(", about ")
+        self.running = text.partition(", about ")[0]
         # a closed terminal must not end the run
         with contextlib.suppress(OSError, ValueError):
             self.print_line(one_line(f"{self._source}{text}{self._time_left()}"))
@@ -91,12 +98,12 @@ class ProgressLines:
 
     @running.setter
     def running(self, text: str) -> None:
-        """Sets what runs; its time starts anew if that changes."""
+        """Sets what runs; a change restarts the count of its time."""
         if text != self._running:
             self._running, self._since = text, time.monotonic()
 
     def print_line(self, text: str, stream: TextIO | None = None) -> None:
-        """Prints a text that ends with a line break, in place of the line of progress.
+        """Prints a text that ends with a line break, in place of the line that is renewed.
 
         stream: by default standard error.
         """

@@ -1,9 +1,9 @@
 """The one table of measures: quantities that may end a life or limit a design.
 
-A row is all that a new one needs. Keys of scenes and limits, options, messages, margins, the worse
+A new measure needs only a row. Keys of scenes and limits, options, messages, margins, the worse
 bearing of a pair, extremes of a map, rows of sheets and marks of figures are loops over the rows.
 
-This file imports nothing heavy: the command line names options by it.
+This file imports no slow library, since the command line takes the names of options from it.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 
 class _Unit(NamedTuple):
-    """A unit for people."""
+    """A unit in which people give or read values."""
 
-    si: str  # the SI unit of files
-    size: float  # in that unit
+    si: str  # the SI unit in files
+    size: float  # of one such unit, in the SI unit
 
 
 _UNITS = {
@@ -37,16 +37,16 @@ _UNITS = {
 
 
 _ROUNDING = 1e-9
-"""Largest amount of a negative margin that may come from rounding, and counts as zero."""
+"""Largest magnitude of a negative margin that counts as zero, since it may come from rounding."""
 
 
 def plain(value: float, digits: int = 3, sign: str = "") -> str:
-    """Returns a number as text, rounded to significant digits and without zeros at its end.
+    """Returns a number as text, rounded to significant digits and without trailing zeros.
 
-    It has an exponent below 0.0001 and from ten million on.
+    Magnitudes below 0.0001, and from ten million on, have an exponent.
 
     digits: number of significant digits, at most 7.
-    sign: `+` for a sign also on positive numbers.
+    sign: `+` to write the sign of positive numbers, too.
     """
     return f"{float(f'{value:.{digits}g}'):{sign}.7g}"
 
@@ -57,7 +57,7 @@ class Measure:
 
     key: str  # of its limit in a design and, unless `end_key` is given, of its criterion in a scene
     words: str  # its name in a sentence
-    unit: str = "%"  # as shown, and of limits; but limits of shares are plain numbers
+    unit: str = "%"  # of shown values and, unless it is a share, of limits
     # result variables, of which the worst counts; those that a state does not have are NaN
     variables: tuple[str, ...]
     kinds: tuple[str, ...] = ("",)  # an adjective to `words` for each of several variables
@@ -107,7 +107,7 @@ class Measure:
 
     @property
     def shown_as(self) -> str:
-        """Returns `%` for a share that is shown in percent, else "", as `Variable.shown` has it."""
+        """Returns `Variable.shown` of its variables: `%` for a share shown in percent, else ""."""
         return "%" if self.unit == "%" else ""
 
     @property
@@ -117,17 +117,18 @@ class Measure:
 
     @property
     def extremes(self) -> tuple[str, ...]:
-        """Returns the variables of a design map with the worst values from new to the end of life.
+        """Returns the variables of a design map with its worst values from new to the end of life.
 
-        The residual preload has one under its key, as a share of the initial preload.
+        They have the names of its variables. A share of the initial preload has the name of its
+        key.
         """
         return (self.key,) if self.over_preload else self.variables
 
     def extreme(self, values: Any) -> float:
-        """Returns the least of some values if the measure `falls`, else the largest magnitude.
+        """Returns the smallest of some values if the measure `falls`, else the largest magnitude.
 
-        values: a number or an array; one NaN among the values of a NumPy array gives NaN, while
-            those of a `DataArray` are skipped.
+        values: a number or an array. One NaN in a NumPy array gives NaN; those in a `DataArray` are
+            skipped.
         """
         if isinstance(values, float):  # NumPy takes ten times as long
             return float(values) if self.falls else abs(float(values))
@@ -136,7 +137,7 @@ class Measure:
         return float(np.min(values) if self.falls else np.abs(values).max())
 
     def value(self, values: Any, preload_N: Any = 1.0) -> float:
-        """Returns the worst of the values of one variable [SI], as `extreme` takes it.
+        """Returns the worst of the values of one variable [SI], by the rule of `extreme`.
 
         values: of the variable in files [SI], a number or an array.
         preload_N: initial preload, by which values are divided if the measure is `over_preload`.
@@ -149,8 +150,8 @@ class Measure:
         Variables whose worst value is NaN are left out; the value is NaN if all are.
 
         value_of: returns the values of a variable by its name, in a state or at a step of a life.
-        preload_N: initial preload, over which the residual preload counts; one number, or one for
-            each value.
+        preload_N: initial preload, by which values are divided if the measure is `over_preload`;
+            one number, or one for each value.
         """
         worst_values = [self.value(value_of(name), preload_N) for name in self.variables]
         return self._worst_with_name(worst_values, self.variables)
@@ -168,7 +169,7 @@ class Measure:
     def _worst_with_name(self, values: list[float], names: tuple[str, ...]) -> tuple[float, str]:
         """Returns the worst of some values, and its name; NaN only if all are NaN.
 
-        values: one for each name, with magnitudes where the measure does not fall.
+        values: one for each name; magnitudes, unless the measure `falls`.
         """
         pairs = list(zip(values, names, strict=True))
         numbers = [pair for pair in pairs if not math.isnan(pair[0])] or pairs
@@ -192,11 +193,11 @@ class Measure:
         return ratio - 1.0 if self.falls else 1.0 - ratio
 
     def margins(self, values: Any, limit: float) -> Any:
-        """Returns the least `margin` of all extremes: at each point of a map, or at one point.
+        """Returns the smallest `margin` of all extremes: at each point of a map, or at one point.
 
         An extreme that is NaN is left out; the margin is NaN where all are.
 
-        values: the map or point, with a value by the name of each extreme.
+        values: the map or point, which contains the value of an extreme under its name.
         limit: in `key_unit`.
         """
         import numpy as np
@@ -217,27 +218,28 @@ class Measure:
         return functools.reduce(np.fmin if self.falls else np.fmax, self._extremes_in(values))
 
     def _extremes_in(self, values: Any) -> list[Any]:
-        """Returns the values [SI] of those extremes that a map, or a point of it, contains."""
+        """Returns the values [SI] of the extremes that a map, or a point of it, contains."""
         return [_in_si(values[name]) for name in self.extremes if name in values]
 
     def words_of(self, name: str, short: bool = False) -> str:
         """Returns the words for one of its variables or extremes, with the adjective of its kind.
 
-        short: whether to take the label of a row in place of the name in a sentence.
+        name: of the variable or extreme.
+        short: whether to use the label of a row in place of the name in a sentence.
         """
         kinds = dict(zip(self.variables, self.kinds, strict=True))
         return f"{kinds.get(name, '')} {self.short if short else self.words}".strip()
 
     def shown(self, value: Any) -> Any:
-        """Returns a value [SI] in the unit for people."""
+        """Returns a value [SI] in the shown unit, `unit`."""
         return self.shown_limit(value / _UNITS[self.unit].size)
 
     def shown_limit(self, limit: Any) -> Any:
-        """Returns a limit [as in its key] in the unit for people: a share in percent."""
+        """Returns a limit [`key_unit`] in the shown unit, `unit`: a share in percent."""
         return 100.0 * limit if self.unit == "%" else limit
 
     def file_limit(self, limit: float, preload_N: float) -> float:
-        """Returns a limit [as in its key] in the unit of its variable in files [SI].
+        """Returns a limit [`key_unit`] in the unit of its variable in files [SI].
 
         preload_N: initial preload, of which the limit of the residual preload is a share.
         """
@@ -257,20 +259,21 @@ class Measure:
     def is_passed(self, value: float, limit: float) -> bool:
         """Whether a value [SI] violates a limit [`key_unit`] by more than rounding.
 
-        A limit is passed as a mark on the way is: the value is beyond it. At the limit, and for a
-        value of NaN, it is not.
+        It does not at the limit itself, nor if it is NaN.
         """
         return bool(self.margin(value, limit) < -_ROUNDING)
 
     def violation_phrase(self, value: float, limit: float, name: str) -> str:
         """Returns words for a value [SI] that is at its limit or violates it.
 
-        A value within the limit must not be given: the words would have it beyond.
+        They would be wrong for a value within the limit.
 
         limit: in `key_unit`.
         name: of the variable or extreme that has the value.
         """
-        side = "at" if self.margin(value, limit) == 0.0 else "below" if self.falls else "above"
+        side = "below" if self.falls else "above"
+        if self.margin(value, limit) == 0.0:
+            side = "at"
         return f"{self.words_of(name)} {self.text(value)} {side} {self.limit_text(limit)}"
 
     def criterion_phrase(self, value: float, limit: float, name: str) -> str:
@@ -282,22 +285,22 @@ class Measure:
         return f"{self.words_of(name)} {self.text(value)}, criterion {self.limit_text(limit)}"
 
     def text(self, value: float) -> str:
-        """Returns a value [SI] as text with its unit."""
+        """Returns a value [SI] as text with the shown unit."""
         return self._with_unit(self.shown(value))
 
     def limit_text(self, limit: float) -> str:
-        """Returns a limit [as in its key] as text with its unit."""
+        """Returns a limit [`key_unit`] as text with the shown unit."""
         return self._with_unit(self.shown_limit(limit))
 
     def _with_unit(self, number: float) -> str:
-        """Returns a number with its unit as text."""
+        """Returns a number in the shown unit as text, with that unit."""
         return plain(number) if self.unit == "1" else f"{plain(number)} {self.unit}"
 
 
 def _in_si(values: Any) -> Any:
-    """Returns values in SI units: those whose attribute `units` is `h` in seconds, others as given.
+    """Returns values in SI units: hours converted to seconds, and others unchanged.
 
-    values: a number, or a `DataArray` of a point or file, in which lives alone are in hours.
+    values: a number, or a `DataArray` of a point or file, whose attribute `units` is `h` for hours.
     """
     units = getattr(values, "attrs", {}).get("units")
     return values * _UNITS["h"].size if units == "h" else values
@@ -459,10 +462,10 @@ MEASURES = (
 # fmt: on
 
 ENDS = {measure.end_key or measure.key: measure for measure in MEASURES if measure.end}
-"""Measures that may end a life, by the keys of a scene; in the order of the flags of files."""
+"""Measures that may end a life, by the keys of a scene, in the order of the flags in files."""
 
 LIMITED = {measure.key: measure for measure in MEASURES if measure.limit}
-"""Measures that may limit a design, by the keys of the limits."""
+"""Measures that may limit a design, by the keys of their limits."""
 
 WORST = {name: measure for measure in MEASURES if measure.of_speed for name in measure.variables}
-"""Measures by those of their variables whose worst values in each phase of a duty are reported."""
+"""Measures by their variables, for the variables whose worst value in a phase is reported."""

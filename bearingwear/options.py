@@ -1,4 +1,4 @@
-"""Arguments and options that several commands have, what they may be, and the scene they name."""
+"""Arguments and options of several commands, checks of their values, and the scene they give."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def add_jobs(sub: argparse.ArgumentParser) -> None:
 
 
 def add_formats(sub: argparse.ArgumentParser) -> Any:
-    """Adds the formats of the output, of which one may be chosen; returns their group."""
+    """Adds the options `--json` and `--csv`, which exclude each other; returns their group."""
     formats = sub.add_mutually_exclusive_group()
     formats.add_argument("--json", action="store_true", help="print the sheet as JSON")
     formats.add_argument("--csv", action="store_true", help="print the sheet as CSV")
@@ -71,9 +71,9 @@ def given_scene(args: argparse.Namespace) -> Scene:
 def output_of(args: argparse.Namespace, ending: str) -> Path:
     """Returns the file to write: that of -o, or one beside the scene, named after it.
 
-    Sets `args.is_named`: whether -o names the file, so that no line needs to tell its name.
+    Sets `args.is_named`, whether -o names the file. If it does not, `tell_of_file` prints the name.
 
-    ending: of the file named after the scene, such as `-warmup.nc`.
+    ending: end of the name of a file beside the scene, such as `-warmup.nc`.
     """
     scene = Path(args.scene)
     args.is_named = args.output is not None
@@ -83,14 +83,15 @@ def output_of(args: argparse.Namespace, ending: str) -> Path:
 def number_in(part: Part, key: str = "") -> Callable[[str], float]:
     """Returns the `type` of an option for argparse, which reads a number from a text.
 
-    It raises ArgumentTypeError for a text that is no number, NaN, infinity, a number out of the
-    range, and a speed such as 18.000, which may mean 18 or 18000 r/min.
+    It raises ArgumentTypeError for a text that is no finite number, a number out of the range, and
+    a speed such as 18.000, which may mean 18 or 18000 r/min.
 
-    part: range and unit of the number.
-    key: its name in a scene, where it has one.
+    part: unit and range of the number.
+    key: name of the number in a scene, for the message; "" if it is no key of a scene.
     """
 
     def number(text: str) -> float:
+        """Returns the number in a text."""
         if part.unit == "r/min":
             try:
                 check_thousands("", text)
@@ -113,22 +114,22 @@ _NOT_NEGATIVE = Part("number", Key("", "-", "[0, inf)"))
 
 
 def positive(text: str) -> float:
-    """Returns the number above 0 that a text stands for."""
+    """Returns a typed number. ArgumentTypeError: it is not above 0."""
     return number_in(_POSITIVE)(text)
 
 
 def not_negative(text: str) -> float:
-    """Returns the number of at least 0 that a text stands for."""
+    """Returns a typed number. ArgumentTypeError: it is not 0 or more."""
     return number_in(_NOT_NEGATIVE)(text)
 
 
 def share_below_one(text: str) -> float:
-    """Returns the number from 0 to below 1 that a text stands for."""
+    """Returns a typed number. ArgumentTypeError: it is not from 0 to below 1."""
     return number_in(_SHARE)(text)
 
 
 def file_name(text: str) -> Path:
-    """Returns the path of a file; refuses a name that ends as that of a folder."""
+    """Returns the path of a file. ArgumentTypeError: an empty name, or one that ends in `/`."""
     if not os.path.basename(text):
         raise argparse.ArgumentTypeError(f"got {text!r}, expected a file name")
     return Path(text)
@@ -139,11 +140,14 @@ _ADVICE_BY_SUFFIX = {
     **dict.fromkeys((".svg", ".png", ".pdf"), "; `bearingwear plot` draws it"),
     **dict.fromkeys((".json", ".md", ".html"), ""),
 }
-"""Suffixes of files that hold no result, and what writes such a file."""
+"""Advice on how to get a file that is no result, by its suffix; empty without advice."""
 
 
 def result_name(text: str) -> Path:
-    """Returns the path of a result file to write, which is netCDF; refuses suffixes of others."""
+    """Returns the path of a result file, which is netCDF.
+
+    ArgumentTypeError: no file name, or the suffix of another format.
+    """
     path = file_name(text)
     if path.suffix in _ADVICE_BY_SUFFIX:
         expected = f"a name that ends in .nc{_ADVICE_BY_SUFFIX[path.suffix]}"
@@ -152,7 +156,7 @@ def result_name(text: str) -> Path:
 
 
 def positive_count(text: str) -> int:
-    """Returns the whole number of at least 1 that a text stands for."""
+    """Returns a typed whole number. ArgumentTypeError: it is not 1 or more."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"got {text!r}, expected 1 or more")
     return int(text)
@@ -161,7 +165,7 @@ def positive_count(text: str) -> int:
 def scene_keys(**_: Any) -> list[str]:
     """Returns the keys of a scene, each with `=`, for the completion of `--set` in a shell.
 
-    **_: what argcomplete passes on the line that is typed, of which nothing is needed.
+    **_: what argcomplete passes; it is not used.
     """
     from bearingwear.scene.checking.records import file_part, keys
     from bearingwear.scene.scene import Scene

@@ -1,4 +1,4 @@
-"""What commands print: sheets in the format that is asked for, and lines on standard error."""
+"""What commands print: sheets in the chosen format, and lines on standard error."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def print_sheet(sheet: Document, args: argparse.Namespace) -> None:
 def print_file(path: str | Path, args: argparse.Namespace, every: bool = False) -> None:
     """Prints the sheet of a result file of any kind.
 
-    every: whether with residuals, error estimates and versions.
+    every: whether to add residuals, error estimates, counts of steps, and versions.
     """
     from bearingwear.document.show import sheet
     from bearingwear.studies import STUDY_SHEETS
@@ -47,7 +47,7 @@ def print_file(path: str | Path, args: argparse.Namespace, every: bool = False) 
 
 
 def print_warnings(attributes: Mapping[str, Any]) -> None:
-    """Prints the warnings in the attributes of a result on standard error, a line each."""
+    """Prints a line on standard error for each warning in the attributes of a result."""
     from bearingwear.results.warnings import warning_lines
 
     for line in warning_lines(attributes):
@@ -55,12 +55,12 @@ def print_warnings(attributes: Mapping[str, Any]) -> None:
 
 
 def print_text(text: str) -> None:
-    """Prints a text with question marks for control characters, which a foreign file may hold."""
-    print("\n".join(map(printable, text.split("\n"))))
+    """Prints a text with question marks for control characters, as a foreign file may contain."""
+    print("\n".join(printable(line) for line in text.split("\n")))
 
 
 def tell_line(text: str) -> None:
-    """Writes a line on standard error at once; goes on if nobody reads it any more."""
+    """Writes a line on standard error at once; does nothing if that is closed."""
     with contextlib.suppress(OSError, ValueError):
         sys.stderr.write(one_line(text))
         sys.stderr.flush()

@@ -19,8 +19,9 @@ _CACHES = "bearingwear", "snakemake/source-cache/snakemake-runtime-cache"
 def set_environment() -> None:
     """Sets the environment of this process and its children, before libraries are imported.
 
-    It sets the backend of figures, a safe search path of modules and, unless the user sets the
-    number, one thread for each library; where they are missing, folders for caches and a user name.
+    It sets the backend of figures, a safe search path of modules and, unless the user has set it,
+    one thread for each library. It also sets folders for caches and a user name if the usual ones
+    are missing.
     """
     # figures go to files: a user's backend may need a display, or not be installed
     os.environ["MPLBACKEND"] = "agg"
@@ -32,35 +33,38 @@ def set_environment() -> None:
 
 
 def _set_home() -> None:
-    """Sets a private folder for the caches of libraries if their usual ones cannot be written.
+    """Sets a private folder for the caches of libraries if the usual ones cannot be used.
 
-    Then it sets `XDG_CACHE_HOME`, `MPLCONFIGDIR` unless it is set, and `HOME` if that is no folder
-    which can be read. Otherwise it changes nothing.
+    The variables are `XDG_CACHE_HOME`, `MPLCONFIGDIR` unless it is set, and `HOME` if that is no
+    readable folder. If home and usual folders can be used, none is changed.
     """
     home = os.path.expanduser("~")
     is_home = os.path.isabs(home) and os.path.isdir(home) and os.access(home, os.R_OK | os.X_OK)
     caches = os.environ.get("XDG_CACHE_HOME") or os.path.join(home, ".cache")
-    places = (os.path.join(caches, name) for name in _CACHES)
-    if is_home and os.path.isabs(caches) and all(map(_can_be_written, places)):
+    folders = [os.path.join(caches, name) for name in _CACHES]
+    if is_home and os.path.isabs(caches) and all(_can_be_written(folder) for folder in folders):
         return
-    folder = _private_folder()
-    os.environ["XDG_CACHE_HOME"] = folder
-    os.environ.setdefault("MPLCONFIGDIR", os.path.join(folder, "matplotlib"))
+    private_folder = _private_folder()
+    os.environ["XDG_CACHE_HOME"] = private_folder
+    os.environ.setdefault("MPLCONFIGDIR", os.path.join(private_folder, "matplotlib"))
     if not is_home:
-        os.environ["HOME"] = folder
+        os.environ["HOME"] = private_folder
 
 
 def _can_be_written(folder: str) -> bool:
-    """Whether a folder can be written to, or could be made."""
+    """Returns whether a folder can be written to, or could be made.
+
+    folder: an absolute path.
+    """
     while not os.path.lexists(folder):
         folder = os.path.dirname(folder)
     return os.path.isdir(folder) and os.access(folder, os.W_OK | os.X_OK)
 
 
 def _private_folder() -> str:
-    """Makes and returns a folder, below that for temporary files, that only this user can write to.
+    """Makes a folder that only this user can write to, below that for temporary files; returns it.
 
-    It is the same one each time, unless another user has taken its name; then it is a new one.
+    It is the same one each time. Only if another user has taken its name is it a new one.
     """
     import tempfile
 
@@ -74,7 +78,7 @@ def _private_folder() -> str:
 
 def _set_user() -> None:
     """Sets LOGNAME to the user's number if the user has no name, since Snakemake asks for one."""
-    if not any(map(os.environ.get, ("LOGNAME", "USER", "LNAME", "USERNAME"))):
+    if not any(os.environ.get(name) for name in ("LOGNAME", "USER", "LNAME", "USERNAME")):
         try:
             pwd.getpwuid(os.getuid())
         except KeyError:

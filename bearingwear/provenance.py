@@ -15,10 +15,10 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parent
 
 COMPILER = "kerneljit"
-"""The package beside it that compiles its kernels."""
+"""The package beside `bearingwear` that compiles its kernels."""
 
 IN_CHECKOUT = (PACKAGE.parent / "Snakefile").is_file()
-"""Whether the package is imported from a checkout, or a copy of one, and not where pip puts it."""
+"""Whether the package is imported from a checkout or a copy of one, not from `site-packages`."""
 
 SOLVER = (
     "bearingwear.scene.read",
@@ -53,10 +53,7 @@ def sources(*modules: str) -> tuple[Path, ...]:
 
 @functools.cache
 def _data_files(path: Path) -> tuple[Path, ...]:
-    """Returns the files beside a module that are not Python and whose names it has in quotes.
-
-    The quotes are double ones, as the formatter writes them.
-    """
+    """Returns the files beside a module that are not Python and that it names in double quotes."""
     other_files = _other_files(path.parent)
     text = path.read_text(encoding="utf-8") if other_files else ""
     return tuple(file for file in other_files if f'"{file.name}"' in text)
@@ -79,11 +76,11 @@ def _module_file(module: str) -> Path:
 
 @functools.cache
 def _is_module(name: str) -> bool:
-    """Whether a dotted name is that of a module, and not of something in one."""
+    """Whether a dotted name is that of a module, and not of a function or constant in one."""
     return _module_file(name).is_file()
 
 
-# The text is searched, not parsed: a command shall not spend a tenth of a second on naming sources.
+# The text is searched, not parsed, which would take each command a tenth of a second.
 _IMPORT = re.compile(
     r"^ *(?:from ((?:bearingwear|kerneljit|workflow\.)[\w.]*) import (?:\(([^)]*)\)|(.*))"
     r"|import ((?:bearingwear|kerneljit|workflow)\.[\w.]+))",
@@ -111,7 +108,10 @@ def _imported_modules(path: Path) -> tuple[str, ...]:
 
 
 def contents_hash(paths: Iterable[str | Path]) -> str:
-    """Returns the hash of the contents of files (16 digits); a missing one counts as empty."""
+    """Returns the hash of the contents of files, 16 hexadecimal digits.
+
+    A missing file counts as empty.
+    """
     digest = hashlib.sha256()
     for path in paths:
         digest.update(_file_hash(os.fspath(path)))
@@ -164,7 +164,7 @@ def other_copy() -> Path | None:
 
 
 def _python_sources(folder: Path) -> dict[Path, bytes]:
-    """Returns the contents of the Python files of package and compiler below a folder."""
+    """Returns the contents of the Python files of both packages in a folder, by relative path."""
     return {
         path.relative_to(folder): path.read_bytes()
         for name in (PACKAGE.name, COMPILER)
@@ -178,7 +178,7 @@ def source_hash() -> str:
 
 
 def kernels_hash() -> str:
-    """Returns the hash of the kernels and of `kerneljit` as they are on disk now (16 digits)."""
+    """Returns the hash of the kernels and of `kerneljit` as they are on disk now, 16 digits."""
     _file_hash.cache_clear()  # they may have been edited since
     compiler = (PACKAGE.parent / COMPILER).glob("*.py")
     return contents_hash([*sorted(PACKAGE.glob("kernels/**/*.py")), *sorted(compiler)])

@@ -1,7 +1,7 @@
 """Runs a module of this very copy of the package: `python -P run_module.py MODULE ...`.
 
-`python -m` looks in the present folder first: it would run another copy of the package there, and
-take any file of a user that is called `signal.py` or `numpy.py` for the library of that name.
+`python -m` searches the present folder first. It would run another copy of the package there, and
+import a file `signal.py` or `numpy.py` of a user in place of the library.
 """
 
 import signal
@@ -23,9 +23,9 @@ previous_hook = sys.excepthook
 
 
 def print_exception(kind, *details):
-    """Prints an exception that nobody handled, as the previous hook does; nothing for Ctrl-C.
+    """Prints an unhandled exception as the previous hook does; nothing for Ctrl-C.
 
-    Ctrl-C would otherwise give a traceback while Snakemake reads rules.
+    Ctrl-C would otherwise print a traceback while Snakemake reads rules.
 
     kind: class of the exception.
     *details: the exception and its traceback.

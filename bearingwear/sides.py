@@ -1,4 +1,4 @@
-"""Which values of a result two bearings share, and which each has as its own."""
+"""Which values of a result two bearings share, and which differ between them."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -60,14 +60,14 @@ OF_ARRANGEMENT = {
     "system_axial_stiffness": "axial_stiffness",
     "system_quasistatic_axial_stiffness": "quasistatic_axial_stiffness",
 }
-"""Variables of an arrangement of two equal bearings, and those of one bearing they follow from."""
+"""Variables of an arrangement, and those of one bearing that determine them in a pair of equals."""
 
 
 def values_of_bearing(values: Mapping[str, Any], k: int) -> dict[str, Any]:
     """Returns the values of one bearing of a pair, and those that both bearings share.
 
-    values: of a result of the pair, by the names of variables; all but those of `SHARED` have a
-        first axis over the two bearings.
+    values: values in a result of the pair by the names of variables. All but those of `SHARED` have
+        a first axis over the two bearings.
     k: index of the bearing, 0 or 1.
     """
     return {name: value if name in SHARED else value[k] for name, value in values.items()}

@@ -104,7 +104,7 @@ def run_step(run: str, *outputs, **inputs) -> None:
 
 
 def figure_files(name: str) -> list[str]:
-    """Returns the files of a figure."""
+    """Returns the SVG and PNG files of a figure, by its path without a suffix."""
     return [f"{name}.{suffix}" for suffix in ("svg", "png")]
 
 

@@ -17,6 +17,7 @@ from support import ROOT, numbers_in, only_line, scene_file, step, without_waits
 from bearingwear import cli, console
 from bearingwear.application import applications
 from bearingwear.arguments import command_parser
+from bearingwear.atomic import SIGNATURE
 from bearingwear.cli import _parsed_arguments, main
 from bearingwear.kernels import status as code
 from bearingwear.lives import life as life_model
@@ -30,9 +31,9 @@ SCENE = scene_file("gyro_s1")
 QUICK = ["--set", "model.strips=10", "--set", "model.tolerance=1.0e-3"]
 
 
-def run_solve(output, *more) -> int:
+def run_solve(output, *options) -> int:
     """Runs `bearingwear solve` with a coarse model, and returns its exit status."""
-    return main(["solve", str(SCENE), "-o", str(output), *QUICK, *more])
+    return main(["solve", str(SCENE), "-o", str(output), *QUICK, *options])
 
 
 # solve
@@ -63,7 +64,7 @@ def test_record_timing_stores_the_wall_time(tmp_path):
 
 
 def failing_solve(status):
-    """Returns a function in place of `solve` whose result has a status and no values."""
+    """Returns a function to replace `solve`, whose result has a status and no values."""
 
     def solve_in_vain(scene, fidelity=None, restart=None, progress=None):
         return Result({"status": status}, {"fidelity": "steady"})
@@ -74,7 +75,7 @@ def failing_solve(status):
 def test_a_failed_solve_has_exit_status_3_one_line_and_a_file_with_its_status(
     tmp_path, capsys, monkeypatch
 ):
-    """With --record-failures the exit status is 0."""
+    """With --record-failures, the exit status is 0."""
     status = code.CONTACT_LOST
     monkeypatch.setattr(solve_model, "solve", failing_solve(status))
     assert run_solve(tmp_path / "a.nc") == 3
@@ -215,7 +216,11 @@ def test_check_states_why_a_radial_load_requires_the_dynamic_model(capsys):
 
 
 def command_process(stdout, *words, unbuffered=""):
-    """Runs a command in a process of its own; an empty PYTHONUNBUFFERED is the same as none."""
+    """Runs a command in a process of its own, and returns the completed process.
+
+    stdout: file to which it prints.
+    unbuffered: value of PYTHONUNBUFFERED; an empty one has no effect.
+    """
     return subprocess.run(
         [sys.executable, "-m", "bearingwear", *words],
         stdout=stdout,
@@ -294,11 +299,17 @@ def test_wrong_arguments_are_refused_in_one_line_that_names_help(argv, capsys):
 
 
 @pytest.mark.parametrize("option", ["-f", "--forcerun", "--configfile"])
-def test_the_name_of_a_study_comes_first(option, capsys):
+def test_the_name_of_a_study_must_come_before_options_for_snakemake(option, capsys):
     assert main(["study", option, "results/a.nc"]) == 2
     assert f"got results/a.nc after {option}" in only_line(capsys)
     args = _parsed_arguments(["study", "all", option, "results/a.nc"])
     assert (args.name, args.more) == ("all", [option, "results/a.nc"])
+
+
+@pytest.mark.parametrize("option", [["--at-speed-only"], ["--warmup"], ["--warmup", "3"]])
+def test_an_option_on_requirements_is_refused_for_a_study_without_a_scene(option, capsys):
+    assert main(["study", "all", *option]) == 2
+    assert f"got {option[0]} without a scene" in only_line(capsys)
 
 
 @pytest.mark.parametrize(
@@ -354,7 +365,7 @@ def test_each_reports_every_unsolved_value(tmp_path, capsys):
 
 
 def test_every_command_has_a_handler():
-    """It is the function of its name in `commands`, or belongs to an application."""
+    """The handler is the function of that name in `commands`, or belongs to an application."""
     from bearingwear import commands
     from bearingwear.results.kinds import imported_function
 
@@ -376,7 +387,7 @@ def test_every_command_has_a_handler():
     "settings", [{"changes": {"model.strips": 10}}, {"changes": {}, "fidelity": "steady"}]
 )
 def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
-    """It prints nothing and writes the same bytes."""
+    """The step prints nothing and writes the same bytes."""
     assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
     changes = settings["changes"].items()
     options = [text for key, value in changes for text in ("--set", f"{key}={value}")]
@@ -461,6 +472,25 @@ def test_the_scene_itself_as_output_is_refused(tmp_path, capsys):
     assert mine.read_text() == SCENE.read_text()
 
 
+def test_a_table_of_points_that_is_not_utf8_is_refused_with_that_reason(tmp_path, capsys):
+    table = tmp_path / "rows.csv"
+    table.write_text("operation.preload_N\né\n", encoding="latin-1")
+    assert main(["sweep", str(SCENE), "--rows", str(table), "-o", str(tmp_path / "a.nc")]) == 2
+    problem = f"{table}: got a file that cannot be read (its text is not UTF-8)"
+    assert without_waits(capsys.readouterr().err).startswith(problem)
+
+
+@pytest.mark.parametrize("words", [["uncertainty"], ["solve", "--each", "friction.ball_race=0.1"]])
+def test_a_missing_scene_is_refused_by_its_name_if_the_output_exists(words, tmp_path, capsys):
+    """Not by the name of the output, which is compared with the scene."""
+    scene, output = tmp_path / "missing.yaml", tmp_path / "a.nc"
+    output.write_bytes(SIGNATURE)
+    command, *options = words
+    assert main([command, str(scene), *options, "-o", str(output)]) == 2
+    error = without_waits(capsys.readouterr().err)
+    assert error.startswith(f"{scene}: got a file that cannot be read")
+
+
 @pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
 def test_an_output_that_would_replace_another_file_is_refused(command, tmp_path, capsys):
     other = tmp_path / "other.yaml"
@@ -486,7 +516,7 @@ def test_an_output_that_would_replace_a_read_only_file_is_refused(command, tmp_p
 
 def test_an_output_in_a_folder_without_write_permission_is_refused(tmp_path, capsys):
     if os.geteuid() == 0:
-        folder = Path("/proc")  # nobody can write there, root neither
+        folder = Path("/proc")  # not even root can write there
     else:
         folder = tmp_path / "closed"
         folder.mkdir(mode=0o500)
@@ -507,7 +537,7 @@ def test_a_mistyped_command_is_refused_with_the_nearest_one(command, meant, caps
 
 
 def test_a_mistyped_option_is_refused_with_the_nearest_one(capsys):
-    """None is named if none is similar."""
+    """No option is suggested if none is similar."""
     assert main(["recommend", "mine.yaml", "--stifness=10"]) == 2
     assert "'--stifness=10', which this command does not accept; did you mean --stiffness" in (
         capsys.readouterr().err
@@ -517,7 +547,7 @@ def test_a_mistyped_option_is_refused_with_the_nearest_one(capsys):
 
 
 def test_plot_accepts_the_figure_and_the_result_in_either_order(tmp_path, capsys):
-    """Without a figure it draws beside the result; without a result it is refused."""
+    """Without a figure, it draws beside the result. Not exactly one result is refused."""
     file, figure = tmp_path / "a.nc", tmp_path / "a.png"
     assert run_solve(file, "--quiet") == 0
     assert main(["plot", "-o", str(file), str(figure)]) == 0
@@ -631,7 +661,9 @@ def test_a_requirement_that_no_solved_life_meets_has_exit_status_4(capsys):
         ),
     ],
 )
-def test_recommend_refuses_in_one_line(capsys, arguments, problem):
+def test_recommend_refuses_impossible_requirements_and_scenes_in_one_line(
+    capsys, arguments, problem
+):
     assert main(["recommend", str(SCENE), *arguments]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert problem in line

@@ -51,7 +51,7 @@ MAY_IMPORT = {
 }
 MAY_COMPILE = {"kernels"}
 NO_NUMBA = {"kerneljit.interrupt", "kerneljit.project", "kerneljit.versions"}
-"""What everybody may import of `kerneljit`, which imports nothing of the package."""
+"""Modules of `kerneljit` that any part may import, since they do not import numba."""
 
 BETWEEN_STUDIES = {
     "accuracy": {"cage.plan", "cage.ensemble"},  # ensembles of short and of long runs
@@ -144,10 +144,10 @@ MODELS_OF_APPLICATIONS = {
 """What single applications import of the models besides."""
 
 MOST_IMPORTS = {"solvers": 12, "lives": 15}
-"""Of other modules of the package in a file, kernels aside: more is a meeting room."""
+"""Largest number of other modules of the package, besides kernels, that a file may import."""
 
 MOST_FILES = 15
-"""In a folder of `solvers` and `lives`."""
+"""Largest number of files in a folder of `solvers` or `lives`."""
 
 LIBRARIES = {
     "kernels": {"numpy"},
@@ -236,14 +236,14 @@ def test_imports_point_downward():
 def test_files_and_folders_of_solvers_and_lives_are_small():
     """Imports in a file, and files in a folder, are counted."""
     crowded, folders = {}, Counter[Path]()
-    for module in (m for m in source_paths() if part_of(m) in MOST_IMPORTS):
+    for module in [path for path in source_paths() if part_of(path) in MOST_IMPORTS]:
         folders[module.parent] += 1
         names = {name for name in imported_names(module) if name.startswith("bearingwear.")}
         names = {name for name in names if not name.startswith("bearingwear.kernels")}
         if len(names) > MOST_IMPORTS[part_of(module)]:
             crowded[str(module)] = len(names)
     assert not crowded
-    assert not {str(folder): n for folder, n in folders.items() if n > MOST_FILES}
+    assert not {str(folder): count for folder, count in folders.items() if count > MOST_FILES}
 
 
 def is_independent(module: Path, name: str) -> bool:
@@ -275,7 +275,8 @@ def test_studies_import_only_shared_modules():
     of_studies = [module for module in in_studies if len(module.parts) > 3]  # in their folders
     assert any(len(module.parts) > 4 for module in of_studies)
     assert not forbidden_imports(is_independent, of_studies)
-    assert not forbidden_imports(is_free_of_studies, (m for m in in_studies if m not in of_studies))
+    shared = [module for module in in_studies if module not in of_studies]
+    assert not forbidden_imports(is_free_of_studies, shared)
 
 
 APPLICATIONS = sorted(path.parent.name for path in PACKAGE.glob("applications/*/__init__.py"))
@@ -311,7 +312,7 @@ def test_applications_import_only_the_public_interface():
     files = [m for m in source_paths() if part_of(m) == "applications" and len(m.parts) > 3]
     assert {m.parts[2] for m in files} == set(APPLICATIONS)
     assert not forbidden_imports(is_public, files)
-    used = {(m.parts[2], name) for m in files for name in imported_names(m)}
+    used = {(file.parts[2], name) for file in files for name in imported_names(file)}
     names = {name.removeprefix("bearingwear.") for _, name in used}
     assert not INTERFACE - names
     for application, modules_of_models in MODELS_OF_APPLICATIONS.items():

@@ -1,4 +1,4 @@
-"""Mistakes that people make in commands and scenes: a helpful line refuses each of them."""
+"""Mistakes that people make in commands and scenes: each is refused with helpful advice."""
 
 import re
 import shlex

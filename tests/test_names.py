@@ -47,7 +47,7 @@ def public_names(body: Sequence[ast.stmt]) -> Iterator[str]:
 def defined_twice(*folders: Path) -> dict[str, list[str]]:
     """Returns the names that more than one module below some folders defines, with the files."""
     files: dict[str, list[str]] = {}
-    for top, path in sorted((folder, p) for folder in folders for p in folder.rglob("*.py")):
+    for top, path in sorted((folder, file) for folder in folders for file in folder.rglob("*.py")):
         place = path.relative_to(top)
         if place.as_posix() in REPEATING or "__pycache__" in place.parts:
             continue

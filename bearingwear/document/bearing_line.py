@@ -17,18 +17,19 @@ _CONTACTS = {
     "hertz": "Hertzian contact",
     "worn": "contact in worn grooves",
 }
-
+"""Words for the values of `model.contact`; other values have none."""
 
 _NEGLECTED_TEMPERATURE = "temperature_left_out"
-"""Id of the warning about a scene without temperatures."""
+"""The `id` of the warning about a scene without temperatures."""
 
 _NO_TEMPERATURES = "temperatures neglected"
 
 
 def bearing_line(scene: Mapping[str, Any]) -> str:
-    """Describes a bearing and its operation on one line, over all cases of its scene.
+    """Describes a bearing and its operation in all cases of its scene, on one line.
 
-    scene: the content of a scene file, or of a study, which leaves out the keys that it varies.
+    scene: content of a scene file, or of the scene in a file of a study, which leaves out the keys
+        that the study varies.
     """
     bearing, scenes = scene["bearing"], scenes_by_case(scene)
     balls, races = (bearing[f"{part}_material"].replace("_", " ") for part in ("ball", "race"))
@@ -52,13 +53,13 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
 
 
 def _boundary_dimensions_phrase(bearing: Mapping[str, Any]) -> str:
-    """States bore and outside diameter, as far as the scene contains them."""
+    """States bore and outside diameter [mm]; empty for a bearing without them."""
     diameters = (("bore", "bore_mm"), ("outside diameter", "outside_diameter_mm"))
     return ", ".join(f"{words} {bearing[key]:g} mm" for words, key in diameters if bearing.get(key))
 
 
 def _speed_and_friction_phrases(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
-    """States the range of the speeds of all cases, and of their friction coefficients if known."""
+    """States the range of the speeds of scenes, and of their friction coefficients if all exist."""
     speeds = [scene["operation"]["shaft_speed_rpm"] for scene in scenes]
     frictions = [scene["friction"].get("ball_race") for scene in scenes]
     phrases = [f"{_range_text(speeds)} r/min"]
@@ -76,7 +77,10 @@ def scenes_by_case(scene: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
 
 
 def _scene_with_changes(scene: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns a copy of a scene, or of a block, with the values of some dotted keys replaced."""
+    """Returns a copy of a scene, or of a block of one, with some values replaced.
+
+    changes: the new values by their dotted keys.
+    """
     copy = dict(scene)
     for dotted_key, value in changes.items():
         name, _, key_in_block = dotted_key.partition(".")
@@ -91,9 +95,11 @@ def warning_with_cases(
 ) -> dict[str, Any]:
     """Returns a warning whose sentence names the cases that have it, if not all of them do.
 
+    A sentence that already begins with the name of a case, as in a duty, is not changed.
+
     warning: with its `id` and its `sentence`.
-    names: of the cases that have the warning. Without names, they are known only for the warning of
-        missing temperatures. That of a duty names its case already.
+    names: of the cases that have the warning. If omitted, they are determined for the warning about
+        missing temperatures, and any other warning is not changed.
     """
     scenes = scenes_by_case(scene)
     if warning["sentence"].startswith(tuple(f"{name}: " for name in scenes)):
@@ -102,7 +108,7 @@ def warning_with_cases(
         names = [name for name, case in scenes.items() if not _has_temperatures(case)]
     words = ""
     if 0 < len(names) < len(scenes):
-        words = f"case{'s' * (len(names) > 1)} {', '.join(names)}: "
+        words = f"{'case' if len(names) == 1 else 'cases'} {', '.join(names)}: "
     return {**warning, "sentence": words + warning["sentence"]}
 
 
@@ -121,10 +127,17 @@ def worst_case_phrase(cases: Iterable[str]) -> str:
 
 
 def _radial_load_phrases(scene: Mapping[str, Any]) -> list[str]:
-    """States the loads across the shaft."""
-    radial = math.hypot(*(scene["operation"].get("radial_load_N") or [0.0]))
-    loads = {"radial load": radial, "rotating load": scene["operation"].get("rotating_load_N")}
-    return [f"{words} {value:g} N" for words, value in loads.items() if value]
+    """States the radial and the rotating load [N], if they are not zero."""
+    loads_N = {
+        "radial load": _radial_load_N(scene),
+        "rotating load": scene["operation"].get("rotating_load_N"),
+    }
+    return [f"{words} {load_N:g} N" for words, load_N in loads_N.items() if load_N]
+
+
+def _radial_load_N(scene: Mapping[str, Any]) -> float:
+    """Returns the magnitude of the radial load of a scene [N]."""
+    return math.hypot(*(scene["operation"].get("radial_load_N") or [0.0]))
 
 
 def _range_text(values: Sequence[float]) -> str:
@@ -134,12 +147,12 @@ def _range_text(values: Sequence[float]) -> str:
 
 
 def _load_phrases(scenes: Iterable[Mapping[str, Any]]) -> list[str]:
-    """States the range of each load, and of the drag density, over the cases of a scene."""
+    """States each load and the drag density as ranges over all cases; zeros are left out."""
     loads: dict[str, list[float]] = {}
     for scene in scenes:
         operation = scene["operation"]
         for words, value in (
-            ("radial load {} N", math.hypot(*(operation.get("radial_load_N") or [0.0]))),
+            ("radial load {} N", _radial_load_N(scene)),
             ("rotating load {} N", operation.get("rotating_load_N")),
             ("axial force {} N", (scene.get("arrangement") or {}).get("external_axial_N")),
             ("drag density {}\N{NO-BREAK SPACE}kg/m³",
@@ -150,7 +163,7 @@ def _load_phrases(scenes: Iterable[Mapping[str, Any]]) -> list[str]:
 
 
 def _arrangement_phrase(arrangement: Mapping[str, Any]) -> str:
-    """States kind and orientation of an arrangement."""
+    """States kind and orientation of an arrangement, a block of a scene."""
     kind = arrangement.get("kind", "single")
     if kind == "single":
         return "one bearing of a symmetric pair"
@@ -158,7 +171,7 @@ def _arrangement_phrase(arrangement: Mapping[str, Any]) -> str:
 
 
 def _temperature_phrase(scene: Mapping[str, Any]) -> str:
-    """States the temperatures of a scene without cases."""
+    """States the temperatures in a single case of a scene."""
     if scene.get("thermal"):
         return "heated by its own friction"
     temperatures = scene.get("temperature") or {}
@@ -180,7 +193,7 @@ def _temperature_phrase_of_cases(scenes: Mapping[str, Mapping[str, Any]]) -> str
 
 
 def duty_lines(scene: Mapping[str, Any]) -> list[str]:
-    """Describes the duty of a scene: its cycle, then speed, time and starts of each phase."""
+    """Describes the duty of a scene: its cycle, each phase, and what its starts cause."""
     duty, scenes = scene["duty"], scenes_by_case(scene)
     ramp_s = duty["start_s"] + duty["stop_s"]
     phase_h = {
@@ -196,7 +209,7 @@ def duty_lines(scene: Mapping[str, Any]) -> list[str]:
             f"{plain(100.0 * phase_h[name] / cycle_h)} % of the time",
         ]
         if starts:
-            phrases.append(f"{plain(starts)} start{'s' * (starts != 1)} a cycle")
+            phrases.append(f"{plain(starts)} {'start' if starts == 1 else 'starts'} a cycle")
         if case != name:
             phrases.append(f"case {case}")
         lines.append(f"  {name}: {', '.join(phrases)}")
@@ -209,16 +222,19 @@ def duty_lines(scene: Mapping[str, Any]) -> list[str]:
 
 
 def pair_preload_N(arrangement: Mapping[str, Any], preload_N: float) -> float:
-    """Returns the preload [N] of a pair of the same bearings as a tandem set.
+    """Returns the preload [N] that the bearings of a rigid tandem set have as a mere pair.
 
-    arrangement: the block of the scene, a rigid set.
+    arrangement: block of the scene with the set.
     preload_N: preload of each side of the set.
     """
     return preload_N / set_preload_ratio(arrangement["tandem"])
 
 
 def _pair_phrases(arrangement: Mapping[str, Any], preload_N: float) -> list[str]:
-    """Describes the arrangement of two bearings and their differences; empty for one bearing."""
+    """Describes an arrangement and the differences of its bearings; empty for a single bearing.
+
+    preload_N: of each side.
+    """
     if arrangement.get("kind", "single") == "single":
         return []
     phrases = [f"{arrangement['kind']} {arrangement['orientation']}".replace("_", " ")]
@@ -271,7 +287,7 @@ def _operation_phrases(scene: Mapping[str, Any]) -> list[str]:
 
 
 def _friction_phrase(friction: Mapping[str, Any]) -> str:
-    """States the friction of balls and races: a coefficient, or the strength of a film."""
+    """States the friction of balls and races: the coefficient, or the shear strength of a film."""
     film = friction.get("film")
     if not film:
         return f"{friction['ball_race']:g}"

@@ -1,4 +1,4 @@
-"""Charts of an answer: a page draws them, and scripts read them; numbers are in shown units."""
+"""Charts of an answer, which a page draws and scripts may read; numbers are in shown units."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ from pathlib import Path
 from bearingwear.results.netcdf import json_faults
 
 Point = tuple[float, float | None]
+"""Abscissa and ordinate of a point of a line; the ordinate is None if it was not solved."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChartLine:
-    """A line of a preload method, which gives it its colour."""
+    """A line for a preload method, which determines its colour."""
 
-    name: str  # in words
+    name: str  # of the method, in words
     method: str
-    points: Sequence[Point]  # y is None where nothing was solved
+    points: Sequence[Point]
     notes: Sequence[str]  # for each point, the limits that it violates; empty if none
-    ends: Sequence[str] = ()  # for each point, the criterion that ends the life; may be left out
+    ends: Sequence[str] = ()  # for each point, the criterion that ends the life, if it is shown
     beyond: Sequence[tuple[float, float]] = ()  # ranges of x in which a limit is violated
     star: tuple[float, float] | None = None  # the recommended point
     band: tuple[float, float] | None = None  # range of y of most bearings at the recommended point
@@ -42,7 +43,7 @@ class Chart:
 
 @dataclass(frozen=True, kw_only=True)
 class Charts:
-    """The charts of an answer and its question; the first is the main chart of a page."""
+    """The charts of an answer, and its question; the first chart is the main one of a page."""
 
     question: str
     charts: Sequence[Chart]

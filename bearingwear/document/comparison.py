@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import count
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -23,7 +22,7 @@ from bearingwear.scene.checking.errors import leaves
 A_AND_B = "A", "B", "difference, %"
 
 NOT_COMPARED = frozenset({"scene", "warnings", "modelled", "residual"})
-"""Attributes that are shown as keys of the scene, in the heading, or with `--all`."""
+"""Attributes that are compared as keys of the scene or in the heading, or only with `--all`."""
 
 
 def comparison_sheet(
@@ -31,7 +30,8 @@ def comparison_sheet(
 ) -> Document:
     """Returns the sheets of two files of one kind side by side.
 
-    Keys of the scene and attributes that differ follow; with `every`, provenance shows attributes.
+    Keys of the scene and attributes that differ follow. With `every`, the sheets contain the
+    attributes, which are then not repeated.
 
     more: for kinds of files that studies define, the dotted name of the function that returns the
         sheet of an open file.
@@ -65,7 +65,7 @@ def comparison_sheet(
 
 
 def _kind_and_attributes(path: str) -> tuple[str, dict[str, Any]]:
-    """Reads the kind of a result file and its global attributes, as plain Python values."""
+    """Returns the kind of a result file, and its global attributes as plain Python values."""
     with open_result(path) as file:
         names = file.ncattrs()
         return kind_of(file), {name: np.asarray(file.getncattr(name)).tolist() for name in names}
@@ -84,7 +84,7 @@ def _key_rows(attributes_a: Mapping[str, Any], attributes_b: Mapping[str, Any]) 
 def _attribute_lines(
     attributes_a: Mapping[str, Any], attributes_b: Mapping[str, Any]
 ) -> tuple[str, ...]:
-    """Returns a line for each attribute that differs and that no other part compares."""
+    """Returns a line for each attribute that differs, except those of `NOT_COMPARED`."""
     return tuple(
         f"{name}: A {a}; B {b}"
         for name, a, b in _differences(attributes_a, attributes_b)
@@ -93,7 +93,7 @@ def _attribute_lines(
 
 
 def _compared_blocks(sheet_a: Document, sheet_b: Document) -> Iterator[Block]:
-    """Yields each block that either sheet contains, with the values of both."""
+    """Yields each block that at least one of the sheets contains, with the values of both."""
     blocks_a, blocks_b = _by_subject(sheet_a.blocks), _by_subject(sheet_b.blocks)
     for subject in dict.fromkeys((*blocks_a, *blocks_b)):
         a, b = blocks_in_one_unit([blocks_a.get(subject, Block()), blocks_b.get(subject, Block())])
@@ -102,9 +102,9 @@ def _compared_blocks(sheet_a: Document, sheet_b: Document) -> Iterator[Block]:
 
 
 def _by_subject(blocks: Sequence[Block]) -> dict[tuple[str, int], Block]:
-    """Returns blocks by the subject in their titles and their number among those of one subject.
+    """Returns blocks by their subjects, and their numbers from 0 among those of the same subject.
 
-    The subject of `contact (mean of 16 balls)` is `contact`; the number of balls may differ.
+    The title `contact (mean of 16 balls)` has the subject `contact`, since the number may differ.
     """
     by_subject: dict[tuple[str, int], Block] = {}
     counts: Counter[str] = Counter()
@@ -116,9 +116,9 @@ def _by_subject(blocks: Sequence[Block]) -> dict[tuple[str, int], Block]:
 
 
 def _compared_rows(a: Block, b: Block) -> Iterator[Row]:
-    """Yields a row for each quantity and column of either block, with the values of both.
+    """Yields a row for each quantity and column of the blocks, with the values of both.
 
-    NaN stands for a value that only the other block has.
+    A value that one block lacks is NaN.
     """
     rows_a, rows_b = _rows_by_name(a), _rows_by_name(b)
     for name in dict.fromkeys((*rows_a, *rows_b)):
@@ -137,7 +137,7 @@ def _compared_rows(a: Block, b: Block) -> Iterator[Row]:
 
 
 def _rows_by_name(block: Block) -> dict[str, Row]:
-    """Returns the rows of a block, without its axes, by their names or labels."""
+    """Returns the rows of a block by their names or labels, without rows that name points."""
     return {row.name or row.label: row for row in block.rows[block.axes :]}
 
 
@@ -148,32 +148,34 @@ def _values_by_column(block: Block, row: Row | None) -> dict[str, Any]:
     """
     if row is None:
         return {}
-    heads: Iterable[str] = block.heads
-    if not block.heads:
-        heads = [""] if len(row.values) == 1 else map(str, count(1))
-    # not strict: a row may have fewer values than columns, and `count` never ends
+    heads: Sequence[str] = block.heads
+    if not heads:
+        count = len(row.values)
+        heads = [""] if count == 1 else [str(number) for number in range(1, count + 1)]
+    # not strict: a row may have fewer values than columns
     return dict(zip(heads, row.values, strict=False))
 
 
 def _compared_row(row: Row, a: Any, b: Any) -> Row:
-    """Returns a row with the values of both files and, where they differ, the difference [%].
+    """Returns a row with the values of both files and, if they differ, the relative difference [%].
 
-    The difference is `differs` for words and relative to zero.
+    For words, and relative to zero, it is the word `differs`.
     """
     if a == b or (_is_nan(a) and _is_nan(b)):
         return row._replace(values=(a, b))
     are_numbers = all(isinstance(value, int | float) and math.isfinite(value) for value in (a, b))
-    difference = Percent(100.0 * (b - a) / abs(a)) if are_numbers and a else "differs"
+    is_relative = are_numbers and a != 0.0
+    difference = Percent(100.0 * (b - a) / abs(a)) if is_relative else "differs"
     return row._replace(values=(a, b, difference))
 
 
 def _is_nan(value: Any) -> bool:
-    """Returns whether a cell is NaN, which stands for a number that was not computed."""
+    """Returns whether a cell is NaN, a number that was not computed."""
     return isinstance(value, float) and math.isnan(value)
 
 
 def _compared_lines(a: Sequence[str], b: Sequence[str]) -> tuple[str, ...]:
-    """Returns the lines of both files, then those of one file, marked with its letter."""
+    """Returns the lines that both files have, then those of one alone, marked `A: ` or `B: `."""
     common = (line for line in a if line in b)
     only_a = (f"A: {line}" for line in a if line not in b)
     only_b = (f"B: {line}" for line in b if line not in a)
@@ -183,7 +185,7 @@ def _compared_lines(a: Sequence[str], b: Sequence[str]) -> tuple[str, ...]:
 def _differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]]:
     """Yields the name and both values of each entry that differs.
 
-    A dash stands for an entry that is missing or None, which count as equal.
+    An entry that is None counts as missing, and is a dash.
     """
     for name in dict.fromkeys((*a, *b)):
         value_a, value_b = a.get(name), b.get(name)

@@ -15,11 +15,10 @@ from bearingwear.results.units import Interval
 
 
 def as_json(document: Document) -> str:
-    """Returns a JSON object: the facts, `sentences` by their titles, and `quantities`.
+    """Returns a JSON object: the facts, `sentences` by titles of blocks, and `quantities`.
 
-    A quantity has numbers without rounding and their unit; a number that does not exist is null.
-    The text is in ASCII, with other characters escaped, so that terminals of any locale show it
-    unchanged.
+    A quantity has its numbers without rounding, and their unit; a number that is not finite is
+    null. The text is in ASCII, with other characters escaped, so that it is the same in any locale.
     """
     quantities = [
         {
@@ -45,9 +44,9 @@ def as_json(document: Document) -> str:
 
 
 def _value_entry(block: Block, row: Row) -> dict[str, Any]:
-    """Returns the values of a row by the key that JSON has for them.
+    """Returns the values of a row as an entry of JSON.
 
-    With heads of columns, it is `values`, a dict by these. Without heads, it is `value` for a
+    With heads of columns, it is `values`, a dict by these heads. Without heads, it is `value` for a
     single value, and `values` for a list of several.
     """
     values = [_plain(value) for value in row.values]
@@ -58,17 +57,20 @@ def _value_entry(block: Block, row: Row) -> dict[str, Any]:
 
 
 def _limit_entry(block: Block, row: Row) -> dict[str, Any]:
-    """Returns `limit` of a row, by the heads of columns if they differ; empty without a limit."""
+    """Returns the limit of a row as an entry of JSON, `limit`; empty without a limit.
+
+    Limits that differ between the columns are a dict by the heads of these.
+    """
     if row.limits:  # one for each value, of which a row may have fewer than there are columns
         return {"limit": dict(zip(block.heads, row.limits, strict=False))}
     return {} if row.limit is None else {"limit": row.limit}
 
 
 def _plain(value: Any) -> Any:
-    """Returns a value for JSON, which has neither intervals nor NaN nor infinity.
+    """Returns a value in types of JSON, which has neither intervals nor NaN nor infinity.
 
-    An interval becomes two numbers, and a number that is not finite None, also within dicts and
-    lists.
+    An interval becomes a list of two numbers, and a number that is not finite becomes None, also
+    within dicts and lists.
     """
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
@@ -80,9 +82,10 @@ def _plain(value: Any) -> Any:
 
 
 def as_csv(document: Document) -> str:
-    """Returns CSV with heads and a line for each fact, and then for each number of a table.
+    """Returns CSV: a line of heads, then one for each fact and for each number of a table.
 
-    Headings and sentences are left out. A fact of several values by name is JSON.
+    Headings and sentences are left out. A fact that is a list has a line for each item, and a dict
+    is written as JSON.
     """
     lines: list[list[Any]] = [["block", "name", "label", "column", "unit", "value"]]
     for name, value in document.facts.items():
@@ -103,7 +106,8 @@ def _number_lines(block: Block, row: Row) -> Iterator[tuple[Any, ...]]:
     An interval has two, whose names end in `_low` and `_high`. Without heads, the column is "".
     """
     name = row.name or row.label
-    for column, value in itertools.zip_longest(block.heads, map(_plain, row.values), fillvalue=""):
+    values = [_plain(value) for value in row.values]
+    for column, value in itertools.zip_longest(block.heads, values, fillvalue=""):
         numbers = value if isinstance(value, list) else [value]
         suffixes = ("_low", "_high") if len(numbers) > 1 else ("",)
         for suffix, number in zip(suffixes, numbers, strict=True):

@@ -1,4 +1,4 @@
-"""A document: the headings, tables, sentences and facts that a result is reported with.
+"""A document: the headings, tables, sentences and facts that report a result.
 
 Renderers: `text.py` for a terminal, `markdown.py`, `html.py`, and `data.py` (JSON and CSV) for
 programs.
@@ -28,10 +28,16 @@ from bearingwear.results.variables import CASE, LIFE
 
 VARIABLES = CASE | LIFE
 
-PLACES = ("", "verdict", "strip", "lead", "more", "open", "charted")
-"""Places of a block on a page, in this order: folded away, under the headline, above all else,
-beside the first chart, beside it only if there are no charts, below all of these, or folded below
-charts that draw the same."""
+PLACES = (
+    "",  # folded away below the charts
+    "verdict",  # below the headline and the question
+    "strip",  # below the verdict
+    "lead",  # beside the first chart
+    "more",  # sentences as in `lead`, but only if there are no charts
+    "open",  # below the charts, and not folded away
+    "charted",  # as without a place, but the charts draw the same
+)
+"""Places of a block on a page."""
 
 
 class Row(NamedTuple):
@@ -45,9 +51,9 @@ class Row(NamedTuple):
     label: str
     unit: str = ""
     values: tuple[Any, ...] = ()
-    name: str = ""
+    name: str = ""  # for programs
     limit: float | None = None
-    note: str = ""
+    note: str = ""  # beside the values
     given: bool = False
     limits: tuple[float | None, ...] = ()
 
@@ -60,30 +66,30 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class Block:
-    """A title, a table below it, and sentences below the table; each may be missing."""
+    """A title, a table below it, and sentences below the table; any of these may be missing."""
 
     title: str = ""
     columns: tuple[str, ...] = ()
     rows: tuple[Row, ...] = ()
     lines: tuple[str, ...] = ()  # sentences
-    unit: str = ""
+    unit: str = ""  # beside the title, in text
     given: bool = False  # whether its numbers are inputs, shown with all of their digits
-    # Number of first rows that name a point, if the table has a line for each point and a column
-    # for each row.
+    # Not zero: the table has a line for each point and a column for each row; this number of first
+    # rows name the point.
     axes: int = 0
     place: str = ""  # one of `PLACES`
     notes: str = ""  # head of the column of notes
 
     @property
     def heads(self) -> tuple[str, ...]:
-        """Returns the heads of the columns: in a table of points, the values that name each."""
+        """Returns the heads of the columns; in a table of points, the words for each point."""
         if not self.axes:
             return self.columns
         return tuple(", ".join(point) for point in zip(*self.cells[: self.axes], strict=True))
 
     @property
     def cells(self) -> list[list[str]]:
-        """Returns the texts of the values of each row."""
+        """Returns the values as texts, a list for each row."""
         return [
             [shown_value(value, row.unit, self.given or row.given) for value in row.values]
             for row in self.rows
@@ -93,7 +99,7 @@ class Block:
     def table(self) -> tuple[list[str], list[list[str]]]:
         """Returns the heads of the columns and the lines of the table, for a page or Markdown.
 
-        A column of notes stands last if any row has notes.
+        The last column has the notes, if any row has some.
         """
         cells = self.cells
         if self.axes:
@@ -113,8 +119,8 @@ class Block:
 class Document:
     """A report: heading lines (the first is the title), facts for programs, blocks and figures.
 
-    The navigation of a page shows it by its `subject`, and the document with the least `rank`
-    stands first. The facts of such a document contain the `scene` and its `bearing`.
+    The navigation of a page names it by its `subject`, and documents follow each other by `rank`.
+    On a page, the facts contain the name of the `scene`, and a line on its `bearing`.
     """
 
     heading: tuple[str, ...] = ()
@@ -147,7 +153,7 @@ class Document:
 
     @property
     def stored(self) -> str:
-        """Returns the document as JSON, which `load_document` and `sheet_in_file` read."""
+        """Returns the document as JSON, which `load_document` and `sheet_in_file` read back."""
         return (
             json.dumps(_encoded(asdict(self)), ensure_ascii=False, indent=1, allow_nan=False) + "\n"
         )
@@ -160,7 +166,7 @@ def row_of(
 
     name: of the variable, which determines the label.
     numbers, limit: in the unit of the variable in files.
-    unit: to show them in; by default one that suits their size.
+    unit: in which they are shown; by default one that suits their size.
     """
     variable = VARIABLES[name]
     values = [float(number) for number in numbers]
@@ -181,7 +187,8 @@ def quantity_row(
     """Returns a row of numbers that are in no table of variables, converted to one shown unit.
 
     units: of the numbers, as in files.
-    shown: key of `units.SCALES` for their display; by default that of `units`.
+    name: of the row, for programs.
+    shown: key of `units.SCALES` for their display; by default `units`.
     """
     values = [float(number) for number in numbers]
     unit = display(units, values, shown=shown)
@@ -189,9 +196,10 @@ def quantity_row(
 
 
 def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
-    """Returns the text of a value that is in a shown unit.
+    """Returns the text of a value.
 
-    given: whether the value is an input, which has seven digits in place of three or four.
+    unit: shown unit of the value.
+    given: whether the value is an input, which is shown with seven digits instead of three.
     """
     if isinstance(value, Rough):
         return value.in_unit(unit)
@@ -231,7 +239,7 @@ def sheet_in_file(file: Any) -> Document:
 
 
 def _document(stored: str) -> Document:
-    """Returns the document in a text, which is its property `stored`."""
+    """Returns the document that a text describes, which is `Document.stored`."""
     content = _decoded(json.loads(stored))
     blocks = tuple(
         Block(**block | {"rows": tuple(Row(**row) for row in block["rows"])})
@@ -241,9 +249,9 @@ def _document(stored: str) -> Document:
 
 
 def _encoded(value: Any) -> Any:
-    """Converts a value for JSON; a number of a special class becomes an object with its class.
+    """Returns a value in types of JSON, from which `_decoded` restores it.
 
-    So does a number that is not finite, which JSON does not have.
+    A number of a special class, or one that is not finite, becomes an object with a single key.
     """
     if isinstance(value, Rough):
         return {"rough": _encoded(float(value))}
@@ -261,7 +269,7 @@ def _encoded(value: Any) -> Any:
 
 
 def _decoded(value: Any) -> Any:
-    """Reverses `_encoded`; lists become tuples."""
+    """Returns the value that `_encoded` has converted to this one; lists become tuples."""
     if isinstance(value, dict):
         if value.keys() == {"rough"}:
             return Rough(_decoded(value["rough"]))

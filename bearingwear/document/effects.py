@@ -28,7 +28,7 @@ LIMIT = "limit: the size beyond which an effect is modelled, or a warning asks f
 
 
 def check_document(path: str, scene: Scene, chosen: Choice) -> Document:
-    """Returns the sheet of a valid scene: its model, the effects on and off, and warnings.
+    """Returns the sheet of a valid scene: its model, modelled and neglected effects, and warnings.
 
     path: of the scene file.
     chosen: the model that would solve the scene, with the reason.
@@ -57,7 +57,7 @@ def check_document(path: str, scene: Scene, chosen: Choice) -> Document:
 
 
 def _effect_rows(chosen: Choice) -> tuple[Row, ...]:
-    """Returns a row for each effect: whether it is modelled, its size, and the limit of neglect."""
+    """Returns a row for each effect: whether it is modelled, its size, and a limit of that."""
     return tuple(
         Row(
             effect.name,
@@ -73,7 +73,8 @@ def _effect_rows(chosen: Choice) -> tuple[Row, ...]:
 def _model_lines(scene: Scene, scene_data: Mapping[str, Any], chosen: Choice) -> list[str]:
     """Returns lines on effects, accuracy and effort, and on cases, duty and minimum preload.
 
-    scene_data: the scene as plain data. chosen: the model that would solve it.
+    scene_data: the scene as plain data.
+    chosen: the model that would solve it.
     """
     lines = [
         line

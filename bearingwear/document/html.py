@@ -16,9 +16,9 @@ def as_html(document: Document) -> str:
 
 
 def block_html(block: Block, name: str = "") -> str:
-    """Returns HTML of a table with its title and sentences, or of sentences below their title.
+    """Returns HTML of a block: its title, its table if there is one, and its sentences.
 
-    name: the `id` of the table.
+    name: the `id` of the table; "" for none.
     """
     if not block.rows:
         return sentences_html([block])
@@ -29,14 +29,15 @@ def block_html(block: Block, name: str = "") -> str:
     head_cells = "".join(
         f'<th scope="col">{_escaped(text)}</th>' if text else "<td></td>" for text in heads
     )
-    # in a terminal, rows that detail the one above them are indented
-    parts = [] if block.axes else [row.label.startswith(" ") for row in block.rows]
-    styles = [' class="part"' if part else "" for part in parts] or [""] * len(lines)
+    if block.axes:
+        styles = [""] * len(lines)
+    else:  # the label of a row that details the one above it is indented
+        styles = [' class="part"' if row.label.startswith(" ") else "" for row in block.rows]
     body = "\n".join(
-        f'<tr><th scope="row"{style}>{_escaped(label)}</th>'
+        f'<tr><th scope="row"{style}>{_escaped(row_head)}</th>'
         + "".join(f"<td>{_escaped(text)}</td>" for text in texts)
         + "</tr>"
-        for style, (label, *texts) in zip(styles, lines, strict=True)
+        for style, (row_head, *texts) in zip(styles, lines, strict=True)
     )
     caption = f"<caption>{_escaped(block.title)}</caption>" if block.title else ""
     start = f"<table{identifier}{sortable}>{caption}\n<thead><tr>{head_cells}</tr></thead>\n"
@@ -48,7 +49,7 @@ def block_html(block: Block, name: str = "") -> str:
 
 
 def sentences_html(blocks: Iterable[Block]) -> str:
-    """Returns one HTML list of the sentences of blocks, below the titles of the blocks."""
+    """Returns one HTML list of the titles of blocks and their sentences; "" without any."""
     items = []
     for block in blocks:
         if block.title:

@@ -11,7 +11,7 @@ from bearingwear.solvers.bearing.launch import LaunchLoad, LaunchResult
 
 _UM, _GPA = 1e6, 1e-9
 NEW_AND_WORN = 2
-"""States of one case."""
+"""Number of states of a case."""
 
 SOFT_PAIR_GAPS = (
     "a spring-loaded pair that gaps strikes back: its loads may be 2 to 4 times those of three "
@@ -33,7 +33,7 @@ def state_of_largest_gap(states: Mapping[str, LaunchResult]) -> str:
 
 
 def state_of_largest_pressure(states: Mapping[str, LaunchResult]) -> str:
-    """Returns the name of the state whose pressure is nearest to, or farthest beyond, denting."""
+    """Returns the name of the state with the largest ratio of peak pressure to denting pressure."""
     return max(states, key=lambda state: states[state].pressure_share)
 
 
@@ -46,12 +46,13 @@ def launch_verdict(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str
 
 
 def _soft_pair_sentences(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
-    """Warns that a spring-loaded pair that gaps sees higher loads than any computed at rest.
+    """Warns that a spring-loaded pair that gaps has higher loads than any computed at rest.
 
     Empty for any other pair, and if no bearing gaps in any state.
     """
     has_spring = scene.operation.preload_method == "constant_force"
-    return [SOFT_PAIR_GAPS] if has_spring and any(state.gap for state in states.values()) else []
+    is_open = any(state.gap for state in states.values())
+    return [SOFT_PAIR_GAPS] if has_spring and is_open else []
 
 
 class _OpenBearing(NamedTuple):
@@ -80,7 +81,10 @@ def _open_bearings(loads: Sequence[LaunchLoad]) -> list[_OpenBearing]:
 
 
 def _gap_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
-    """States by how much a bearing gaps in the worst state, or that none does."""
+    """States the largest gap of a bearing, in the worst state, or that no bearing gaps.
+
+    Each load that the spring does not support in that state has a sentence, too.
+    """
     worst = state_of_largest_gap(states)
     loads, suffix = states[worst].loads, state_suffix(worst, states)
     sentences = [
@@ -107,7 +111,7 @@ def _gap_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
 
 
 def _dent_sentences(states: Mapping[str, LaunchResult]) -> list[str]:
-    """States the largest peak pressure as a share of that which dents; empty without loads."""
+    """States the largest peak pressure as a share of the denting pressure; empty without loads."""
     worst = state_of_largest_pressure(states)
     state = states[worst]
     if not state.loads:

@@ -29,7 +29,7 @@ from bearingwear.results.units import display
 from bearingwear.results.variables import RACES
 
 LINEAR_LIFE, LINEAR_ERROR = "palmgren_miner_life", "palmgren_miner_error"
-LINEAR_EQUAL = 5e-3  # relative difference of the linear rule that is not stated
+LINEAR_EQUAL = 5e-3  # relative difference below which the linear rule counts as equal
 STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
 WORN_OF_EACH = ("history_ball_worn_volume", "history_pocket_worn_volume", "history_worn_diameter")
 WORN_RACES = "history_race_worn_volume"
@@ -51,11 +51,11 @@ WORN_WHOLE = (
 LIMIT_MET_SHARE = 1e-3
 """Share of a limit within which the bearing of a pair that ends a life meets it."""
 
-_ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as nothing
+_ROUNDING = 1e-12  # share of the larger of two ends below which the smaller is shown as 0
 
 
 def life_blocks(file: Any) -> list[Block]:
-    """Returns the blocks of a life: those of both bearings, then those of each."""
+    """Returns the blocks of a life: those that two bearings share, then those of each."""
     first_bearing = bearing_views(file)[0].file
     return blocks_in_one_unit(
         [*_life_and_phase_blocks(first_bearing), *blocks_by_bearing(file, _wear_blocks)]
@@ -90,7 +90,10 @@ def _life_and_phase_blocks(file: Any) -> list[Block]:
 
 
 def _linear_life_rows(file: Any) -> list[Row]:
-    """Returns the life that the linear rule promises over a duty, and how far off it is."""
+    """Returns a row with the life over a duty by the linear rule, and its error in a note.
+
+    Empty without a duty.
+    """
     linear_life = float(variable_values(file, LINEAR_LIFE))
     error = float(variable_values(file, LINEAR_ERROR))
     if not math.isfinite(linear_life):
@@ -143,12 +146,14 @@ def _calibration_phrase(scene: Mapping[str, Any]) -> str:
     calibration = scene.get("calibrated")
     if not calibration:
         return ""
-    plural = "s" * (calibration["rows"] > 1)
-    return f"calibrated with {calibration['rows']} test{plural} from {calibration['tests']}"
+    count = calibration["rows"]
+    return (
+        f"calibrated with {count} {'test' if count == 1 else 'tests'} from {calibration['tests']}"
+    )
 
 
 def _start_and_end_rows(file: Any, name: str) -> list[Row]:
-    """Returns a row with start and end of a history, or such a row for each race."""
+    """Returns a row with start and end of a history, or such a row for each race it has."""
     ends = np.atleast_1d(variable_values(file, name))[[0, -1]]
     ends = np.where(np.abs(ends) < _ROUNDING * np.abs(ends).max(initial=0.0), 0.0, ends)
     if ends.ndim == 1:
@@ -161,7 +166,7 @@ def _start_and_end_rows(file: Any, name: str) -> list[Row]:
 
 
 def _film_blocks(file: Any) -> list[Block]:
-    """Returns a block with the times at which the films are worn through, if there are films."""
+    """Returns a block with the times at which the films are worn through; empty without films."""
     rows = []
     for name in WORN_THROUGH:
         if name in file.variables:
@@ -212,7 +217,7 @@ def _history_value(
     """Returns the worst value of a measure at a step of the history of a life."""
 
     def value_of(name: str) -> np.ndarray:
-        """Returns the value of a variable at the step (n,)."""
+        """Returns the values of a variable at the step."""
         return np.atleast_1d(variable_values(file, f"history_{name}"))[step]
 
     critical, name = measure.critical(value_of, scene["operation"]["preload_N"])
@@ -221,13 +226,13 @@ def _history_value(
 
 
 def _criterion_words(file: Any, name: str) -> str:
-    """Returns the criterion in a variable with flags in words; of another flag, its name."""
+    """Returns the words for the criterion that a variable has as flag; for `none`, that name."""
     criterion = flag_name(file, name)
     return ENDS[criterion].words if criterion in ENDS else criterion
 
 
 def _steady_life_blocks(file: Any) -> list[Block]:
-    """Returns a block with the life by the steady model, if the file of a dynamic life has it."""
+    """Returns a block with the steady model's life for comparison, if a dynamic life has it."""
     if "steady_status" not in file.variables:
         return []
     status = int(variable_values(file, "steady_status"))
@@ -239,7 +244,7 @@ def _steady_life_blocks(file: Any) -> list[Block]:
 def _worn_part_blocks(file: Any) -> list[Block]:
     """Returns a block with the wear of the parts of a bearing at the end of a dynamic life.
 
-    All volumes have one unit, for comparison.
+    All volumes have one unit, for comparison. Other lives have no such block.
     """
     if "history_ball_worn_volume" not in file.variables:
         return []

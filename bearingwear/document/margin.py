@@ -1,4 +1,7 @@
-"""Sentences and table of a torque margin: the worst corner, and all others."""
+"""Sentences and a table of the torque margin in every corner, the worst of which decides.
+
+A corner is a combination of case, wear and friction.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ from bearingwear.scene.scene import Scene
 
 
 def worst_corner(corners: Sequence[Corner]) -> Corner:
-    """Returns the corner with the least margin among those computed; the first if none was.
+    """Returns the corner with the smallest margin among those computed; the first if none was.
 
     corners: at least one.
     """
@@ -67,7 +70,7 @@ def _verdict_sentence(worst: Corner, is_complete: bool) -> str:
 
 
 def _standard_sentence(drive: Drive) -> str:
-    """States the standard, the source of the torques, and the factors on these."""
+    """States the standard, the source of the torques, and the factors on the torques."""
     factors = [
         f"{drive.rule[drive.bearings]:g} on the bearing torque (class {drive.bearings})",
         *(
@@ -94,7 +97,9 @@ def _corner_note(corner: Corner, worst: Corner) -> str:
 
 
 def margin_block(scene: Scene, corners: Sequence[Corner]) -> Block:
-    """Returns a table of torque and required torque [one unit] and margin [%] in every corner.
+    """Returns a table of torque, required torque and margin in every corner.
+
+    The torques have one unit, and margins are in percent.
 
     scene: it has the block `drive`.
     corners: at least one; one that was not computed has NaN.

@@ -29,7 +29,7 @@ SYSTEM_ROWS = (
 
 
 class BearingView:
-    """An open file of a pair, reduced to its bearing k: reads like the file of one bearing."""
+    """An open file of a pair that reads like the file of its bearing k alone."""
 
     def __init__(self, file: Any, k: int):
         self._file, self._k = file, k
@@ -40,7 +40,7 @@ class BearingView:
 
     @property
     def scene(self) -> str:
-        """Returns the scene of this bearing as JSON; in tandem, with its share of the preload."""
+        """Returns the scene of this bearing as JSON; in tandem, it has a share of the preload."""
         scene = json.loads(self._file.scene)
         scene["operation"]["preload_N"] /= scene["arrangement"].get("tandem", (1, 1))[self._k]
         return json.dumps(scene)
@@ -54,7 +54,7 @@ class BearingView:
 
 
 class _VariableView:
-    """A variable of a pair, reduced to bearing k."""
+    """A variable of a pair that reads like that of bearing k alone."""
 
     def __init__(self, variable: Any, k: int):
         self._variable, self._k = variable, k
@@ -69,7 +69,7 @@ class _VariableView:
 
 
 class TitledView(NamedTuple):
-    """One bearing of a file, and the words that titles of its blocks start with."""
+    """One bearing of a file, and the start of the titles of its blocks."""
 
     title: str  # empty if the file has only one bearing
     file: Any  # the open file, or a `BearingView`
@@ -80,7 +80,7 @@ def bearing_views(file: Any) -> list[TitledView]:
 
     Two bearings with equal results have one view.
     """
-    # a status along dimensions is that of several cases, whose file is no pair's alone
+    # a status with dimensions is that of several cases, which have no view of their own
     if OF_BEARING not in file.dimensions or file["status"].dimensions:
         return [TitledView("", file)]
     views = [BearingView(file, k) for k in range(file.dimensions[OF_BEARING].size)]
@@ -90,7 +90,7 @@ def bearing_views(file: Any) -> list[TitledView]:
 
 
 def blocks_by_bearing(file: Any, blocks_of: Callable[[Any], list[Block]]) -> list[Block]:
-    """Returns the blocks of each bearing of an open file; those of two that differ, side by side.
+    """Returns the blocks of the bearings of an open file; if two differ, side by side.
 
     blocks_of: returns the blocks of a file with one bearing.
     """
@@ -104,7 +104,8 @@ def blocks_by_bearing(file: Any, blocks_of: Callable[[Any], list[Block]]) -> lis
 def _is_equal_in_both(file: Any, name: str) -> bool:
     """Returns whether a variable does not distinguish the bearings of a file.
 
-    It has equal values for both, or none along the dimension of the bearings, or is its coordinate.
+    It either has equal values for both, or is not along the dimension of the bearings. The
+    coordinate of this dimension does not count.
     """
     if name == OF_BEARING or file[name].dimensions[:1] != (OF_BEARING,):
         return True
@@ -113,9 +114,9 @@ def _is_equal_in_both(file: Any, name: str) -> bool:
 
 
 def system_blocks(file: Any) -> list[Block]:
-    """Returns the block of the arrangement of both bearings in a list.
+    """Returns a list with the block of the arrangement of both bearings.
 
-    The list is empty for a file without any of its variables, such as that of a single bearing.
+    The list is empty if the file contains none of its variables, as that of a single bearing.
     """
     rows = rows_with_violations(mean_rows(file, SYSTEM_ROWS, variable_limits(file)), file)
     if "natural_frequency" in file.variables:

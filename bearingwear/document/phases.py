@@ -13,7 +13,7 @@ from bearingwear.measures import ENDS, WORST
 from bearingwear.results.life_variables import WORN_SURFACES
 
 _HIDDEN = "ball_diameter_loss", "axial_stiffness", "quasistatic_axial_stiffness"
-"""Measures whose worst values other rows contain."""
+"""Variables of measures without a row, because other rows contain their worst values."""
 
 
 def phase_blocks(file: Any, scene: Mapping[str, Any]) -> list[Block]:
@@ -62,7 +62,7 @@ def _life_rows(file: Any) -> tuple[Row, ...]:
 
 
 def _shorter_life_lines(file: Any) -> tuple[str, ...]:
-    """Returns why the life over the duty is shorter than that in any phase alone, if it is."""
+    """Returns why the life over the duty is shorter than in any phase alone; empty if it is not."""
     if not float(variable_values(file, "life")) < np.min(variable_values(file, "phase_life")):
         return ()
     name = str(file.phases).split()[int(variable_values(file, "ending_phase"))]
@@ -73,7 +73,10 @@ def _shorter_life_lines(file: Any) -> tuple[str, ...]:
 
 
 def _surface_rows(file: Any, name: str) -> list[Row]:
-    """Returns a row of a variable over phase and worn surface for each surface, all wear first."""
+    """Returns a row for each worn surface, with a value for each phase; that of all comes first.
+
+    name: of a variable over phase and surface.
+    """
     shares = variable_values(file, name)
     last = len(WORN_SURFACES) - 1  # of all surfaces
     rows = []

@@ -29,7 +29,7 @@ def stored_scene(file: Any) -> Mapping[str, Any]:
 
 @functools.lru_cache(maxsize=4)  # each block of a sheet reads the scene
 def _parsed_scene(text: str) -> Mapping[str, Any]:
-    """Parses the JSON of a scene."""
+    """Returns the scene in a JSON text."""
     return json.loads(text)
 
 
@@ -47,7 +47,6 @@ TABLE_TESTS = (
     "computed, and the effect of temperature is too large by a factor of 1.6 (docs/film_tests.md)."
 )
 """The sentence in place of `FILM_TESTS` for films whose wear follows a table of lives."""
-
 
 LOWER_BOUND = (
     "K_s/H of starved oil is an upper bound, so this life and its interval are lower bounds."
@@ -70,20 +69,20 @@ def bound_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def caveat_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    """Returns the sentences on what limits the trust in lives."""
+    """Returns the sentences on the limited accuracy of the lives of a scene."""
     return (*film_lines(scene), *bound_lines(scene))
 
 
 def _has_film(scene: Mapping[str, Any]) -> bool:
-    """Whether balls, races or their contact have a film."""
+    """Returns whether the contact of balls and races, or any material, has a film."""
     coated = [scene.get("friction", {}), *scene.get("materials", {}).values()]
     return any(block.get("film") for block in coated)
 
 
 def variable_values(file: Any, name: str) -> np.ndarray:
-    """Returns the values of a variable of an open file as floats; NaN where not solved.
+    """Returns the values of a variable of an open file as floats; NaN for missing values.
 
-    If the file does not contain the variable, a single NaN.
+    Without the variable, it is an array of no dimensions with NaN.
     """
     if name not in file.variables:
         return np.array(np.nan)
@@ -91,7 +90,7 @@ def variable_values(file: Any, name: str) -> np.ndarray:
 
 
 def flag_name(file: Any, name: str) -> str:
-    """Returns the name of the flag in a variable with a single value."""
+    """Returns the name of the flag that a variable of an open file has as its single value."""
     return str(file[name].flag_meanings.split()[int(file[name][...])])
 
 
@@ -107,9 +106,9 @@ def _is_nan(value: Any) -> bool:
 
 
 def blocks_in_one_unit(blocks: Iterable[Block]) -> list[Block]:
-    """Returns the blocks with every quantity in the largest unit that it has in any of them."""
+    """Returns the blocks with each quantity in one unit, the largest that it has in any block."""
     blocks = list(blocks)
-    # the unit of the smallest factor from the unit of files, by quantity and unit of files
+    # by quantity and unit of files; the largest unit has the smallest factor from that of files
     largest_units: dict[tuple[str, str], tuple[float, str]] = {}
     for row in (row for block in blocks for row in block.rows):
         file_unit, factor = scale_of(row.unit)
@@ -131,7 +130,10 @@ def blocks_in_one_unit(blocks: Iterable[Block]) -> list[Block]:
 
 
 def _converted_row(row: Row, unit: str, factor: float, old_factor: float) -> Row:
-    """Returns a row in another unit; each factor is a unit's `scale_of`."""
+    """Returns a row in another unit.
+
+    factor, old_factor: from the unit of files to the new unit and to that of the row.
+    """
 
     def converted(number: float | None) -> float | None:
         """Returns a number in the new unit; None stays None."""
@@ -146,7 +148,7 @@ def _converted_row(row: Row, unit: str, factor: float, old_factor: float) -> Row
 
 
 def side_by_side(bearings: Sequence[Sequence[Block]]) -> list[Block]:
-    """Returns blocks with columns for each bearing, from the blocks of several bearings.
+    """Returns the blocks of several bearings as one list, with columns for each bearing.
 
     bearings: the blocks of each bearing; all have the same blocks and rows.
     """
@@ -154,7 +156,10 @@ def side_by_side(bearings: Sequence[Sequence[Block]]) -> list[Block]:
 
 
 def _merged_block(blocks: Sequence[Block]) -> Block:
-    """Returns the block of one bearing each as one block, whose columns name the bearing."""
+    """Returns one block for several bearings, whose columns name the bearing.
+
+    blocks: that of each bearing.
+    """
     columns = tuple(
         f"{k}: {column}" if column else f"bearing {k}"
         for k, block in enumerate(blocks, 1)
@@ -170,9 +175,11 @@ def _merged_block(blocks: Sequence[Block]) -> Block:
 
 
 def _merged_row(rows: Sequence[Row]) -> Row:
-    """Returns the row of one bearing each as one row, in one unit and with the notes of all.
+    """Returns one row for several bearings, in one unit and with the notes of all.
 
-    It has a single limit if these agree to nine digits, otherwise a limit for each value.
+    It has a single limit if all limits agree to nine digits, otherwise a limit for each value.
+
+    rows: that of each bearing.
     """
     rescaled = blocks_in_one_unit([Block("", rows=tuple(rows))])[0].rows
     limit_texts = {"" if row.limit is None else f"{row.limit:.9g}" for row in rescaled}
@@ -218,12 +225,12 @@ class _Criterion(NamedTuple):
         return self.measure.file_limit(self.limit, self.preload_N)
 
     def is_violated(self, numbers: np.ndarray) -> bool:
-        """Returns whether the worst of the values of the variable [SI] is beyond the limit."""
+        """Returns whether the worst of the variable's values [SI] is beyond the limit."""
         return self.measure.is_passed(self.measure.value(numbers, self.preload_N), self.limit)
 
 
 def _criteria(file: Any) -> dict[str, _Criterion]:
-    """Returns the criteria of the scene in a file, by variable."""
+    """Returns the end-of-life criteria of the scene in a file, by the names of their variables."""
     scene = stored_scene(file)
     limits = scene.get("wear", {}).get("end_of_life") or {}
     preload_N = scene.get("operation", {}).get("preload_N", 0.0)
@@ -236,12 +243,12 @@ def _criteria(file: Any) -> dict[str, _Criterion]:
 
 
 def variable_limits(file: Any) -> dict[str, float]:
-    """Returns the limit of each variable that may end the life [units of the file]."""
+    """Returns the limits [units of the file] of the variables that may end a life, by name."""
     return {name: criterion.file_limit for name, criterion in _criteria(file).items()}
 
 
 def rows_with_violations(rows: Iterable[Row], file: Any) -> tuple[Row, ...]:
-    """Returns the rows, with a note on those whose criterion is violated."""
+    """Returns the rows, with a note on each whose value in the file violates its criterion."""
     criteria = _criteria(file)
     return tuple(
         row._replace(note="violated")

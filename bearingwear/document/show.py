@@ -85,7 +85,7 @@ RUN = (
 )
 TEMPERATURES = ("part_temperature", "thermal_growth")
 FIT_ROWS = ("growth_by_fit", "fit_pressure")
-"""Rows that are left out if no ring has an interference fit."""
+"""Variables without a row if no ring has an interference fit."""
 GROWTH_AT_SPEED = "growth_at_speed"
 RINGS = (GROWTH_AT_SPEED, *FIT_ROWS)
 CAGE_MEANS = (
@@ -99,11 +99,11 @@ CAGE_MEANS = (
 
 
 def _other_variables(*dims: tuple[str, ...]) -> tuple[str, ...]:
-    """Returns the variables of a case over `dims` that have a label and no place of their own.
+    """Returns the variables of a case that have a label, but no place of their own in a sheet.
 
-    Those of the lists of this file and of `DIAGNOSTICS` have one.
+    Those of `DIAGNOSTICS` are left out, too.
 
-    *dims: dimensions of a variable, such as `("ball", "race")`; each alternative counts.
+    *dims: alternative dimensions of the variables, such as `("ball", "race")`.
     """
     listed = {
         *CONTACT,
@@ -128,7 +128,7 @@ def sheet(
 ) -> Document:
     """Returns the sheet of a result file of any kind. May raise CaseFileError.
 
-    It has the spread of lives, too, if this file or one beside it contains that.
+    It contains the spread of lives, if this file or one beside it does.
 
     more: for the kinds of files that studies define, a function that takes the open file
         (`netCDF4.Dataset`) and returns a `Document`, by its dotted name, `module:function`.
@@ -183,14 +183,14 @@ def _main_sheet(file: Any, more: Registry) -> Document:
 
 
 def _rows_without_solution(file: Any) -> set[str]:
-    """Returns the names of the rows that an unsolved case has: they follow from its inputs."""
+    """Returns the names of the rows of an unsolved case, whose values follow from inputs alone."""
     if stored_scene(file).get("thermal") is None:  # temperatures are inputs
         return {*TURN_COUNTS, *RINGS, *TEMPERATURES}
     return {*TURN_COUNTS, GROWTH_AT_SPEED}
 
 
 def _heading_and_facts(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
-    """Returns the heading lines of a case or life, and facts for programs by their names."""
+    """Returns the heading lines of a case or life, and its facts for programs by their names."""
     scene = stored_scene(file)
     status = STATUS_NAMES[int(variable_values(file, "status"))]
     fidelity = getattr(file, "fidelity", "?")
@@ -215,13 +215,15 @@ def _heading_and_facts(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
 
 
 def _drift_phrase(file: Any) -> str:
-    """States that the averages of a run still drift; empty if they have settled."""
+    """States, after a semicolon, that the averages of a run still drift; empty if they settled."""
     verdict = str(getattr(file, "settled", "")).partition(":")[0]
     return f"; {verdict}" if verdict.startswith("not settled") else ""
 
 
 def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:
-    """Returns a row with a value for each race: the mean of the balls or, for an extreme, theirs.
+    """Returns a row with a value for each race: the mean of all balls, or their extreme.
+
+    The variables of `EXTREMES` have an extreme.
 
     limits: by variable [units of the file].
     """
@@ -263,17 +265,17 @@ def _contact_rows(file: Any) -> list[Row]:
 
     Quantities of `CONTACT` that the file lacks have NaN, except the range of the load.
     """
-    limits = variable_limits(file)
-    optional = {*LOAD_RANGE, *_other_variables(("ball", "race"))}
+    limits, other_variables = variable_limits(file), _other_variables(("ball", "race"))
+    optional = {*LOAD_RANGE, *other_variables}
     return [
         _race_row(file, name, limits)
-        for name in (*CONTACT, *_other_variables(("ball", "race")))
+        for name in (*CONTACT, *other_variables)
         if name not in optional or name in file.variables
     ]
 
 
 def _bearing_rows(file: Any) -> tuple[Row, ...]:
-    """Returns a row for each quantity of the bearing; those of balls are means over them."""
+    """Returns a row for each quantity of the bearing, with the mean of a quantity of balls."""
     return (
         *mean_rows(file, BEARING, variable_limits(file)),
         quantity_row("friction power", "W", [_friction_power(file)], "friction_power"),
@@ -299,7 +301,7 @@ def _stiffness_rows(file: Any) -> tuple[Row, ...]:
 
 
 def _friction_power(file: Any) -> float:
-    """Returns the power of friction in all contacts and the cage, and of drag [W].
+    """Returns the sum of the powers of friction, at all contacts and the cage, and of drag [W].
 
     Drag and cage count as zero if they were not computed.
     """
@@ -311,10 +313,7 @@ def _friction_power(file: Any) -> float:
 
 
 def _dynamic_blocks(file: Any) -> list[Block]:
-    """Returns the blocks of the run and of the cage, which only a dynamic case has.
-
-    Without results of the cage, there is no block of it.
-    """
+    """Returns the blocks of the run and, if it has results, of the cage of a dynamic case."""
     settled = (str(file.settled),) if hasattr(file, "settled") else ()
     blocks = [Block("dynamic run", (), mean_rows(file, RUN), settled)]
     cage = mean_rows(file, CAGE_MEANS)
@@ -327,7 +326,10 @@ def _dynamic_blocks(file: Any) -> list[Block]:
 
 
 def _growth_blocks(file: Any) -> list[Block]:
-    """Returns blocks of temperature and growth of all parts, and of growth and fits of rings."""
+    """Returns blocks of temperature and growth of all parts, and of growth and fits of rings.
+
+    A block is left out if the file contains none of its variables.
+    """
     parts = _growth_block(file, "parts", BEARING_PARTS, TEMPERATURES)
     if parts is not None and hasattr(file, "preload_spread"):
         parts = replace(parts, lines=(str(file.preload_spread),))
@@ -340,8 +342,10 @@ def _growth_block(
 ) -> Block | None:
     """Returns a block of variables over `parts`, with a column for each part that has values.
 
-    The first variable decides which parts have values. Rows of fits are left out if they are all
-    zero. None if the file contains no other variable.
+    The first variable decides which parts have values. The variables of `FIT_ROWS` are left out if
+    they are zero. Returns None if no variable is left.
+
+    names: of the variables, each over `parts`.
     """
     by_name = {}
     for name in names:
@@ -362,7 +366,7 @@ def _growth_block(
 def _diagnostic_blocks(file: Any) -> list[Block]:
     """Returns blocks of residuals and error estimates, modelled effects, and provenance.
 
-    Diagnostics with more values than there are races are left out, and so are NaN and empty blocks.
+    Variables with more values than there are races are left out, and so are NaN and empty blocks.
     """
     rows = []
     for name in file.variables:
@@ -388,7 +392,7 @@ def _diagnostic_blocks(file: Any) -> list[Block]:
 
 
 def _attribute_text(value: Any) -> str:
-    """Returns an attribute as text; a float with three digits."""
+    """Returns an attribute as text, a float with three digits."""
     if isinstance(value, float | np.floating):
         return digits(float(value))
     return str(value)
@@ -398,7 +402,7 @@ SHEETS: Mapping[str, Callable[[Any], list[Block]]] = {
     CASE_KIND: _case_blocks,
     LIFE_KIND: life_blocks,
 }
-"""Blocks of a file, for the kinds that are neither defined by a study nor shown like one."""
+"""Functions that return the blocks of an open file, for kinds that no study defines."""
 
 
 def scene_sheet(scene: Scene) -> Document:
@@ -439,7 +443,7 @@ def _dimension_rows(scene: Scene) -> tuple[Row, ...]:
 
 
 def _material_rows(scene: Scene) -> tuple[Row, ...]:
-    """Returns a row for balls and one for races: Young's modulus, hardness [GPa], and K_s [1]."""
+    """Returns rows of balls and races: Young's modulus [GPa], hardness [GPa], and K_s [1]."""
     rows = []
     for part, name in (
         ("balls", scene.bearing.ball_material),

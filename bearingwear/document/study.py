@@ -35,7 +35,7 @@ from bearingwear.results.units import Rough, display
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 
 MOST_LISTED = 8
-"""Most values of a coordinate that are listed; of more, only the first and the last are."""
+"""Largest number of values of a coordinate that are all listed."""
 
 QUANTILE_COLUMNS = "quantiles", f"{100 * CONFIDENCE:g} % interval of each, due to sampling"
 
@@ -77,7 +77,7 @@ def _status_rows(file: Any) -> Iterator[Row]:
 
 
 def _range_row(file: Any, name: str) -> Row:
-    """Returns a row with the least and the largest value of a variable; NaN without values."""
+    """Returns a row with the smallest and the largest value of a variable; NaN without values."""
     numbers = variable_values(file, name)
     finite = numbers[np.isfinite(numbers)]
     ends = (float(finite.min()), float(finite.max())) if finite.size else (np.nan, np.nan)
@@ -89,7 +89,7 @@ def _range_row(file: Any, name: str) -> Row:
 
 
 def spread_blocks(file: Any, path: Path) -> list[Block]:
-    """Returns a block with the spread of each life of an open file, and sentences on all spreads.
+    """Returns a block with the spread of each life of an open file, and one of sentences on them.
 
     path: of the file. The spreads are in it, or in files of uncertainty beside it.
     """
@@ -122,7 +122,10 @@ def spread_blocks(file: Any, path: Path) -> list[Block]:
 
 
 def spread_rows(spreads: Sequence[Spread | None]) -> list[Row]:
-    """Returns a row for each label of `Spread.rows`, with a value for each life."""
+    """Returns a row for each label of `Spread.rows`, with a column for each life.
+
+    spreads: of each life; None for a life whose spread was not computed, which has NaN.
+    """
     columns = [spread.rows if spread else {} for spread in spreads]
     labels = dict.fromkeys(label for column in columns for label in column)
     return [
@@ -145,7 +148,13 @@ def _quantile_rows(spread: Spread) -> list[Row]:
 
 
 def by_wear_row(scene: Mapping[str, Any], lives: Iterable[float]) -> tuple[Row, ...]:
-    """Returns a row with the band of each life due to uncertain wear alone, if that is known."""
+    """Returns a row with the interval of each life due to uncertain wear alone, NaN if unknown.
+
+    Without any known interval, there is no row.
+
+    scene: plain data.
+    lives: [h].
+    """
     bands = [band_by_wear(scene, life)[0] for life in lives]
     if not any(bands):
         return ()
@@ -154,14 +163,14 @@ def by_wear_row(scene: Mapping[str, Any], lives: Iterable[float]) -> tuple[Row, 
 
 
 def rough_value(value: Any) -> Any:
-    """Returns a number of hours as one of two digits, None as NaN, and other cells unchanged."""
+    """Returns a float as a number of two digits, None as NaN, and any other cell unchanged."""
     if value is None:
         return Rough(math.nan)
     return Rough(value) if isinstance(value, float) else value
 
 
 def _row_name(label: str) -> str:
-    """Returns the name of a row for programs: `life_90_percent_of_bearings`."""
+    """Returns the name for programs of a row, such as `life_90_percent_of_bearings`."""
     return f"life_{label.strip()}".replace("%", "percent").replace(" ", "_")
 
 
@@ -191,7 +200,7 @@ def _lives_with_spread(file: Any) -> Iterator[_LifeWithSpread]:
 
 
 def _lives_at_preload_choices(file: Any, kind: str) -> Iterator[_LifeWithSpread]:
-    """Yields the lives at the scene's own and at the recommended preload, as far as contained."""
+    """Yields the lives at the scene's own and the recommended preload that a file contains."""
     frictions = variable_values(file, "friction").tolist() if "friction" in file.variables else []
     scene_friction = stored_scene(file)["friction"].get("ball_race")
     choices = variable_values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,)
@@ -206,13 +215,13 @@ def _lives_at_preload_choices(file: Any, kind: str) -> Iterator[_LifeWithSpread]
 
 
 def _preload_methods(file: Any) -> list[str]:
-    """Returns the names of the preload methods along the dimension of a file."""
+    """Returns the names of the preload methods along that dimension of a file."""
     names = file["preload_method"].flag_meanings.split()
     return [names[int(flag)] for flag in variable_values(file, "preload_method")]
 
 
 def _coordinate_text(file: Any, name: str) -> str:
-    """Lists the values of a coordinate, or the first and the last of many, with the unit."""
+    """Lists the values of a coordinate, or the ends of many, with the unit; "" without one."""
     if name not in file.variables or file[name].dimensions != (name,):
         return ""
     flags = str(getattr(file[name], "flag_meanings", "")).split()

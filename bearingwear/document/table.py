@@ -29,11 +29,11 @@ def dataset_table(
     """Returns a table with a line for each point along `axes`.
 
     axes: dimensions along which the points lie; each has a column.
-    columns: of each column, the variable over the axes, or its name; and words that distinguish
-        the column from others of the same variable. The name of a variable may have a suffix after
-        a point. All columns of a variable have one unit.
+    columns: for each column, a variable over the axes or its name, and words that distinguish the
+        column from others of the same variable. The name may have a suffix after a point. All
+        columns of a variable have one unit.
     title, lines: of the block.
-    errors: relative error of each column, which determines its digits; None if it is not known.
+    errors: for each column, the relative errors, which determine the digits, or None.
     """
     variables = [
         dataset[variable] if isinstance(variable, str) else variable for variable, _ in columns
@@ -62,7 +62,7 @@ def dataset_table(
 
 
 def _axis_rows(dataset: xr.Dataset, axes: Sequence[str]) -> list[Row]:
-    """Returns a row for each axis, with its coordinate at every point in words.
+    """Returns a row for each axis, with the coordinate of every point as text.
 
     The points are all combinations of the coordinates; those of the last axis change fastest.
     """
@@ -104,7 +104,7 @@ class _Quantity(NamedTuple):
 
 
 def _quantity(variable: xr.DataArray) -> _Quantity:
-    """Returns the quantity of a variable, whose name may have a suffix after a point."""
+    """Returns the quantity of a variable, without a suffix of the name after a point."""
     name = str(variable.name).partition(".")[0]
     units = variable.attrs.get("units", "1")
     table_entry = VARIABLES.get(name)
@@ -118,7 +118,7 @@ def dataset_csv(dataset: xr.Dataset, axes: Mapping[str, str]) -> str:
     A variable over further dimensions has a column for each of their flags, and one that lacks an
     axis is left out.
 
-    axes: the head of the column of each dimension along which the points lie.
+    axes: dimensions along which the points lie, each with the head of its column.
     """
     columns = {
         head: texts
@@ -149,8 +149,9 @@ def _variable_columns(
         numbers = values.values[(..., *index)].ravel()
         unit = variable.attrs.get("units", "1")
         if "dof_column" in further_dims:
-            # of a stiffness, by how many of its row and column are a tilt: none, one or both
-            unit = STIFFNESS_UNITS[sum(word.startswith("tilt") for word in words)]
+            # of a stiffness matrix: none, one or both of row and column are tilts
+            tilts = [word for word in words if word.startswith("tilt")]
+            unit = STIFFNESS_UNITS[len(tilts)]
         head = ".".join([str(name), *words]) + (f" ({unit})" if unit != "1" else "")
         yield head, [cell_text(number, flags) for number in numbers]
 
@@ -163,9 +164,10 @@ def _axis_texts(coordinate: xr.DataArray) -> list[str]:
 
 
 def cell_text(number: float, flags: Sequence[str] | None) -> str:
-    """Returns a number with nine digits, a flag by its name, and "" for NaN and infinity.
+    """Returns the text of a cell: nine digits, the name of a flag, or "" for NaN and infinity.
 
-    flags: names of the flags 0, 1, ...; empty or None for a number.
+    number: a number or a flag.
+    flags: names of the flags 0, 1, ...; empty or None if it is a number.
     """
     if not np.isfinite(number):
         return ""
@@ -173,6 +175,6 @@ def cell_text(number: float, flags: Sequence[str] | None) -> str:
 
 
 def flag_names(coordinate: xr.DataArray) -> list[str]:
-    """Returns the names of the flags along a dimension."""
+    """Returns the name of each flag along a dimension."""
     names = coordinate.attrs.get("flag_meanings", "").split()
     return [names[int(flag)] for flag in coordinate.values]

@@ -14,9 +14,9 @@ LABEL_WIDTH, UNIT_WIDTH, VALUE_WIDTH = 28, 11, 13
 POINT_WIDTH = 12
 """Least width of each column of a table with a line for each point."""
 WIDTH = 110
-"""Characters in a line of a sentence or table; a table with wide columns may exceed it."""
+"""Most characters in a line of a sentence or table; a table with wide columns may exceed it."""
 ALWAYS_BESIDE = 4
-"""Columns that stay beside each other however wide they are: two methods, new and worn."""
+"""Number of columns that stay beside each other however wide: two methods, new and worn."""
 
 
 def as_text(document: Document) -> str:
@@ -30,7 +30,10 @@ def as_text(document: Document) -> str:
 
 
 def _wrapped_lines(text: str, indent: str = "") -> list[str]:
-    """Wraps a sentence into lines of `WIDTH`; all but the first are indented further."""
+    """Wraps a sentence into lines of `WIDTH` characters.
+
+    indent: of the first line; the others have two more spaces.
+    """
     return textwrap.wrap(
         text, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}  ",
         break_long_words=False, break_on_hyphens=False,
@@ -40,7 +43,7 @@ def _wrapped_lines(text: str, indent: str = "") -> list[str]:
 def _quantity_lines(block: Block) -> list[str]:
     """Returns the lines of a table with a line for each quantity.
 
-    Columns that do not fit beside each other stand in parts below each other.
+    Columns that do not fit beside each other are in parts of the table, one below the other.
     """
     cells = block.cells
     columns = zip_longest(block.columns, *cells, fillvalue="")
@@ -48,7 +51,7 @@ def _quantity_lines(block: Block) -> list[str]:
     label_width = max([LABEL_WIDTH, *(len(row.label) + 2 for row in block.rows)])
 
     def line(label: str, unit: str, texts: Sequence[str], part: slice) -> str:
-        """Returns a line of the table with the texts of some columns, each in its width."""
+        """Returns a line of a part of the table, each text in the width of its column."""
         # not strict: a row may have fewer texts than there are columns
         aligned = (
             f"{text:>{width}}" for text, width in zip(texts[part], widths[part], strict=False)
@@ -73,10 +76,11 @@ def _quantity_lines(block: Block) -> list[str]:
 def _column_slices(widths: Sequence[int], total_width: int) -> Iterator[slice]:
     """Yields slices of the columns, in order, each of columns that fit beside each other.
 
-    Up to `ALWAYS_BESIDE` columns are in one slice, and a column that is too wide is alone in its.
+    Up to `ALWAYS_BESIDE` columns are in one slice. Otherwise, a column that is too wide has a slice
+    of its own.
 
     widths: of the columns, in characters.
-    total_width: of all columns of a slice.
+    total_width: largest sum of the widths in a slice.
     """
     start = 0
     for k in range(1, len(widths)):
@@ -90,14 +94,14 @@ def _point_lines(block: Block) -> list[str]:
     """Returns the lines of a table with a line for each point; long heads take several lines."""
     heads, points = block.table
     cell_widths = [
-        max(POINT_WIDTH, *(len(text) for text in column)) for column in zip(*points, strict=True)
+        max([POINT_WIDTH, *(len(texts[k]) for texts in points)]) for k in range(len(heads))
     ]
     wrapped_heads = [
         textwrap.wrap(head, width) for head, width in zip(heads, cell_widths, strict=True)
     ]
     # a long word in a head widens its column
     widths = [
-        max(width, *(len(part) for part in parts), 0)
+        max([width, *(len(part) for part in parts)])
         for width, parts in zip(cell_widths, wrapped_heads, strict=True)
     ]
     head_lines = zip_longest(*wrapped_heads, fillvalue="")

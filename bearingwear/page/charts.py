@@ -1,6 +1,6 @@
 """Draws charts as SVG that a script can zoom: marks carry their numbers, the style has the colours.
 
-The drawing is complete without scripts and in print; `page.js` moves the same marks.
+The drawing is complete without scripts and in print; `page.js` moves its marks.
 """
 
 from __future__ import annotations
@@ -30,17 +30,18 @@ _VIOLATED, _MAX_BAR_END = "violates a requirement", 0.65
 them."""
 _STAR = "M0-9 2.1-2.9 8.6-2.8 3.4 1.1 5.3 7.3 0 3.6-5.3 7.3-3.4 1.1-8.6-2.8-2.1-2.9Z"
 _DIAMOND = "M0-6L5 0 0 6-5 0Z"
-_Place = Callable[[float, float], tuple[float, float]]
-"""Returns the position [px] in the field of the lines for x and y in the units of the axes."""
 _CAP = "M-5 0h10"
 _DOT = "M-2.2 0a2.2 2.2 0 1 0 4.4 0a2.2 2.2 0 1 0-4.4 0"
+"""Paths of marks about their points [px]."""
+_Place = Callable[[float, float], tuple[float, float]]
+"""Returns the position [px] in the field of the lines for x and y in the units of the axes."""
 
 
 class ChartAxis:
     """An axis with a linear or logarithmic scale, and its range `low` to `high`.
 
     numbers: to show; the range exceeds them slightly.
-    zero: whether a linear axis of positive numbers starts at zero.
+    zero: whether a linear axis without negative numbers starts at zero.
     """
 
     def __init__(self, numbers: Sequence[float], log: bool, zero: bool = False) -> None:
@@ -50,7 +51,10 @@ class ChartAxis:
         if log:
             self.low, self.high = low / _LOG_MARGIN, high * _LOG_MARGIN
         else:
-            margin = _MARGIN_SHARE * (high - low or abs(high) or 1.0)
+            span = high - low
+            if span == 0.0:  # a single number
+                span = abs(high) if high else 1.0
+            margin = _MARGIN_SHARE * span
             self.low = 0.0 if zero and low >= 0.0 else low - margin
             self.high = high + margin
 
@@ -66,13 +70,13 @@ class ChartAxis:
 
     @property
     def ticks(self) -> list[float]:
-        """Returns the numbers with a tick: 1, 2 and 5 times powers of ten, or the latter alone."""
+        """Returns the numbers with a tick, at linear steps if fewer than two are logarithmic."""
         ticks = self._log_ticks if self.log else []
         return ticks if len(ticks) > 1 else self._linear_ticks
 
     @property
     def _log_ticks(self) -> list[float]:
-        """Returns the ticks within a logarithmic axis; those of many decades are powers of ten."""
+        """Returns 1, 2 and 5 times powers of ten within the axis; of many decades, only powers."""
         decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)))
         factors = (1, 2, 5) if len(decades) < 4 else (1,)
         ticks = [factor * 10.0**k for k in decades for factor in factors]
@@ -83,7 +87,7 @@ class ChartAxis:
         """Returns the ticks at steps of 1, 2 or 5 times a power of ten, at most five steps."""
         least_step = (self.high - self.low) / 5.0
         power = 10.0 ** math.floor(math.log10(least_step))
-        step = next(m * power for m in (1, 2, 5, 10) if m * power >= least_step)
+        step = min(size * power for size in (1, 2, 5, 10) if size * power >= least_step)
         first, last = math.ceil(self.low / step), math.floor(self.high / step)
         return [step * k for k in range(first, last + 1)]
 
@@ -91,10 +95,10 @@ class ChartAxis:
 def chart_html(
     chart: Chart, name: str, group: str, size: tuple[float, float] = SMALL_CHART
 ) -> Markup:
-    """Returns a chart with its title, and the value of each line at the recommended preload.
+    """Returns HTML of a chart, its title, and the value of each line at the recommended preload.
 
     name: the `id` of the chart.
-    group: the charts that share one cursor.
+    group: name of the charts that share one cursor.
     size: width and height [px].
     """
     is_large = size == LARGE_CHART
@@ -143,7 +147,7 @@ def _legend(chart: Chart) -> str:
 def _script_data(chart: Chart, places: bool) -> str:
     """Returns JSON of the axes and lines of a chart, which the script of the page reads.
 
-    places: whether the script states the recommended preloads while the cursor is elsewhere.
+    places: whether the script states the recommended preloads while there is no cursor.
     """
     x, y = _axes(chart)
     return json.dumps(
@@ -226,7 +230,7 @@ def _svg_content(chart: Chart, size: tuple[float, float]) -> str:
             f'x="{place(bar_end, 1.0)[0] + 4:.1f}" y="{height - 4:g}">{_VIOLATED}</text>'
         )
     # bars are drawn first, under all lines, and stars last
-    marks.sort(key=lambda mark: -1 if "rect" in mark else 1 if "star" in mark else 0)
+    marks.sort(key=lambda mark: ("star" in mark, "rect" not in mark))
     return (
         f'<g class="grid">{_grid(x_axis, y_axis, place, width, height)}</g>'
         f'<text x="{_LEFT + width / 2:g}" y="{size[1] - 6:g}" class="x" text-anchor="middle">'
@@ -239,7 +243,10 @@ def _svg_content(chart: Chart, size: tuple[float, float]) -> str:
 
 
 def _grid(x_axis: ChartAxis, y_axis: ChartAxis, place: _Place, width: float, height: float) -> str:
-    """Returns the grid lines with their numbers, the vertical ones first."""
+    """Returns SVG of the grid lines with their numbers, the vertical lines first.
+
+    width, height: of the field of the lines [px].
+    """
     lines = []
     for x in x_axis.ticks:
         left = _LEFT + place(x, y_axis.high)[0]
@@ -258,9 +265,10 @@ def _grid(x_axis: ChartAxis, y_axis: ChartAxis, place: _Place, width: float, hei
 
 
 def _limit_area(chart: Chart, x: float, place: _Place, width: float, height: float) -> str:
-    """Returns a rectangle over the values that violate the limit of a chart.
+    """Returns an SVG rectangle over the values that violate the limit of a chart.
 
-    x: any number on the abscissa.
+    x: any number on the abscissa, which `place` requires.
+    width, height: of the field of the lines [px].
     """
     assert chart.limit is not None
     limit_y = place(x, chart.limit)[1]
@@ -321,7 +329,7 @@ def _line_marks(line: ChartLine, k: int, place: _Place, height: float, log: bool
 def _stroke(
     classes: str, start: tuple[float, float], end: tuple[float, float], place: _Place
 ) -> str:
-    """Returns a straight line between two points, which the attribute `data-at` states.
+    """Returns SVG of a straight line, whose attribute `data-at` states its two points.
 
     classes: of the style sheet.
     """
@@ -332,7 +340,7 @@ def _stroke(
 
 
 def _mark(kind: str, method: str, shape: str, x: float, y: float, place: _Place) -> str:
-    """Returns a mark at a point, which the attribute `data-at` states.
+    """Returns SVG of a mark, whose attribute `data-at` states its point.
 
     kind, method: classes of the style sheet.
     shape: path about the point [px].

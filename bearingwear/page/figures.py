@@ -17,7 +17,7 @@ from bearingwear.plotting.drawing import DATA_SEPARATOR, MESSAGE
 from bearingwear.results.netcdf import CaseFileError
 
 SUFFIXES = (".svg", ".png")
-HEAVY = 150_000  # bytes of a small SVG beyond which its PNG is taken, if there is one and lighter
+HEAVY = 150_000  # bytes of a reduced SVG beyond which a smaller PNG replaces it
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TITLE = f"{{{SVG}}}title"
 HREF = f"{{{XLINK}}}href"
@@ -25,14 +25,15 @@ DESCRIPTION, _SOURCE = (
     f"{{http://purl.org/dc/elements/1.1/}}{name}" for name in ("description", "source")
 )
 AS_CSV = {"study.nc": "cases", "wear_life.nc": "cases", "dynamic.nc": "dynamic", "design.nc": "map"}
-"""Names of the tables (tables/NAME.csv) beside results, with the same numbers."""
+"""Names of the tables (tables/NAME.csv) beside results that contain the same numbers."""
 # Characters that a data URI between quotation marks may contain as they are; `#` would end it.
 UNQUOTED = " !$'()*+,-./:;<=>?@[]_|~"
 LINE = r'translate\([-\d.]+ ([\d.]+)\)|y="([\d.]+)"'
 """Ordinate of a line of text, which Matplotlib writes as a translation or as an attribute."""
 PIXELS_PER_POINT = 4.0 / 3.0  # by CSS
-PAPER, INK = (20, 23, 27), "#e4e7eb"
-"""Colours of a dark page, as in page.css."""
+PAPER, INK_PARTS = (20, 23, 27), (228, 231, 235)
+"""Red, green and blue of a dark page and its text, as in page.css."""
+INK = "#" + "".join(f"{part:02x}" for part in INK_PARTS)
 DECIMALS = 1  # of a coordinate [pt]
 WITH_COORDINATES = ("d", "points", "x", "y", "transform")
 
@@ -53,7 +54,7 @@ class Drawing:
 def drawings(files: Sequence[Path]) -> Iterator[Drawing]:
     """Yields a drawing for every SVG among the files. May raise CaseFileError.
 
-    A heavy one contains the PNG of the same name, if the files include that.
+    The PNG of the same name replaces a heavy SVG, if it is among the files and smaller.
     """
     for file in files:
         if file.suffix == ".svg":
@@ -62,8 +63,8 @@ def drawings(files: Sequence[Path]) -> Iterator[Drawing]:
 
 
 def _data_behind(root: ET.Element) -> list[Path]:
-    """Returns the files that an SVG figure states as its source, and tables of their numbers."""
-    text = next((node.text or "" for node in root.iter(_SOURCE)), "").strip()
+    """Returns the files that an SVG figure names as its source, and tables of their numbers."""
+    text = (root.findtext(f".//{_SOURCE}") or "").strip()
     files = [Path(path) for path in text.split(DATA_SEPARATOR) if path]
     tables = [
         file.parent / "tables" / f"{AS_CSV[file.name]}.csv" for file in files if file.name in AS_CSV
@@ -72,7 +73,7 @@ def _data_behind(root: ET.Element) -> list[Path]:
 
 
 def _drawing(file: Path, png: Path | None) -> Drawing:
-    """Returns the drawing of an SVG figure, reduced, or of the PNG if that is much lighter.
+    """Returns the drawing of an SVG figure, reduced, or of its PNG if the SVG is heavy.
 
     CaseFileError: a file cannot be read, or is no figure.
     """
@@ -84,7 +85,7 @@ def _drawing(file: Path, png: Path | None) -> Drawing:
         reason = " ".join(str(error).split())
         raise CaseFileError(f"{file}: cannot be read ({reason}), expected an SVG figure") from None
     message = (root.findtext(TITLE) or file.stem.replace("_", " ")).strip()
-    description = next((node.text or "" for node in root.iter(DESCRIPTION)), "").strip()
+    description = (root.findtext(f".//{DESCRIPTION}") or "").strip()
     data = _data_behind(root)
     # the page shows the message beside the figure
     message_height = _remove_message(root)
@@ -108,7 +109,7 @@ def _drawing(file: Path, png: Path | None) -> Drawing:
 
 
 def _remove_message(root: ET.Element) -> float:
-    """Removes the message from a figure; returns the height that it took [pt]."""
+    """Removes the message from a figure, and returns its height [pt]."""
     height = 0.0
     for parent in list(root.iter()):
         for child in [child for child in parent if child.get("id") == MESSAGE]:
@@ -125,13 +126,13 @@ def _reduced_svg(root: ET.Element) -> str:
     """
     ET.register_namespace("", SVG)
     ET.register_namespace("xlink", XLINK)
-    # colours also start with #, so that they are among the references
+    # colours also start with #, and are harmless among the references
     references = dict.fromkeys(re.findall(r"#([\w-]+)", ET.tostring(root, encoding="unicode")))
     short_ids = {name: f"i{k}" for k, name in enumerate(references)}
     _remove_black_of_texts(root)
     for node in root.iter():
         _shorten_references(node, short_ids)
-        if node.get("transform", "").startswith("rotate(-0 "):
+        if node.get("transform", "").startswith("rotate(-0 "):  # as of all horizontal texts
             del node.attrib["transform"]
         for name in WITH_COORDINATES:
             if name in node.attrib and "scale" not in node.attrib[name]:
@@ -180,9 +181,9 @@ def _remove_black_of_texts(root: ET.Element) -> None:
 
 
 def _dark_styles(classes: Mapping[str, str]) -> str:
-    """Returns the style rules of a dark page: it inverts greys and has lighter colours.
+    """Returns the style rules of a dark page, which inverts greys and lightens other colours.
 
-    classes: by style.
+    classes: the class of each style.
     """
     rules = []
     for style, name in classes.items():
@@ -203,7 +204,7 @@ def _dark_page_colour(colour: str) -> str:
     hue, lightness, saturation = colorsys.rgb_to_hls(red, green, blue)
     if max(red, green, blue) - min(red, green, blue) < 0.05:  # grey
         darkness = 1.0 - lightness
-        ends = zip(PAPER, (228, 231, 235), strict=True)  # the latter are the parts of `INK`
+        ends = zip(PAPER, INK_PARTS, strict=True)
         return "#" + "".join(
             f"{round(dark + (light - dark) * darkness):02x}" for dark, light in ends
         )
@@ -212,7 +213,7 @@ def _dark_page_colour(colour: str) -> str:
 
 
 def _remove_metadata(node: ET.Element) -> None:
-    """Removes all elements `metadata` below a node."""
+    """Removes all `metadata` elements below a node."""
     for child in list(node):
         if child.tag == f"{{{SVG}}}metadata":
             node.remove(child)

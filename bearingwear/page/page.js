@@ -1,6 +1,6 @@
 "use strict";
-// Tables are sorted by a click on a heading; charts say their values, are zoomed, and have a cursor
-// that a slider moves. Without this everything is there as well, but for the cursor.
+// Sorts tables by a click on a heading; zooms charts, and states their values at a cursor that a
+// slider moves. Without this script, the page has the same content.
 
 const text = (cell) => cell.textContent.trim();
 
@@ -13,11 +13,11 @@ function compare(a, b) {
 }
 
 function sortBy(table, column, heading) {
-  const up = heading.getAttribute("aria-sort") !== "ascending";
+  const ascending = heading.getAttribute("aria-sort") !== "ascending";
   for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
-  heading.setAttribute("aria-sort", up ? "ascending" : "descending");
+  heading.setAttribute("aria-sort", ascending ? "ascending" : "descending");
   const rows = [...table.tBodies[0].rows];
-  rows.sort((a, b) => (up ? 1 : -1) * compare(a.cells[column], b.cells[column]));
+  rows.sort((a, b) => (ascending ? 1 : -1) * compare(a.cells[column], b.cells[column]));
   table.tBodies[0].append(...rows);
 }
 
@@ -46,8 +46,8 @@ function ticksOf(low, high, log) {
     if (inside.length > 1) return inside;
     ticks.length = 0;
   }
-  const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((m) => m * power).find((size) => size >= rough);
+  const leastStep = (high - low) / 5, power = 10 ** Math.floor(Math.log10(leastStep));
+  const step = [1, 2, 5, 10].map((m) => m * power).find((size) => size >= leastStep);
   for (let k = Math.ceil(low / step); k <= high / step; k++) ticks.push(+(step * k).toPrecision(9));
   return ticks;
 }
@@ -98,11 +98,11 @@ class Chart {
   }
 
   draw() {
-    const wide = this.svg.clientWidth || this.svg.viewBox.baseVal.width;
-    const tall = Math.max(this.ratio * wide, Math.min(wide, 230));
-    this.svg.setAttribute("viewBox", `0 0 ${wide} ${tall}`);
-    this.width = wide - LEFT - RIGHT;
-    this.height = tall - TOP - BOTTOM;
+    const width = this.svg.clientWidth || this.svg.viewBox.baseVal.width;
+    const height = Math.max(this.ratio * width, Math.min(width, 230));
+    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    this.width = width - LEFT - RIGHT; // of the field
+    this.height = height - TOP - BOTTOM;
     this.field.setAttribute("width", this.width);
     this.field.setAttribute("height", this.height);
     for (const mark of this.field.querySelectorAll("[data-at]")) {
@@ -131,18 +131,18 @@ class Chart {
     }
     this.drawGrid();
     this.svg.querySelector("text.x").setAttribute("x", LEFT + this.width / 2);
-    this.svg.querySelector("text.x").setAttribute("y", tall - 6);
+    this.svg.querySelector("text.x").setAttribute("y", height - 6);
     this.show(this.x);
   }
 
   drawGrid() {
     const parts = [];
-    const many = ticksOf(...this.at, this.data.log[0]);
-    const every = Math.ceil((many.length * 38) / this.width); // labels need room
-    many.forEach((tick, k) => {
+    const xTicks = ticksOf(...this.at, this.data.log[0]);
+    const interval = Math.ceil((xTicks.length * 38) / this.width); // of labels, which need room
+    xTicks.forEach((tick, k) => {
       const x = LEFT + this.share(tick, 0) * this.width;
       parts.push(["path", { d: `M${x} ${TOP}v${this.height}` }]);
-      if (k % every === 0)
+      if (k % interval === 0)
         parts.push(["text", { x, y: TOP + this.height + 16, "text-anchor": "middle" }, tick]);
     });
     for (const tick of ticksOf(...this.y, this.data.log[1])) {
@@ -160,10 +160,10 @@ class Chart {
     );
   }
 
-  near(line, x) { // the point of a line that is nearest on the axis
-    const away = ([abscissa]) => Math.abs(this.share(abscissa, 0) - this.share(x, 0));
+  near(line, x) { // the index of the point of a line that is nearest on the axis
+    const distance = ([abscissa]) => Math.abs(this.share(abscissa, 0) - this.share(x, 0));
     return line.points.reduce((best, point, k) =>
-      (away(point) < away(line.points[best]) ? k : best), 0);
+      (distance(point) < distance(line.points[best]) ? k : best), 0);
   }
 
   show(x) { // the cursor at an abscissa, or the recommendations without one
@@ -188,7 +188,7 @@ class Chart {
     });
   }
 
-  follow() { // the pointer: values where it is, a range that it draws, all of it by two clicks
+  follow() { // the pointer: values where it is, zoom to a range that it draws, back by two clicks
     let start = null;
     const box = document.createElementNS("http://www.w3.org/2000/svg", "rect");
     box.setAttribute("class", "drawn");
@@ -209,8 +209,9 @@ class Chart {
     this.svg.addEventListener("pointermove", (event) => {
       const x = pixel(event);
       const nearest = this.data.lines.map((line) => line.points[this.near(line, this.value(x))][0]);
-      const away = (value) => Math.abs(this.share(value, 0) * this.width - x);
-      pick(this.figure.dataset.group, nearest.reduce((a, b) => (away(b) < away(a) ? b : a)));
+      const distance = (value) => Math.abs(this.share(value, 0) * this.width - x);
+      const closest = nearest.reduce((a, b) => (distance(b) < distance(a) ? b : a));
+      pick(this.figure.dataset.group, closest);
       if (start === null) return;
       box.setAttribute("x", Math.min(x, start));
       box.setAttribute("width", Math.abs(x - start));
@@ -264,7 +265,7 @@ addEventListener("resize", () => {
   for (const chart of charts) chart.draw();
 });
 
-// what a link leads to may be folded
+// opens the folded part that contains the target of a link
 addEventListener("hashchange", () => {
   const folded = document.getElementById(location.hash.slice(1))?.closest("details");
   if (folded) folded.open = true;

@@ -1,4 +1,4 @@
-"""The page of a study: one HTML file that needs neither a network nor, except for data, others."""
+"""The page of a study: one HTML file that fetches nothing; it only links to files of the study."""
 
 from __future__ import annotations
 
@@ -76,14 +76,14 @@ CHARTS = "charts.json"
 """Name of the file with the charts of an answer (`document.chart`), beside the answer."""
 
 FIGURES_AS_CHARTS = ("design", "map")
-"""Figures that are left out if there are charts, which show the same."""
+"""Names of the figures that charts replace, since they show the same."""
 
 VERSIONS = ("package_version", "source_hash", "numpy_version", "numba_version")
 
 
 @dataclass
 class Section:
-    """The results of one scene: the files in its folder and below it."""
+    """The results of one scene, from the files in its folder and below it."""
 
     scene: dict[str, Any]
     figures: list[Drawing] = field(default_factory=list)
@@ -106,17 +106,14 @@ class PageAnswer:
     """An answer on the page: its document, and the charts, figures and files that belong to it."""
 
     document: Document
-    question: str
+    question: str  # of the charts; empty without charts
     charts: Sequence[Chart]
     figures: list[Drawing]
     files: list[Path]
 
     @property
     def sentence_blocks(self) -> list[Block]:
-        """Returns the blocks of sentences beside the charts.
-
-        Those of the place `more` are among them only if the charts have no question.
-        """
+        """Returns the blocks of sentences beside the first chart, more of them without charts."""
         places = ("lead",) if self.question else ("lead", "more")
         return [block for block in self.document.blocks_in(*places) if not block.rows]
 
@@ -127,7 +124,7 @@ class PageAnswer:
 
     @property
     def open_tables(self) -> list[Block]:
-        """Returns the blocks that stand open below the charts."""
+        """Returns the blocks below the charts that are not folded away."""
         return [block for block in self._blocks_below_charts if block.place == "open"]
 
     @property
@@ -137,7 +134,7 @@ class PageAnswer:
 
     @property
     def _blocks_below_charts(self) -> list[Block]:
-        """Returns the tables below the charts, and blocks without a place."""
+        """Returns the tables that are not beside the first chart, and blocks without a place."""
         return [
             block
             for block in self.document.blocks
@@ -157,7 +154,7 @@ def page(
         of scenes; Markdown tables and figures in folders beside them, and figures of several scenes
         elsewhere.
     docs: documents to link.
-    answers: answers of studies (`Document.stored`, .json); the one of the least rank stands first.
+    answers: answers of studies (`Document.stored`, .json); the one of the lowest rank comes first.
         Markdown and figures in folders beside one belong to it. The scenes of recommendations (.nc)
         are the inputs if there are no sections.
     scenes: files of the scenes, for their descriptions, which may have changed since the results
@@ -219,9 +216,10 @@ def page(
 def _assumed_keys_with_file_contents(
     scenes: Sequence[dict[str, Any]], files: Iterable[Path]
 ) -> set[str]:
-    """Copies what studies do not store from scene files; returns the keys assumed in all files.
+    """Copies descriptions and frictions from scene files; returns the keys that all files assume.
 
-    That is the description, which may have changed, and the friction, which a study varies.
+    A description may have changed since the results were computed, and a study varies the friction.
+    If a scene has no file, no key is returned.
 
     scenes: changed in place; the file of each is found by its name.
     """
@@ -238,7 +236,9 @@ def _assumed_keys_with_file_contents(
             if (mu := content.get("friction", {}).get("ball_race")) is not None:
                 scene["friction"].setdefault("ball_race", mu)
             assumed.append(assumed_keys(file))
-    return set.intersection(*assumed) if len(assumed) == len(scenes) > 0 else set()
+    if not assumed or len(assumed) < len(scenes):
+        return set()
+    return set.intersection(*assumed)
 
 
 def _add_to_sections(
@@ -246,8 +246,8 @@ def _add_to_sections(
 ) -> list[Drawing]:
     """Adds figures and tables to the sections of their scenes; returns figures of several scenes.
 
-    section_of: by the folder of the scene.
-    files: of the study; those of Markdown are tables.
+    section_of: section by the folder of its scene.
+    files: of the study; Markdown files are tables.
     """
     figures_of_several: list[Drawing] = []
     for figure in figures:
@@ -260,13 +260,13 @@ def _add_to_sections(
 
 
 def _environment() -> jinja2.Environment:
-    """Returns the environment of the template, with the functions that it calls."""
+    """Returns the environment of Jinja, with the functions that the template calls."""
     environment = jinja2.Environment(
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
-        finalize=_unbroken,
+        finalize=_without_breaks,
     )
     environment.globals.update(
         block=lambda block, name="": Markup(block_html(block, name)),
@@ -285,7 +285,7 @@ def _environment() -> jinja2.Environment:
 def _without_scene_name(scenes: Sequence[Mapping[str, Any]], text: str) -> str:
     """Returns a heading with a capital letter, without the name of a single scene.
 
-    On a page about several scenes, a heading that starts with such a name is not changed.
+    On a page about several scenes, a heading that starts with the name of one is not changed.
     """
     names = [scene["name"] for scene in scenes]
     if len(names) == 1:
@@ -296,7 +296,7 @@ def _without_scene_name(scenes: Sequence[Mapping[str, Any]], text: str) -> str:
 
 
 def _csp_hash(text: str) -> str:
-    """Returns the hash of a text for a content security policy."""
+    """Returns the SHA-256 hash of a text in the form of a content security policy."""
     return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"
 
 
@@ -306,20 +306,20 @@ def _link(path: Path) -> str:
 
 
 def _file_label(path: Path) -> str:
-    """Returns the path below the results of the study; of a file elsewhere, its folder and name."""
+    """Returns the path of a file below `results`; for a file elsewhere, its folder and name."""
     parts = path.parts
     return "/".join(parts[1:] if parts[0] == "results" else parts[-2:])
 
 
-def _unbroken(value: Any) -> Any:
-    """Removes line breaks between numbers and units from a text; returns other values unchanged."""
-    return without_unit_breaks(value) if type(value) is str else value
+def _without_breaks(value: Any) -> Any:
+    """Returns a text without breaks between numbers and units; HTML and other values unchanged."""
+    return without_unit_breaks(value) if type(value) is str else value  # `Markup` is a subclass
 
 
 def _page_answers(files: Sequence[Path], figures: Sequence[Drawing]) -> list[PageAnswer]:
-    """Returns the answers by rank, with their charts, figures and files in folders beside them.
+    """Returns the answers by rank, with their charts and figures.
 
-    The files are the Markdown tables and the SVG figures there.
+    The files of an answer are the Markdown tables and SVG figures in folders beside it.
 
     files: all `answers` of `page`: documents and charts (.json), data, tables and figures.
     figures: all figures of the page.
@@ -353,23 +353,28 @@ def _page_answers(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Pag
 def _sketch_of_first_answer(
     scenes: Sequence[Mapping[str, Any]], answers: Sequence[PageAnswer]
 ) -> Markup:
-    """Returns the sketch of the bearing of the first answer, at the recommended preload if any."""
+    """Returns the sketch of the first answer's bearing, else of the first scene; "" without scenes.
+
+    The preload is the recommended one, if there is one.
+    """
     if not scenes:
         return Markup()
     if not answers:
         return sketch(scenes[0])
     document, charts = answers[0].document, answers[0].charts
-    scene = next((s for s in scenes if s["name"] == document.facts["scene"]), scenes[0])
-    starred = [line for line in charts[0].lines if line.star] if charts else []
-    if not starred:
+    scenes_of_answer = [scene for scene in scenes if scene["name"] == document.facts["scene"]]
+    scene = scenes_of_answer[0] if scenes_of_answer else scenes[0]
+    lines = charts[0].lines if charts else []
+    stars = [(line.star, line.method) for line in lines if line.star]
+    if not stars:
         return sketch(scene)
-    # the star is at the preload [N] and life of the recommendation for a method
-    best = max(starred, key=lambda line: line.star[1] if line.star else 0.0)
-    return sketch(scene, best.method, best.star[0] if best.star else None)
+    # a star is at the preload [N] and life of the recommendation for a method
+    (preload_N, _), method = max(stars, key=lambda star: star[0][1])
+    return sketch(scene, method, preload_N)
 
 
 def _check_suffixes(files: Iterable[Path], suffixes: Sequence[str]) -> None:
-    """Raises CaseFileError for a file that the page would leave out because of its suffix."""
+    """Raises CaseFileError for a file with none of the suffixes, which the page would leave out."""
     for file in files:
         if file.suffix not in suffixes:
             got = "a folder" if file.is_dir() else f"the suffix {file.suffix!r}"
@@ -385,7 +390,10 @@ def _is_life(dataset: xr.Dataset) -> bool:
 
 
 def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
-    """Returns the sections by the folders of their scenes, in the order of the files."""
+    """Returns the sections by the folders of their scenes, in the order of the files.
+
+    datasets: contents of the files. CaseFileError: one is no file of a study.
+    """
     sections: dict[Path, Section] = {}
     for file, dataset in datasets.items():
         if "preload_method" not in dataset.dims or "status" not in dataset:
@@ -420,7 +428,7 @@ _SINGULAR = {"lives": "life", "cases": "case", "dynamic cases": "dynamic case"}
 def _warnings_with_counts(
     datasets: Sequence[xr.Dataset], scene: Mapping[str, Any]
 ) -> Iterator[tuple[str, str]]:
-    """Yields each warning of a scene at its worst, and the numbers of cases and lives with it."""
+    """Yields each warning of a scene at its largest excess, and how many results have it."""
     merged = {"warnings": merged_warnings(dataset.attrs for dataset in datasets)}
     for warning in warnings_in(merged):
         counts = [
@@ -438,7 +446,7 @@ def _count_text(count: int, noun: str) -> str:
 
 
 def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]:
-    """Yields each quantity with an error estimate, and the largest one of all solved cases."""
+    """Yields each quantity with an error estimate, and its largest error in all solved cases."""
     for name, words in (
         ("qv_error_estimate", "QV"),
         ("residual_preload_error_estimate", "residual preload"),
@@ -452,7 +460,7 @@ def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]
 
 
 def _versions(datasets: Iterable[xr.Dataset]) -> list[dict[str, str]]:
-    """Returns the different sets of versions with which the datasets were computed."""
+    """Returns the distinct sets of versions with which the datasets were computed."""
     versions: list[dict[str, str]] = []
     for dataset in datasets:
         version = {name: str(dataset.attrs.get(name, "–")) for name in VERSIONS}
@@ -462,7 +470,7 @@ def _versions(datasets: Iterable[xr.Dataset]) -> list[dict[str, str]]:
 
 
 def _text(file: Path) -> str:
-    """Reads a text file. May raise CaseFileError."""
+    """Returns the text of a file. May raise CaseFileError."""
     try:
         return file.read_text(encoding="utf-8")
     except (OSError, UnicodeError) as error:
@@ -478,7 +486,7 @@ def _markdown_title(file: Path) -> str:
 class KeyRow(NamedTuple):
     """A row of the table of scenes: a key in words, with a value for each scene."""
 
-    block: str  # of the scene that contains the key, in words
+    block: str  # name of the block that contains the key, in words
     words: str
     unit: str  # empty without a unit
     is_assumed: bool
@@ -496,7 +504,7 @@ class KeyRow(NamedTuple):
         return len(set(self.values)) > 1
 
     def with_unit(self, value: str) -> str:
-        """Returns a value of the row with its unit, a distribution or a missing value alone."""
+        """Returns a value of the row with its unit; without it if missing or a distribution."""
         if not self.unit or value == MISSING or self.block in _DISTRIBUTION_BLOCKS:
             return value
         return (
@@ -512,7 +520,8 @@ _NOT_COMPARED = ("name", "description")
 _DISTRIBUTIONS = ("uncertainty", "cage_uncertainty")
 """Blocks of a scene that contain distributions."""
 _DISTRIBUTION_BLOCKS = tuple(block.replace("_", " ") for block in _DISTRIBUTIONS)
-_MOST_DIFFERENCES = 4  # that `scene_differences` states
+_MOST_DIFFERENCES = 4
+"""Number of differences that `scene_differences` states; it only counts further ones."""
 
 
 def key_rows(scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()) -> Iterator[KeyRow]:
@@ -529,7 +538,7 @@ def key_rows(scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()) 
             column[KIND_KEY] = _value_text(list(METHODS))
     keys = list(dict.fromkeys(key for column in columns for key in column))
     blocks = list(dict.fromkeys(key.partition(".")[0] for key in keys))
-    for key in sorted(keys, key=lambda key: blocks.index(key.partition(".")[0])):
+    for key in sorted(keys, key=lambda name: blocks.index(name.partition(".")[0])):
         if key not in _NOT_COMPARED:
             *blocks_of_key, _ = key.split(".")
             words, unit = key_in_words(key)
@@ -544,14 +553,12 @@ def key_rows(scenes: Sequence[Mapping[str, Any]], assumed: Container[str] = ()) 
 
 def _with_distribution_texts(scene: Mapping[str, Any]) -> Mapping[str, Any]:
     """Returns a scene in which each uncertain value has its distribution as one text."""
-    blocks = {block: scene[block] for block in _DISTRIBUTIONS if scene.get(block)}
-    return {
-        **scene,
-        **{
-            block: {key: _distribution_text(parameters) for key, parameters in values.items()}
-            for block, values in blocks.items()
-        },
+    texts = {
+        block: {key: _distribution_text(parameters) for key, parameters in scene[block].items()}
+        for block in _DISTRIBUTIONS
+        if scene.get(block)
     }
+    return {**scene, **texts}
 
 
 def _distribution_text(parameters: Mapping[str, Any]) -> str:
@@ -565,7 +572,7 @@ def _distribution_text(parameters: Mapping[str, Any]) -> str:
 
 
 def key_blocks(rows: Iterable[KeyRow]) -> Iterator[tuple[str, list[KeyRow]]]:
-    """Yields each block of a scene with its rows."""
+    """Yields the name of each block of a scene, with its rows, which follow each other."""
     for block, block_rows in groupby(rows, key=lambda row: row.block):
         yield block, list(block_rows)
 
@@ -573,7 +580,7 @@ def key_blocks(rows: Iterable[KeyRow]) -> Iterator[tuple[str, list[KeyRow]]]:
 def differences_by_block(
     first: Mapping[str, Any], other: Mapping[str, Any]
 ) -> Iterator[tuple[str, str]]:
-    """Yields each block in which a scene differs from the first, and its values that differ."""
+    """Yields each block in which a scene differs from the first, and its differing values."""
     for block, block_rows in key_blocks(key_rows([first, other])):
         rows = [row for row in block_rows if row.differ]
         missing = [row.values[1] == MISSING for row in rows]
@@ -612,5 +619,5 @@ def _value_text(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list):
-        return ", ".join(map(_value_text, value))
-    return "–" if value is None else str(value).replace("_", " ")
+        return ", ".join(_value_text(item) for item in value)
+    return MISSING if value is None else str(value).replace("_", " ")

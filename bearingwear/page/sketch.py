@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 from markupsafe import Markup
 
-_BALL = (110.0, 70.0)
-"""Diameter of the ball of a bearing, and of a pair [px]; the scale follows from it."""
+_BALL, _BALL_IN_PAIR = 110.0, 70.0
+"""Diameter of the ball of a bearing, and of a pair [px], which determines the scale."""
 _RING, _SHOULDER, _RELIEVED = 1.75, 0.2, 0.07
 """Assumed, over the ball diameter: width of the rings, heights of their shoulders on the loaded and
 on the other side."""
@@ -122,11 +122,11 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
     # the second bearing of a pair is the mirror image of the first; a single one has no second
     parts = [
         f'<g transform="translate({x:.1f} {layout.y(0.0):.1f}) '
-        f'scale({direction * layout.scale:.4g} {-layout.scale:.4g})">{_rings(section)}</g>'
+        f'scale({direction * layout.scale:.4g} {-layout.scale:.4g})">{_rings_svg(section)}</g>'
         for section, x, direction in zip(sections, layout.centres, (1.0, -1.0), strict=False)
     ]
-    parts.append(_preload(sections[0], layout, has_spring, is_back_to_back))
-    parts.append(_dimensions(sections[0], layout))
+    parts.append(_preload_svg(sections[0], layout, has_spring, is_back_to_back))
+    parts.append(_dimensions_svg(sections[0], layout))
     load_N = scene["operation"].get("preload_N") if preload_N is None else preload_N
     load = "" if load_N is None else f" of {load_N:.4g} N"
     text = (
@@ -135,7 +135,7 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
         f"Assumed: ring width, shoulders{'' if sections[0].sized else ', ring thickness'}."
     )
     return Markup(
-        f'<figure class="sketch{" pair" * is_pair}">'
+        f'<figure class="{"sketch pair" if is_pair else "sketch"}">'
         f'<svg viewBox="0 0 {layout.width:.0f} {layout.height:.0f}" role="img" '
         f'aria-label="{escape(text)}">{"".join(parts)}</svg>'
         f"<figcaption>{escape(text)}</figcaption></figure>"
@@ -143,12 +143,12 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
 
 
 def _layout(sections: Sequence[BearingSection], is_back_to_back: bool) -> _Layout:
-    """Returns the layout of a bearing or a pair; in a face-to-face pair, the second is on the left.
+    """Returns the layout of a bearing or a pair, whose first bearing determines the scale.
 
-    The ball of the first bearing determines the scale.
+    In a face-to-face pair, the second bearing is on the left.
     """
     is_pair = len(sections) > 1
-    scale = _BALL[is_pair] / sections[0].ball  # the first for a bearing, the second for a pair
+    scale = (_BALL_IN_PAIR if is_pair else _BALL) / sections[0].ball
     ring_width = _RING * max(section.ball for section in sections) * scale
     distance = (1.0 + _GAP) * ring_width if is_pair else 0.0
     centres = [_MARGIN + 0.5 * ring_width + k * distance for k in range(len(sections))]
@@ -164,13 +164,13 @@ def _layout(sections: Sequence[BearingSection], is_back_to_back: bool) -> _Layou
     )
 
 
-def _rings(section: BearingSection) -> str:
-    """Returns SVG paths of both rings, the ball and its line of contact [mm], as in the section."""
+def _rings_svg(section: BearingSection) -> str:
+    """Returns SVG of both rings, the ball and its line of contact, in axes of the section [mm]."""
     x, z = section.normal
     middle = 0.5 * section.pitch
     reach = 0.95 * section.ball
     return (
-        f"{_ring(section, section.inner)}{_ring(section, section.outer)}"
+        f"{_ring_svg(section, section.inner)}{_ring_svg(section, section.outer)}"
         f'<circle class="ball" cx="0" cy="{middle:.4f}" r="{0.5 * section.ball:.4f}"/>'
         f'<path class="contact" d="M{-reach * x:.4f} {middle - reach * z:.4f}'
         f'L{reach * x:.4f} {middle + reach * z:.4f}"/>'
@@ -178,7 +178,7 @@ def _rings(section: BearingSection) -> str:
     )
 
 
-def _ring(section: BearingSection, ring: RingSection) -> str:
+def _ring_svg(section: BearingSection, ring: RingSection) -> str:
     """Returns the SVG path of a ring with its groove [mm].
 
     The inner ring is loaded at -x, the outer one at +x.
@@ -202,23 +202,23 @@ def _ring(section: BearingSection, ring: RingSection) -> str:
     )
 
 
-def _preload(
+def _preload_svg(
     section: BearingSection, layout: _Layout, has_spring: bool, is_back_to_back: bool
 ) -> str:
     """Returns SVG of the spring or spacer that maintains the preload, and of arrows where it acts.
 
-    Beside a single bearing stands a wall as well. Distances from the rings are in pixels.
+    A single bearing also has a wall behind its outer ring.
 
     section: of the first bearing.
     """
     half_width = 0.5 * layout.ring_width
-    element = _spring if has_spring else _spacer
+    element = _spring_svg if has_spring else _spacer_svg
     if len(layout.centres) == 1:
         y, left = _ring_y(section, layout, section.inner), layout.centres[0] - half_width
         wall_x = layout.centres[0] + half_width + 4
         wall_y = _ring_y(section, layout, section.outer)
         wall = f'<path class="ground" d="M{wall_x:.1f} {wall_y - 24:.1f}v48"/>'
-        return wall + element(left - 58, left - 22, y) + _arrow(left - 20, left - 1, y)
+        return wall + element(left - 58, left - 22, y) + _arrow_svg(left - 20, left - 1, y)
     first, second = sorted(layout.centres)
     # the element lies between rings of one kind, and arrows act on the other ones
     element_ring, pressed_ring = section.outer, section.inner
@@ -229,8 +229,8 @@ def _preload(
     left, right = first - half_width, second + half_width
     return (
         element(first + half_width, second - half_width, element_y)
-        + _arrow(left - 30, left - 2, arrow_y)
-        + _arrow(right + 30, right + 2, arrow_y)
+        + _arrow_svg(left - 30, left - 2, arrow_y)
+        + _arrow_svg(right + 30, right + 2, arrow_y)
     )
 
 
@@ -241,7 +241,7 @@ def _ring_y(section: BearingSection, layout: _Layout, ring: RingSection) -> floa
     return layout.y(0.5 * (ring.rim + groove_bottom))
 
 
-def _spacer(left: float, right: float, y: float) -> str:
+def _spacer_svg(left: float, right: float, y: float) -> str:
     """Returns SVG of a spacer between two abscissae, with its axis at the ordinate y [px]."""
     return (
         f'<rect class="spacer" x="{left:.1f}" y="{y - 9:.1f}" width="{right - left:.1f}" '
@@ -249,7 +249,7 @@ def _spacer(left: float, right: float, y: float) -> str:
     )
 
 
-def _spring(left: float, right: float, y: float) -> str:
+def _spring_svg(left: float, right: float, y: float) -> str:
     """Returns SVG of a spring between two abscissae, with its axis at the ordinate y [px]."""
     turns = 6
     step = (right - left) / (2 * turns)
@@ -258,7 +258,7 @@ def _spring(left: float, right: float, y: float) -> str:
     return f'<path class="spring" d="{ends}M{left:.1f} {y - 9:.1f}{zigzag}"/>'
 
 
-def _arrow(start: float, end: float, y: float) -> str:
+def _arrow_svg(start: float, end: float, y: float) -> str:
     """Returns SVG of an arrow from `start` to `end`, two abscissae, at the ordinate y [px]."""
     head = math.copysign(7.0, end - start)
     return (
@@ -267,7 +267,7 @@ def _arrow(start: float, end: float, y: float) -> str:
     )
 
 
-def _dimensions(section: BearingSection, layout: _Layout) -> str:
+def _dimensions_svg(section: BearingSection, layout: _Layout) -> str:
     """Returns SVG of the dimensions of the first bearing as text, and of a bar as a scale.
 
     The bar is the longest of 1, 2 or 5 times a power of ten [mm] that fits into the margin.

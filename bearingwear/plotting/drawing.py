@@ -1,4 +1,4 @@
-"""The style, colours, marks and legends that all figures share, and the saving of figures."""
+"""The style, colours, marks and legends of all figures, and functions that save figures."""
 
 import io
 import math
@@ -43,7 +43,7 @@ MESSAGE = "message"
 FOOT, SLOT = 0.03, 0.06
 """Position of the lowest row of crosses, and height of a row, as shares of a panel's height."""
 HEADROOM = 1.05
-"""Upper end of an axis over the largest value."""
+"""Factor by which `start_at_zero` raises the upper end of an ordinate."""
 FAILED = {"linestyle": "none", "marker": "x", "markersize": 7, "markeredgewidth": 2.0}
 
 ABSCISSAE = {
@@ -59,7 +59,7 @@ Figure = matplotlib.figure.Figure
 class HouseFigure(Figure):
     """A figure that has the style of the package wherever it is saved or shown.
 
-    data_files: the files that it was drawn from, which an SVG contains.
+    data_files: names of the files that it was drawn from, which an SVG states.
     """
 
     data_files: tuple[str, ...] = ()
@@ -81,7 +81,7 @@ def new_figure(
 ) -> tuple[Figure, np.ndarray]:
     """Returns a figure and its panels, an array (rows, columns), in the style of the package.
 
-    It sets the `rcParams` of Matplotlib to its defaults and this style, and leaves them so.
+    It changes `rcParams` of Matplotlib permanently, to the defaults and this style.
 
     width, height: of the figure [in].
     **kwargs: of `Figure.subplots`.
@@ -99,7 +99,7 @@ def with_data_files(figure: Figure, *paths: str | Path) -> Figure:
 
 
 DATA_SEPARATOR = "; "
-"""Separator of the files that an SVG contains as its source."""
+"""Separator of the names of files that an SVG states as its source."""
 
 
 def save(figure: Figure, paths: Iterable[str | Path]) -> None:
@@ -127,10 +127,10 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
 
 
 def _set_plain_log_labels(figure: Figure) -> None:
-    """Labels the major ticks of logarithmic axes with plain numbers, and minor ticks with none.
+    """Labels only the major ticks of logarithmic axes, with plain numbers.
 
-    Matplotlib's own labels require mathtext, which the style switches off, since figures contain
-    names from scenes.
+    Matplotlib's own labels require mathtext. The style switches it off, since figures contain names
+    from scenes.
     """
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
@@ -140,7 +140,7 @@ def _set_plain_log_labels(figure: Figure) -> None:
 
 
 def _svg_metadata(figure: Figure) -> dict[str, str | None]:
-    """Returns message, labels and data files of a figure, for readers who cannot see it."""
+    """Returns message, labels and data files as SVG metadata, for readers who see no figure."""
     ordinates = _distinct_texts(axes.get_ylabel() for axes in figure.axes)
     abscissae = _distinct_texts(axes.get_xlabel() for axes in figure.axes)
     panels = _distinct_texts(axes.get_title(loc="left") for axes in figure.axes)
@@ -167,16 +167,16 @@ def _distinct_texts(texts: Iterable[str]) -> str:
 
 
 def mark_failed(
-    axes: Any, where: xr.DataArray, status: xr.DataArray, color: str, slot: int
+    axes: Any, abscissae: xr.DataArray, status: xr.DataArray, color: str, slot: int
 ) -> bool:
     """Draws a cross at the foot of a panel for each unsolved case; returns whether there is one.
 
-    where: abscissa of each case.
+    abscissae: of each case.
     status: of each case; all but `OK` are unsolved.
     slot: row of the crosses, 0 at the foot; each line of the panel has its own, so that crosses do
         not hide each other.
     """
-    failed = where.values[status.values != OK]
+    failed = abscissae.values[status.values != OK]
     if failed.size:
         height = np.full(failed.size, FOOT + SLOT * slot)
         at_foot = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
@@ -187,7 +187,7 @@ def mark_failed(
 def list_failed(axes: Any, names: list[str]) -> None:
     """Writes the names of the lines that were not solved into the upper left corner of a panel.
 
-    Without names, it writes nothing.
+    names: if empty, nothing is written.
     """
     if names:
         text = "\n".join(["not solved:", *names])
@@ -195,14 +195,14 @@ def list_failed(axes: Any, names: list[str]) -> None:
 
 
 def key(label: str, **style: Any) -> Line2D:
-    """Returns an entry of a legend: a line without points in a style of Matplotlib."""
+    """Returns an entry of a legend: a line without points, whose style is as in Matplotlib."""
     return Line2D([], [], label=label, **style)
 
 
 def method_keys(names: Iterable[str], scene: Mapping[str, Any] | None = None) -> list[Line2D]:
     """Returns a legend entry for each preload method; for a pair, under the name of its kind.
 
-    scene: plain data; without it, that of a single bearing.
+    scene: plain data; by default that of a single bearing.
     """
     return [
         key(method_words(scene or {}, name), color=COLOURS[name], linewidth=3) for name in names
@@ -216,7 +216,7 @@ def race_keys() -> list[Line2D]:
 
 
 def dashes(frictions: Iterable[float]) -> dict[float, str]:
-    """Returns a line style of Matplotlib by friction coefficient; styles repeat after four."""
+    """Returns a line style of Matplotlib for each friction coefficient; they repeat after four."""
     return {mu: DASHES[k % len(DASHES)] for k, mu in enumerate(frictions)}
 
 
@@ -239,17 +239,15 @@ def draw_lines(
 ) -> bool:
     """Draws a quantity over an axis: a colour for each preload method, a line style for each race.
 
-    It also sets the labels of the axes.
+    It also sets the labels of the axes, and returns whether there is a cross for an unsolved case.
 
     values: over `axis` and, optionally, `preload_method` and `race`.
     axis: dimension along the abscissa, a key of `ABSCISSAE`.
     label: of the ordinate, without unit.
     unit: in which the values are shown; by default that of the values.
     status: of each case over `axis` and `preload_method`; unsolved cases get a cross at the foot.
-    **look: of the lines, in words of Matplotlib; it takes precedence over that of a race. Values
-        without `preload_method` need a `color`.
-
-    Returns: whether there is a cross.
+    **look: properties of the lines, as in Matplotlib; they take precedence over the style of a
+        race. Values without `preload_method` require a `color`.
     """
     has_failed = False
     has_races = "race" in values.dims
@@ -274,13 +272,13 @@ def draw_lines(
 
 
 def label_edges(panels: np.ndarray) -> None:
-    """Removes the labels of all but the outer panels, for panels that share their axes."""
+    """Removes the labels between panels that share their axes, so that only outer ones are left."""
     for panel in panels.flat:
         panel.label_outer()
 
 
 def series_look(k: int) -> dict[str, Any]:
-    """Returns colour and marker of line k of several that are not preload methods."""
+    """Returns colour and marker, as in Matplotlib, of line k, which is for no preload method."""
     return {"color": SERIES[k % len(SERIES)], "marker": MARKERS[k % len(MARKERS)]}
 
 
@@ -290,9 +288,9 @@ def failed_keys(any_failed: bool) -> list[Line2D]:
 
 
 def frame(figure: Figure, title: str, handles: Sequence[Artist], columns: int) -> None:
-    """Sets the title above and the legend below the panels.
+    """Adds a title above the panels, and a legend below them.
 
-    handles: entries of the legend; without any, there is none.
+    handles: entries of the legend; if empty, there is no legend.
     columns: number of columns of the legend.
     """
     width = int(CHARACTERS_PER_INCH * figure.get_figwidth())
@@ -312,12 +310,14 @@ def lines_of_a_title(title: str, width: int) -> list[str]:
     title = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", title)
 
     def wrapped(width: int) -> list[str]:
+        """Returns the lines of the title for a width [characters]."""
         return textwrap.wrap(title, width, break_long_words=False)
 
     fewest_lines = len(wrapped(width))
     # the narrowest width with no more lines makes them even
-    narrowest = next(w for w in range(1, width + 1) if len(wrapped(w)) <= fewest_lines)
-    return wrapped(narrowest)
+    while width > 1 and len(wrapped(width - 1)) <= fewest_lines:
+        width -= 1
+    return wrapped(width)
 
 
 def start_at_zero(axes: Any) -> None:
@@ -330,21 +330,22 @@ def start_at_zero(axes: Any) -> None:
 
 
 def power_of_ten(values: Sequence[xr.DataArray]) -> int:
-    """Returns the exponent of a power of ten, over which the largest magnitude is 1 to below 1000.
+    """Returns the exponent of the power of ten in which numbers on an axis are given.
 
-    The exponent is a multiple of three.
-    It is 0 if all values are 0 or NaN.
+    It is a multiple of three, and the largest magnitude is 1 to below 1000 times the power. It is 0
+    if all values are 0 or NaN.
     """
-    largest = max((float(abs(v).max()) for v in values if v.notnull().any()), default=0.0)
+    magnitudes = [float(abs(array).max()) for array in values if array.notnull().any()]
+    largest = max(magnitudes, default=0.0)
     return 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
 
 
 def number_on_axis(value: float) -> str:
     """Returns a tick label, with a raised power of ten if it is below 0.001 or at least 1e5."""
-    digits, _, exponent = f"{value:.3e}".partition("e")
+    mantissa, _, exponent = f"{value:.3e}".partition("e")
     if value == 0.0 or -3 <= int(exponent) < 5:
         return f"{value:g}".replace("-", "−")
-    power, factor = ten_to_the(int(exponent)), f"{float(digits):g}"
+    power, factor = ten_to_the(int(exponent)), f"{float(mantissa):g}"
     return power if factor == "1" else f"{factor} × {power}"
 
 

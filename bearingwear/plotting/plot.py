@@ -14,7 +14,7 @@ from bearingwear.results.words import dataset_of_bearing
 def figure_of(
     dataset: xr.Dataset, name: str | Path, figures: Registry, bearing: str | None = None
 ) -> Figure:
-    """Returns the figure of a result, by the function of its kind.
+    """Returns the figure of a result, which the function of its kind draws.
 
     CaseFileError: a kind that is not drawn, or two different bearings without a choice.
 
@@ -40,9 +40,9 @@ def plot(
 ) -> None:
     """Draws a result file into files whose suffixes determine their formats.
 
-    CaseFileError: as of `figure_of`, or the file cannot be read. OutputError: an output cannot be
-    written, or its suffix has no format.
+    CaseFileError: the file cannot be read, or `figure_of` raises it. OutputError: an output cannot
+    be written, or its suffix has no format.
 
-    figures, bearing: as for `figure_of`.
+    figures, bearing: as in `figure_of`.
     """
     save(figure_of(load(path), path, figures, bearing), outputs)

@@ -30,7 +30,7 @@ class _VariableView:
         return _attribute(self._attributes, name)
 
     def __getitem__(self, index: Any) -> Any:
-        """Returns data by index."""
+        """Returns the data at an index, as of a NumPy array."""
         return self._data[index]
 
     def ncattrs(self) -> list[str]:

@@ -39,12 +39,11 @@ OVER_TURNS = {
 }
 """Suffix of the long name of a variable of a dynamic case, by its cell method."""
 
-
 ALL_COORDINATES = COORDINATES | {STRIP_POSITION.name: STRIP_POSITION}
 """Variables that describe dimensions: the coordinates, and the positions of strips."""
 
 _REPLACED = np.empty(0)
-"""Placeholder for data that a value of the result replaces."""
+"""Default data of a variable for which the result has a value."""
 
 
 class Entry(NamedTuple):
@@ -57,7 +56,7 @@ class Entry(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """The variables of a file; results with values of the same shapes share it."""
+    """The variables of a file without data; results with values of the same shapes share it."""
 
     coordinates: Mapping[str, Entry]
     variables: Mapping[str, Entry]
@@ -95,11 +94,11 @@ def common_attributes() -> dict[str, Any]:
 
 
 def contents_of(result: Result) -> Contents:
-    """Returns the contents of the file of a result, variables in the order of the table.
+    """Returns the contents of the file of a result, with variables in the order of their table.
 
     Variables that every file contains and the result lacks have missing values.
 
-    KeyError: a value that is in no table of variables. ValueError: one of another shape.
+    KeyError: a value is in no table of variables. ValueError: a value has a wrong shape.
     """
     values, scene = result.values, result.scene
     is_life = "end_criterion" in values
@@ -127,9 +126,9 @@ def contents_of(result: Result) -> Contents:
 
 
 def _with_phase_names(layout: Layout, names: str) -> Layout:
-    """Returns a layout whose coordinate of phases has the names of a duty as flags.
+    """Returns a layout whose coordinate `phase`, if it has one, has names as flags.
 
-    names: of the phases, separated by spaces.
+    names: of the phases of a duty, separated by spaces.
     """
     if "phase" not in layout.coordinates:
         return layout
@@ -144,8 +143,8 @@ def stacked_contents(results: Sequence[Result], dim: str) -> Contents:
 
     Attributes and missing variables are those of the first result.
 
-    results: at least one, all with values of the same names, shapes and model.
-    dim: name of that dimension.
+    results: at least one, all of one model, with values of the same names and shapes.
+    dim: name of the new dimension.
     """
     layout, data, attrs = contents_of(results[0])
     values = results[0].values
@@ -186,7 +185,7 @@ def _layout(
 ) -> Layout:
     """Returns the layout of the file of a result; it is shared, so do not write to it.
 
-    ValueError: values whose dimensions are not those of the table.
+    ValueError: the dimensions of a value are not those of the table.
 
     is_averaged: whether the values are means over the evaluated turns of a dynamic case.
     shapes: name and shape of each value.
@@ -235,7 +234,7 @@ def _coordinates(
 ) -> dict[str, Entry]:
     """Returns the coordinates of the dimensions that are used; these never have missing values.
 
-    ValueError: a coordinate that is no index, such as a time, and has no value in the result.
+    ValueError: a coordinate that is no index, such as a time, has no value in the result.
 
     shape_of: shapes of the values of a result, by name.
     sizes: of all dimensions.
@@ -263,11 +262,11 @@ def _entry(
     sizes: Mapping[str, int],
     default: np.ndarray | None = None,
 ) -> Entry:
-    """Returns the entry of a variable. ValueError: the shape of its value is not that of its dims.
+    """Returns the entry of a variable. ValueError: its value does not have the sizes of its dims.
 
-    solved_shape: of its value in a result; None if there is none.
+    solved_shape: shape of its value in a result; None if there is none.
     sizes: of all dimensions.
-    default: data if there is no value; None means missing values.
+    default: data if there is no value; by default missing values.
     """
     dims = variable.dims
     shape = tuple(sizes[dim] for dim in dims)
@@ -303,7 +302,7 @@ def _cell_method(variable: Variable) -> str | None:
 def _attribute(value: Any) -> Any:
     """Returns a value in a type that every reader of netCDF understands as an attribute.
 
-    That is a 64 bit number, or text; Boolean values become 0 and 1.
+    These types are 64-bit numbers, and text. Boolean values become 0 and 1.
     """
     if isinstance(value, bool | np.bool_ | int | np.integer):
         return np.int64(value)

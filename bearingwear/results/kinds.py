@@ -1,7 +1,7 @@
 """The kind of a result file, and registries of functions for each kind.
 
 A registry maps kinds to functions by their dotted names, `module:function`, so that nothing is
-imported before it is needed. The studies, which stand above this part of the package, hand in a
+imported before it is needed. Studies, which this part of the package does not import, pass a
 registry of their own kinds.
 """
 
@@ -16,7 +16,7 @@ CASE_KIND, LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND = "case", "life", "study", "wea
 SWEEP_KIND = "sweep"
 
 ONLY_IN_CASES = ("strip", "steady_state", "time", "state", "final_time", "ball_diameter_loss")
-"""Variables that only case files contain, and dimensions whose variables only they contain.
+"""Variables, and dimensions of variables, that only case files contain.
 
 They are profiles, histories, states to restart from, lists whose length differs from case to case,
 and the worn diameter, which is an axis of a study.
@@ -49,7 +49,7 @@ def _is_scalar(file: Any, name: str) -> bool:
 
 
 def imported_function(dotted_name: str) -> Callable[..., Any]:
-    """Returns the function of a dotted name, `module:function`, after importing its module."""
+    """Imports the function of a dotted name, `module:function`, and returns it."""
     module, _, name = dotted_name.partition(":")
     imported: Callable[..., Any] = getattr(importlib.import_module(module), name)
     return imported

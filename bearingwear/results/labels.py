@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 ONLY_IN_MEMORY = ("wall_time_s", "message")
 """Attributes of a dataset in memory that its file does not have."""
 
-
 NO_NAME = "none"
 """The name of the code -1; as a status, it means that there was nothing to solve."""
 
@@ -48,9 +47,9 @@ def named_data(codes: np.ndarray, attrs: Mapping[Any, Any]) -> tuple[np.ndarray,
 
 @functools.cache
 def _code_names(meanings: str) -> np.ndarray:
-    """Returns the names of the codes 0, 1, ... in an array; the index -1 finds that of -1.
+    """Returns the names of the codes 0, 1, ..., -1 in an array; a code is the index of its name.
 
-    meanings: names, separated by spaces.
+    meanings: names of all codes but -1, separated by spaces.
     """
     return np.array([*meanings.split(), NO_NAME])
 
@@ -58,7 +57,8 @@ def _code_names(meanings: str) -> np.ndarray:
 def coded(dataset: xr.Dataset) -> xr.Dataset:
     """Returns a dataset with codes instead of names, and the attributes of files.
 
-    It reverses `labelled`. A variable with other names than its `flag_meanings` is not changed.
+    It reverses `labelled`. A variable with a text that is not among its `flag_meanings` is not
+    changed.
     """
     variables = {name: _coded_variable(variable) for name, variable in dataset.variables.items()}
     result = dataset.assign(
@@ -69,7 +69,7 @@ def coded(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _coded_variable(variable: xr.Variable) -> tuple[Any, np.ndarray, dict[Any, Any]] | None:
-    """Returns dimensions, codes and attributes of a variable of names; None for any other."""
+    """Returns dimensions, codes and attributes of a variable of names; None for all others."""
     meanings = str(variable.attrs.get("flag_meanings", "")).split()
     names = variable.values
     code_of = {NO_NAME: -1} | {name: code for code, name in enumerate(meanings)}
@@ -82,10 +82,9 @@ def _coded_variable(variable: xr.Variable) -> tuple[Any, np.ndarray, dict[Any, A
 
 
 def _attributes_of_codes(attrs: Mapping[Any, Any], count: int) -> dict[Any, Any]:
-    """Returns the attributes of a variable of names with `flag_values` before `flag_meanings`.
+    """Returns attributes with `flag_values` before `flag_meanings`, their order in files.
 
-    That is their order in the files of commands.
-
+    attrs: of a variable of names, without `flag_values`.
     count: number of codes.
     """
     attributes = {}

@@ -36,18 +36,17 @@ if TYPE_CHECKING:
 
 
 LONG_COORDINATES, MOST_TEMPLATES = 1000, 16
-"""Most values of the coordinates of a template, and most templates that are stored for reuse."""
+"""Largest number of values in the coordinates of a template, and of templates stored for reuse."""
 
 COMPRESSED_ABOVE = 100_000
-"""Largest number of values that are stored uncompressed; histories over time always are."""
-
+"""Number of values above which a variable is compressed; histories over time always are."""
 
 NETCDF_LOCK = threading.RLock()
 """The lock that all code holds while it reads or writes a netCDF file.
 
 The C libraries of netCDF and HDF5 end the process when two threads use them at the same time.
 """
-# a process that is forked meanwhile would wait forever for the thread that held it
+# otherwise, a process forked while a thread holds the lock would wait for it forever
 os.register_at_fork(
     before=NETCDF_LOCK.acquire,
     after_in_parent=NETCDF_LOCK.release,
@@ -60,7 +59,7 @@ class CaseFileError(ValueError):
 
 
 def write_result(result: Result, path: str | os.PathLike[str]) -> None:
-    """Writes a case or life file; the same result gives the same bytes.
+    """Writes a case or life file, of which the same result gives the same bytes.
 
     The file appears under its name only when it is complete. OutputError: it cannot be written.
     """
@@ -100,9 +99,9 @@ def _write_contents(file: Any, contents: Contents) -> None:
 
 
 def dataset_of_result(result: Result, by_name: bool = False) -> xr.Dataset:
-    """Returns the dataset that `load` returns for the file of a result, with `wall_time_s`.
+    """Returns the dataset that `load` returns for the file of a result, and `wall_time_s`.
 
-    by_name: whether with names instead of codes, as `labelled` does.
+    by_name: whether to replace codes by names, as `labelled` does.
     """
     contents = contents_of(result)
     contents.attrs["wall_time_s"] = float(result.wall_time_s)
@@ -112,7 +111,7 @@ def dataset_of_result(result: Result, by_name: bool = False) -> xr.Dataset:
     # the constructor of a dataset takes longer than a solve, so an earlier one is copied
     filled = _template(contents, by_name).copy(deep=False, data=data)
     for name, entry in contents.layout.coordinates.items():
-        if entry.dims != (name,):  # without an index, whose values the template already has
+        if entry.dims != (name,):  # a coordinate without an index, which a user may change
             filled.variables[name].data = contents.data[name]
     filled.attrs = contents.attrs
     return filled
@@ -121,7 +120,7 @@ def dataset_of_result(result: Result, by_name: bool = False) -> xr.Dataset:
 def stacked_datasets(results: Iterable[Result], dim: str) -> list[xr.Dataset]:
     """Returns datasets of results along a new first dimension, in the order of the results.
 
-    Neighbours of the same model and shapes share a dataset.
+    Successive results of the same model and shapes are in one dataset.
 
     dim: name of the dimension.
     """
@@ -130,7 +129,7 @@ def stacked_datasets(results: Iterable[Result], dim: str) -> list[xr.Dataset]:
 
 
 def _fidelity_and_shapes(result: Result) -> tuple[str | None, list[tuple[str, tuple[int, ...]]]]:
-    """Returns what determines the layout of a file: the model, and the shape of each value."""
+    """Returns what determines the layout of a file: the model, and name and shape of each value."""
     shapes = [(name, np.shape(value)) for name, value in result.values.items()]
     return result.attrs.get("fidelity"), shapes
 
@@ -174,12 +173,15 @@ def _values_and_attrs(
 _TEMPLATES: dict[Any, tuple[Layout, xr.Dataset]] = {}
 """Datasets of earlier results by the ids of their layouts and the bytes of their coordinates.
 
-Each entry holds its layout, so that no other one gets the id meanwhile.
+Each entry refers to its layout, so that no other layout gets the same id.
 """
 
 
 def _template(contents: Contents, by_name: bool) -> xr.Dataset:
-    """Returns a dataset of the same layout and coordinates; it is shared, so do not write to it."""
+    """Returns a dataset of the same layout and coordinates, without attributes.
+
+    It may be shared, so do not write to it.
+    """
     layout = contents.layout
     coordinates = [contents.data[name] for name in layout.coordinates]
     if sum(values.size for values in coordinates) > LONG_COORDINATES:
@@ -194,9 +196,9 @@ def _template(contents: Contents, by_name: bool) -> xr.Dataset:
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Reads a result file into memory and closes it; flags are codes, and missing values NaN.
+    """Returns the contents of a result file; flags are codes, and missing values NaN.
 
-    CaseFileError: missing, empty, truncated, or not one of this package's files.
+    CaseFileError: the file is missing, empty, damaged, or not written by this package.
     """
     import xarray as xr
 
@@ -217,7 +219,10 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def load_kind(path: str | os.PathLike[str], *kinds: str) -> xr.Dataset:
-    """Reads a result file whose attribute `kind` is one of some. May raise CaseFileError."""
+    """Returns the contents of a result file whose attribute `kind` is one of `kinds`.
+
+    CaseFileError: as of `load`, or the file is of another kind.
+    """
     dataset = load(path)
     if dataset.attrs.get("kind") not in kinds:
         allowed = " or ".join(kinds)
@@ -226,7 +231,7 @@ def load_kind(path: str | os.PathLike[str], *kinds: str) -> xr.Dataset:
 
 
 def header(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Reads the global attributes of a result file, without its values."""
+    """Returns the global attributes of a result file. May raise CaseFileError."""
     with open_result(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
 
@@ -278,10 +283,10 @@ def check_readable(path: str | os.PathLike[str]) -> None:
 
 @contextlib.contextmanager
 def json_faults(path: str | os.PathLike[str], expected: str) -> Iterator[None]:
-    """Turns any fault of reading a JSON file in a `with` block into a CaseFileError of one line.
+    """Turns any error while a `with` block reads a JSON file into a CaseFileError of one line.
 
     path: of the file, for the message; the block opens it.
-    expected: words for the content that the file should have.
+    expected: words for the content that the file should have, for the message.
     """
     try:
         yield

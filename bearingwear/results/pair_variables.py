@@ -65,9 +65,9 @@ def method_words(scene: Mapping[str, Any], method: str) -> str:
 
 
 def pair_table(table: Mapping[str, Variable]) -> dict[str, Variable]:
-    """Returns a table of variables for a pair: those not in `SHARED` have a value for each bearing.
+    """Returns a table of variables for a pair; those not in `SHARED` have a value for each bearing.
 
-    table: the variables of a single bearing.
+    table: variables of a single bearing by name.
     """
     return {
         name: variable if name in SHARED else replace(variable, dims=(OF_BEARING, *variable.dims))

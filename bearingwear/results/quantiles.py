@@ -26,14 +26,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 KIND = "uncertainty"
+"""Kind of the files of the study of uncertainty, with quantiles of sampled lives."""
+
 PLACES_BESIDE = ("spread.nc", "design/uncertainty.nc", "uncertainty.nc")
-"""Places of such files beside the results of a scene; the last is that of the design study."""
+"""Files of uncertainty, from the folder of a result; the last is for results in `design`."""
 
 ASSUMED_SPREAD = "spread_taken"
-"""Attribute of such a file: a sentence on the distributions assumed for a scene without any."""
+"""Attribute of a file of uncertainty: which distributions were assumed for a scene without any."""
 
 PRELOAD_CHOICE, UNCERTAIN_INPUTS = "preload_choice", "uncertain_inputs"
-"""Dimensions of such a file: which preload, and which of the uncertain inputs vary."""
+"""Dimensions of a file of uncertainty: which preload, and which of the uncertain inputs vary."""
 
 GIVEN, RECOMMENDED = 0, 1
 """Values of `PRELOAD_CHOICE`: the scene's own preload, and the recommended one."""
@@ -50,22 +52,22 @@ INTERVAL = (0.05, 0.95)
 """Probabilities at the ends of the intervals that are quoted."""
 
 QUOTED_SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
-"""The share of bearings or batches in such an interval, in words."""
+"""The share of bearings or batches in the interval `INTERVAL`, in words."""
 
 NO_QUANTILES = "the spread in life was not computed"
 SEE = "use the command bearingwear uncertainty"
 
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
-"""Label of the interval that matters most."""
+"""Label of the interval due to all uncertain values."""
 
 WITHIN_BATCH, OF_BATCH = "  scatter within a batch", "  uncertainty of the batch"
-"""Labels of its two parts."""
+"""Labels of the intervals due to each of the two kinds of uncertain values alone."""
 
 MEDIAN_BATCH = {"L10 of the median batch": 0.1, "L50 of the median batch": 0.5}
-"""Probabilities of the quantiles that scatter alone makes, by their labels."""
+"""Probabilities of the quantiles due to scatter alone, by their labels."""
 
 BY_WEAR = f"  {BEARINGS_BETWEEN}, wear only"
-"""Label of `band_by_wear`."""
+"""Label of the interval of `band_by_wear`."""
 
 
 class Spread(NamedTuple):
@@ -75,7 +77,7 @@ class Spread(NamedTuple):
     scatter: Interval | None  # within the median batch; None: bearings of a batch are alike
     unknown: Interval | None  # of the median bearing of a batch; None: batches are alike
     quantiles: Mapping[str, float]  # L10 and L50 of the median batch; empty without scatter
-    errors: Mapping[str, str]  # confidence intervals of these, by the labels of `rows`
+    errors: Mapping[str, str]  # confidence intervals of all of these, by the labels of `rows`
     solved: float  # share of the sampled lives that could be computed
     failures: Mapping[str, int]  # number of the other lives, by status in words
     # share of all bearings in which this preload method gives the longest life [%]: its interval,
@@ -85,9 +87,9 @@ class Spread(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """States the interval of lives, and the share of sampled lives behind it if not all.
+        """States the interval of lives: `90 % of bearings have lives between 0.34 and 5.8 h`.
 
-        `90 % of bearings have lives between 0.34 and 5.8 h`.
+        If some sampled lives could not be computed, it also states the share of the others.
         """
         low, high = Rough(self.bearings.low).text, Rough(self.bearings.high).text
         bearings = BEARINGS_BETWEEN.replace(" %", "\N{NO-BREAK SPACE}%")
@@ -127,7 +129,7 @@ def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None
     """Returns the interval with the lives of 90 % of bearings if only wear is uncertain.
 
     The life is proportional to 1/K_s. The interval is None unless the life is above 0 and all
-    distributions of wear are lognormal about the value of the scene. The text states which
+    distributions of wear are lognormal about the value of the scene. A text states which
     distributions were assumed; it is empty if the scene has some, or without an interval.
 
     scene: plain data. Without distributions, those of the table of coefficients apply.
@@ -149,10 +151,9 @@ def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None
 def hours_in_words(scene: Mapping[str, Any], life_h: float) -> str:
     """Returns a life with its interval: `0.658 h (0.11 to 4 h if only wear is uncertain)`.
 
-    The interval, of `band_by_wear`, is left out where there is none.
+    The interval is left out if `band_by_wear` returns none.
 
     scene: plain data.
-    life_h: [h].
     """
     band, _ = band_by_wear(scene, life_h)
     interval = f" ({band.text} h if only wear is uncertain)" if band else ""
@@ -165,7 +166,7 @@ def spread_text(spread: Spread | None) -> str:
 
 
 def load_quantiles(path: str | Path) -> list[xr.Dataset]:
-    """Reads a file of the study of uncertainty; returns a dataset for each friction coefficient.
+    """Returns a dataset for each friction coefficient in a file of the study of uncertainty.
 
     CaseFileError: the file cannot be read, or is of another kind or of an earlier version.
     """
@@ -180,7 +181,8 @@ def load_quantiles(path: str | Path) -> list[xr.Dataset]:
 def at_each_friction(uncertainty: xr.Dataset) -> list[xr.Dataset]:
     """Returns a dataset for each friction coefficient, whose scene has that coefficient.
 
-    uncertainty: contents of a file; without the dimension `friction`, they are the only dataset.
+    uncertainty: contents of a file of uncertainty; without the dimension `friction`, they are
+        returned as the only dataset.
     """
     if "friction" not in uncertainty.dims:
         return [uncertainty]
@@ -241,8 +243,8 @@ def spread_of(
 def causes_sentence(scene: Mapping[str, Any]) -> str:
     """Returns sentences that name the uncertain values of a scene by the spread that they cause.
 
-    They are the scatter of the bearings of a batch, and the uncertainty of the batch. The text is
-    empty if no value is uncertain.
+    That is the scatter within a batch, or the uncertainty of the batch. The text is empty if no
+    value is uncertain.
 
     scene: plain data.
     """
@@ -269,7 +271,7 @@ def _cause_words(key: str) -> str:
     if key == "ball_race":
         return "ball-race friction"
     words, _ = key_in_words(key)
-    return words.replace("brinell", "Brinell")
+    return words
 
 
 def _decisive_scene(
@@ -321,12 +323,11 @@ def spread_at(uncertainty: xr.Dataset) -> Spread | None:
 
 
 def _error_texts(uncertainty: xr.Dataset, probabilities: Mapping[str, float]) -> dict[str, str]:
-    """Returns the confidence intervals of the ends of the intervals, and of some quantiles.
+    """Returns the confidence intervals of the rows of `Spread.rows`, by their labels.
 
-    The keys are the labels of `Spread.rows`. The text of an interval has a confidence interval for
-    each of its ends.
+    A row with an interval has one for each of its ends.
 
-    probabilities: of the quantiles that scatter alone makes, by their labels.
+    probabilities: of the quantiles due to scatter alone, by their labels.
     """
     inputs_of = {BEARINGS_BETWEEN: ALL_INPUTS, WITHIN_BATCH: SCATTER_ONLY, OF_BATCH: BATCH_ONLY}
     texts = {
@@ -348,9 +349,9 @@ def interval_of(uncertainty: xr.Dataset, inputs: int) -> Interval:
 
 
 def _failure_counts(uncertainty: xr.Dataset) -> dict[str, int]:
-    """Returns the number of sampled lives that could not be computed, by status in words.
+    """Returns the numbers of sampled lives that could not be computed, by status in words.
 
-    Statuses without a life are left out, so the dict is empty if all could be computed.
+    A status that no life has is left out; the dict is empty if all lives could be computed.
     """
     names = uncertainty["life_status"].attrs["flag_meanings"].split()
     counts = dict(zip(names, uncertainty["status_count"].values.tolist(), strict=True))
@@ -379,9 +380,11 @@ def _error_text(uncertainty: xr.Dataset, inputs: int, probability: float) -> str
 
 
 def _longest_life_interval(uncertainty: xr.Dataset) -> Interval | None:
-    """Returns the interval of the share of bearings that live longest with this method [%].
+    """Returns the confidence interval of the share of bearings that last longest with a method [%].
 
     It is None for a file with a single preload method.
+
+    uncertainty: contents of a file at one preload method.
     """
     low = 100.0 * float(uncertainty.get("longest_share_low", math.nan))
     high = 100.0 * float(uncertainty.get("longest_share_high", math.nan))

@@ -23,12 +23,12 @@ MAY_DIFFER = ("description", "wear", "uncertainty", "calibrated", "model", REGUL
 def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> dict[str, Any]:
     """Returns the state from which a run continues: `state` (m,) in SI units, `time` [s], `scene`.
 
-    The latter is the scene of the file as plain data.
+    The entry `scene` is the scene of the file as plain data.
 
     scene: the scene to continue; it may differ from the file's only in `MAY_DIFFER`.
 
-    CaseFileError: one line: no such case, not solved, of another version of the solver, of
-    another scene.
+    CaseFileError: the file is no dynamic case, is not solved, or has no final state; or its solver
+    or scene is another.
     """
     name = os.fspath(path)
     with open_result(path) as file:
@@ -46,9 +46,7 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
 
 
 def _check_can_continue(name: str, file: Any) -> None:
-    """Raises CaseFileError for an open file that is no dynamic case, or one without a solution.
-
-    Also for one that another version of the solver has solved.
+    """Raises CaseFileError unless an open file is a dynamic case solved by this solver.
 
     name: of the file.
     """
@@ -73,9 +71,9 @@ def _numbers(variable: Any) -> np.ndarray:
 
 
 def _check_same_scene(name: str, earlier: Mapping[str, Any], scene: Mapping[str, Any]) -> None:
-    """Refuses a case whose scene differs in a key that determines the state.
+    """Raises CaseFileError if two scenes differ in a key that determines the state.
 
-    name: of the file.
+    name: of the file with the earlier scene.
     """
     earlier_values, values = _decisive_values(earlier), _decisive_values(scene)
     for key in [*values, *earlier_values]:
@@ -89,7 +87,7 @@ def _check_same_scene(name: str, earlier: Mapping[str, Any], scene: Mapping[str,
 
 
 def _decisive_values(scene: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Returns the values of a scene by dotted key, without the blocks of `MAY_DIFFER`."""
+    """Returns the values of a scene by dotted key, without blocks that may differ as a whole."""
     return leaves({key: block for key, block in scene.items() if key not in MAY_DIFFER})
 
 

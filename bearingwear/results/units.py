@@ -1,7 +1,7 @@
 """The one table of display units and digits.
 
-Files have the units of `results/variables.py`. A number is shown in the largest unit of its row
-that leaves something before the point, with three significant digits.
+Files have the units of `results/variables.py`. The numbers of a row are shown with three
+significant digits, in the largest unit in which the largest of them is at least 1.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _R_PER_MIN = 30.0 / math.pi
 
 
 class _Scale(NamedTuple):
-    """A unit, the factor from the unit of files, and the least number that is shown in it."""
+    """A unit, the factor from the unit of files, and the smallest number that is shown in it."""
 
     unit: str
     factor: float
@@ -45,12 +45,11 @@ SCALES: dict[str, tuple[_Scale, ...]] = {
     "s Pa-1": (_Scale("s/Pa", 1.0),),
     "um/1000 h": (_Scale("um/1000 h", 1e6 * PER_1000_HOURS),),
 }
-"""Units for a person, the smallest first, by the unit of the file or by what a variable is shown
-as (`Variable.shown`). A unit that is not here is shown as it is."""
+"""Units for a person, the smallest first, by the unit of files or by `Variable.shown`, which
+replaces it. A unit that is not here is shown as it is."""
 
 LEAST_PERCENT = 1e-3
 """Smaller percentages are shown as less than this one."""
-
 
 LEAST_SHOWN = {"": 1e-15, "N": 1e-9, "degree": 1e-9, "um": 1e-9}
 """Smaller numbers in these units are rounding errors, and are shown as 0."""
@@ -85,7 +84,7 @@ def display(units: str, *values: Any, shown: str = "") -> Display:
 
     units: of the file.
     *values: numbers or arrays in that unit; their largest finite magnitude determines the unit.
-    shown: key of `SCALES`, if it is not `units`: `%`.
+    shown: key of `SCALES`, such as `%`; by default `units`.
     """
     scales = SCALES.get(shown or units, (_Scale(shown or units, 1.0),))
     arrays = [np.abs(np.asarray(value, dtype=float)).ravel() for value in values]
@@ -93,7 +92,7 @@ def display(units: str, *values: Any, shown: str = "") -> Display:
     largest = float(numbers[np.isfinite(numbers)].max(initial=0.0))
     display_scale = scales[0]
     for scale in scales:
-        # rounded, so that a number which rounds up to the next unit is shown in that unit
+        # rounded, so that a number that rounds up to the next unit is shown in that unit
         if rounded(scale.factor * largest) >= scale.least:
             display_scale = scale
     return Display(unit=display_scale.unit, factor=display_scale.factor)
@@ -107,7 +106,9 @@ def rounded(value: float) -> float:
 def digits(value: float, unit: str = "") -> str:
     """Returns a number as text with three significant digits; a dash for NaN.
 
-    A percentage below `LEAST_PERCENT` is shown as less than that.
+    A number below `LEAST_SHOWN` is 0, and a percentage below `LEAST_PERCENT` is less than that.
+
+    unit: shown unit of the number.
     """
     if not math.isfinite(value):
         return "–" if math.isnan(value) else f"{value:g}"
@@ -119,9 +120,9 @@ def digits(value: float, unit: str = "") -> str:
 
 
 def scale_of(unit: str) -> tuple[str, float]:
-    """Returns the unit of files for a unit of the display, and the factor from the former to it.
+    """Returns the key of `SCALES` for a shown unit, and the factor from it to the shown unit.
 
-    A unit that is not in `SCALES` is that of files, too, with the factor 1.
+    A unit that is not in `SCALES` is its own key, with the factor 1.
     """
     for file_unit, scales in SCALES.items():
         for scale in scales:
@@ -131,15 +132,15 @@ def scale_of(unit: str) -> tuple[str, float]:
 
 
 class Rough(float):
-    """A number of two digits, as the hours of a life, which are not known better."""
+    """A number that is shown with two digits, such as a life, which is not known better."""
 
     @property
     def text(self) -> str:
-        """Returns the number with two digits, however small it is: K_s/H may be 1e-17 m2/N."""
+        """Returns the number with two digits, however small: K_s/H may be 1e-17 m2/N."""
         return f"{float(f'{self:.2g}'):.7g}" if math.isfinite(self) else digits(self)
 
     def in_unit(self, unit: str) -> str:
-        """Returns the number as text; 0 if it is a rounding error in this unit."""
+        """Returns the number with two digits; 0 if it is a rounding error in its unit."""
         return digits(float(f"{self:.2g}"), unit)
 
 
@@ -148,7 +149,7 @@ class Percent(float):
 
     @property
     def text(self) -> str:
-        """Returns the number with three digits and its sign; tiny ones, as `< 0.001`, have none."""
+        """Returns the number with three digits and its sign; `< 0.001` for a tiny one."""
         text = digits(self, "%")
         return text if self < 0.0 or text.startswith("<") else f"+{text}"
 
@@ -166,11 +167,10 @@ class Interval(NamedTuple):
 
 
 RESOLVED = 1e-4
-"""Least relative error for which digits are shown; smaller ones serve no comparison."""
-
+"""Relative error that counts in place of a smaller one, whose digits serve no comparison."""
 
 _EQUAL_TO_INPUT = 1e-8
-"""Relative difference below which a result counts as a number of few digits that was its input."""
+"""Relative difference below which a result counts as an input, a number of few digits."""
 
 
 class Estimated(float):
@@ -182,8 +182,8 @@ class Estimated(float):
     def of(cls, value: float, error: float) -> Estimated:
         """Returns a number with its error.
 
-        The stored error is at least the share `RESOLVED` of the number. An error of 0 or NaN means
-        that it is not known, and is stored as NaN.
+        The stored error is at least the share `RESOLVED` of the number. An unknown error, given as
+        0 or NaN, is stored as NaN.
         """
         number = cls(value)
         number.error = max(error, RESOLVED * abs(value)) if error > 0.0 else math.nan
@@ -191,19 +191,19 @@ class Estimated(float):
 
     @property
     def text(self) -> str:
-        """Returns the number to the first digit of its error."""
+        """Returns the number to the first digit of its error; an input without further zeros."""
         text = text_to_error(self, self.error)
         if self.error <= RESOLVED * abs(self) and math.isclose(
             float(text), self, rel_tol=_EQUAL_TO_INPUT
         ):
-            return f"{float(text):.7g}"  # an input, as 140, and no computed number
+            return f"{float(text):.7g}"  # an input such as 140, not a computed 140.00
         return text
 
 
 def text_to_error(value: float, error: float) -> str:
     """Returns a number as text to the first digit of its error: `0.87` with an error of 0.02.
 
-    It has three digits if the error is not known, 0 or infinite.
+    It has three digits if the error is 0, infinite or NaN.
     """
     if not (math.isfinite(value) and 0.0 < error < math.inf):
         return digits(value)
@@ -213,9 +213,9 @@ def text_to_error(value: float, error: float) -> str:
 
 
 def span(values: Iterable[float]) -> str:
-    """Returns the least and the largest finite value as text: `1.2 to 3`.
+    """Returns the smallest and the largest finite value as text: `1.2 to 3`.
 
-    It is a single number where both have the same text, and a dash if no value is finite.
+    It is a single number if both have the same text, and a dash if no value is finite.
     """
     finite = [value for value in values if math.isfinite(value)]
     ends = [min(finite), max(finite)] if finite else [math.nan]
@@ -253,8 +253,7 @@ KEY_UNITS = {
     "_g": "g",
     "_s": "s",
 }
-"""Units at the ends of the keys of scenes and limits."""
-
+"""Units by the ends of keys of scenes and limits; `_N_um` comes before `_um`, in which it ends."""
 
 _PROPER_NAMES = {
     "youngs modulus": "Young's modulus",
@@ -283,7 +282,7 @@ _UNIT = re.compile(r"(?<=\d) (?=(%|h|N|N/[uµ]m|[uµm]m|m?W|[GM]Pa|K|Hz|r/min)(?
 """The space between a number and its unit."""
 
 _MICRO = re.compile(r"(?<=\N{NO-BREAK SPACE})u(?=m(?!\w))|(?<=\N{NO-BREAK SPACE}N/)u(?=m)")
-"""The prefix of a unit in ASCII."""
+"""The prefix `u` of a unit in ASCII, which stands for micro."""
 
 
 def without_unit_breaks(text: str) -> str:

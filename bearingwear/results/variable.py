@@ -1,4 +1,4 @@
-"""The record of a variable of a result file, and the one variable of every file: its status."""
+"""The record of a variable of a result file, and the variable `status` of every case and life."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ class Variable:
     comment: str | None = None
     # whether files of unsolved cases contain it, as `_FillValue`; others are then left out
     always: bool = False
-    # whether a dynamic case contains its mean over the evaluated turns, as of all with `always`
+    # whether a dynamic case contains its mean over the evaluated turns, as it does of all `always`
     averaged: bool = False
     label: str = ""  # short name for a person, as in `bearingwear show`
     shown: str = ""  # key of `units.SCALES` for its display, if `units` is not that key
 
     @functools.cached_property
     def stored_type(self) -> np.dtype[Any]:
-        """Returns the NumPy type; cached, as parsing its name is as slow as storing a number."""
+        """Returns its NumPy type; cached, as parsing the name takes as long as storing a number."""
         return np.dtype(self.dtype)
 
     @functools.cached_property
     def missing(self) -> np.generic:
-        """Returns the value that marks it as not solved: NaN, or the last flag, named "none".
+        """Returns its value if it was not solved: NaN, or the last flag, which is named "none".
 
-        ValueError: a whole number without flags, which has no such value.
+        ValueError: it is a whole number without flags, which has no such value.
         """
         return self.stored_type.type(len(self.flags) - 1 if self.flags else np.nan)
 
@@ -71,9 +71,9 @@ class Variable:
 
 
 def table(*variables: Variable, always: bool = False) -> dict[str, Variable]:
-    """Returns variables by their names, as a table that `|` joins with others.
+    """Returns variables by their names.
 
-    always: sets `Variable.always` of all of them.
+    always: whether to set `Variable.always` of all of them.
     """
     return {
         variable.name: replace(variable, always=True) if always else variable

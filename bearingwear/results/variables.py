@@ -1,11 +1,12 @@
 """The one table of variables of result files: names, dimensions, units, meaning, display.
 
-Inside the program all values are SI and radians; `scale` takes them to the units of the file, and
-`results/units.py` converts those to the units for people. Variables without a unit have flags.
+In the program, all values are in SI units and radians. `scale` converts them to the units of the
+file, and `results/units.py` converts these to the units for people. Variables without a unit have
+flags.
 
-A study describes its own variables with the same `Variable`, in a `table` of its own, and makes
-datasets with `bearingwear.studies.dataset.dataset_of_rows`. Their dimensions are then those of one
-solve; the axes along which a study repeats it are given with the values, a row for each solve:
+A study describes its own variables with `Variable` in a `table` of its own, with the dimensions of
+one solve. `bearingwear.studies.dataset.dataset_of_rows` makes a dataset of them, from the axes of
+the study and a row of values for each solve:
 
     POWERS = table(Variable("drag", (), "W", "power of the drag"), Variable("heat", ...), ...)
     dataset_of_rows(POWERS, {SPEED: speeds, PRELOAD: preloads}, [{"drag": 0.1, "heat": 0.3}, ...])
@@ -29,7 +30,7 @@ STABILITY = ("unstable", "stable")
 DOFS = ("axial", "y", "z", "tilt_y", "tilt_z")
 
 STIFFNESS_UNITS = ("N m-1", "N", "N m")
-"""Units of a term of a stiffness matrix, by how many of its row and column are tilts."""
+"""Units of a term of a stiffness matrix if none, one or both of row and column are tilts."""
 
 _BALL, _RACE, _BOTH = ("ball",), ("race",), ("ball", "race")
 _STRIPS = ("ball", "race", "strip")
@@ -47,7 +48,7 @@ def _history(
 ) -> Variable:
     """Returns the variable of a history in a dynamic case, stored in single precision.
 
-    name: without its prefix `history_`; the others are as in `Variable`.
+    name: without the prefix `history_`; the other parameters are as in `Variable`.
     """
     return Variable(f"history_{name}", dims, units, long_name, "f4", scale, comment=comment)
 
@@ -111,13 +112,11 @@ case, or all balls. Other variables are represented by their mean."""
 
 
 def of_all_balls(name: str, values: Any, balls: int | str) -> Any:
-    """Returns the values of a variable reduced over the balls, whose dimension they lose.
-
-    They are the mean of the balls or, for a variable in `EXTREMES`, their minimum or maximum.
+    """Returns the mean of a variable over all balls or, for one in `EXTREMES`, the extreme.
 
     name: of the variable.
-    values: NumPy array or `xarray.DataArray`.
-    balls: its axis or dimension of the balls.
+    values: NumPy array or `xarray.DataArray` with other dimensions, too.
+    balls: axis, or name of the dimension, of the balls.
     """
     reduction = EXTREMES.get(name, "mean")  # name of a method of arrays
     return getattr(values, reduction)(balls)

@@ -14,8 +14,8 @@ WARNING = "warning: "
 def warnings_in(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Returns the warnings in the global attributes of a result or of a file.
 
-    Each has an `id`, a `sentence`, an `advice`, an `excess` over its limit, which may be None, and
-    in a file of several cases their number, `cases`.
+    Each has an `id`, a `sentence`, an `advice`, and an `excess` over its limit, which may be None.
+    In a file of several cases, `cases` is the number of cases with the warning.
     """
     warnings: list[dict[str, Any]] = json.loads(attributes.get("warnings", "[]"))
     return warnings
@@ -24,8 +24,8 @@ def warnings_in(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
 def merged_warnings(attributes: Iterable[Mapping[str, Any]]) -> str:
     """Returns the attribute `warnings` of a file of many results, as JSON.
 
-    It has the warning of the largest excess of each id, with the number of cases that have one. An
-    excess of None counts as 0, and among equal ones the first warning is kept.
+    It has one warning of each id, the one of the largest excess, and the number of cases with that
+    id. An excess of None counts as 0, and among equal ones the first warning is kept.
 
     attributes: of each result.
     """

@@ -19,7 +19,7 @@ _Data = TypeVar("_Data", "xr.Dataset", "xr.DataArray")
 
 
 def methods(dataset: _Data) -> list[tuple[str, _Data]]:
-    """Returns the name of each preload method in a dataset or variable, with its slice."""
+    """Returns the name of each preload method in a dataset or variable, and the part for it."""
     names = dataset["preload_method"].attrs["flag_meanings"].split()
     return [
         (names[int(flag)], dataset.isel(preload_method=k))
@@ -30,8 +30,8 @@ def methods(dataset: _Data) -> list[tuple[str, _Data]]:
 def datasets_by_bearing(dataset: xr.Dataset) -> dict[str | None, xr.Dataset]:
     """Returns the datasets of the bearings of a pair, by `first` and `second`.
 
-    There is one dataset, with the key None, for a single bearing and for two with equal values. Two
-    that differ have the bearing in the name of their scene: `NAME, first bearing`.
+    A single bearing, or two with equal values, have one dataset with the key None. Otherwise, the
+    bearing is part of the name of the scene: `NAME, first bearing`.
     """
     if OF_BEARING not in dataset.dims:
         return {None: dataset}
@@ -75,25 +75,25 @@ def dataset_of_bearing(
 
 
 def name_in_words(name: str) -> str:
-    """Returns a name in files as words, with spaces for underscores."""
+    """Returns a name from a file as words, with spaces for underscores."""
     return name.replace("_", " ")
 
 
 def plain_scene(dataset: xr.Dataset) -> dict[str, Any]:
-    """Returns the data of the scene in a dataset's attribute `scene`, as `Scene.to_dict` has it."""
+    """Returns the scene of a dataset as plain data, in the form of `Scene.to_dict`."""
     return json.loads(dataset.attrs["scene"])
 
 
 def friction_text(mu: float) -> str:
-    """Returns a friction coefficient as `µ = 0.1` without line breaks, for a title."""
+    """Returns a friction coefficient as `µ = 0.1` with no-break spaces, for a title."""
     return f"µ\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{mu:g}"
 
 
 def percent(value: float) -> str:
-    """Returns a ratio as a whole percentage, for a title; a dash for NaN."""
+    """Returns a ratio as a whole percentage, for a title; `– %` if it is not finite."""
     return f"{100.0 * value:.0f} %" if np.isfinite(value) else "– %"
 
 
 def percent_in_text(value: float) -> str:
-    """Returns a ratio as a percentage of two digits without breaks, for a text; a dash for NaN."""
+    """Returns a ratio as a percentage of two digits, for a text; a dash if it is not finite."""
     return f"{plain(100.0 * value, 2)}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "–"

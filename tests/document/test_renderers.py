@@ -45,6 +45,13 @@ def test_text_has_a_line_for_each_quantity_and_for_each_point():
     assert "  why\n    It lasts | longest & best.\n" in text
 
 
+def test_a_table_without_points_has_its_heads_in_every_format():
+    block = Block("map", rows=(Row("preload", "N"), Row("life", "h")), axes=1)
+    document = Document(("title",), blocks=(block,))
+    for text in (as_text(document), as_markdown(document), as_html(document)):
+        assert text.index("preload (N)") < text.index("life (h)")
+
+
 def test_long_sentences_are_wrapped_in_text():
     document = Document(("word " * 40,), {}, (Block("x", lines=("word " * 40,)),))
     assert max(map(len, as_text(document).splitlines())) <= MOST_CHARACTERS
@@ -71,7 +78,7 @@ def test_columns_that_do_not_fit_beside_each_other_stand_in_parts_below():
     assert max(map(len, lines)) <= MOST_CHARACTERS
     part_heads = [line.split("column")[1:] for line in lines if line.startswith("  parts")]
     part_values = [line.split()[2:] for line in lines if line.startswith("  temperature")]
-    assert [len(heads) for heads in part_heads] == [5, 4]
+    assert [len(heads) for heads in part_heads] == [5, 4]  # 5 x 13 characters fit beside the labels
     assert part_values == [[*"01234"], [*"5678", "criterion", "9"]]
     assert sum("mass" in line for line in lines) == 1
 

@@ -28,24 +28,24 @@ if not REQUIRED:
 
 # JavaScript: elements that reach beyond the edge of the screen, are cut, or scroll without a cue.
 TOO_WIDE = """() => {
-  const found = [];
-  const shown = document.documentElement.clientWidth;
-  if (document.documentElement.scrollWidth > shown) found.push("the page itself");
+  const faults = [];
+  const width = document.documentElement.clientWidth;
+  if (document.documentElement.scrollWidth > width) faults.push("the page itself");
   for (const node of document.body.querySelectorAll("*")) {
     const box = node.getBoundingClientRect();
     if (!box.width || node.closest("script, style, svg")) continue;
     const scrolled = node.parentElement.closest("nav, .wide, .plot");
-    if (!scrolled && box.right > shown + 1) found.push("beyond the edge: " + node.outerHTML);
+    if (!scrolled && box.right > width + 1) faults.push("beyond the edge: " + node.outerHTML);
     const hidden = node.scrollWidth > node.clientWidth + 1 && node.clientWidth > 0;
     const inline = getComputedStyle(node).display.startsWith("inline");
     if (!hidden || inline) continue;
-    if (!node.matches("nav, .wide, .plot")) found.push("cut: " + node.outerHTML);
+    if (!node.matches("nav, .wide, .plot")) faults.push("cut: " + node.outerHTML);
     const cue = node.matches(".plot")
       ? node.nextElementSibling.getBoundingClientRect().height > 0
       : getComputedStyle(node).backgroundImage.includes("gradient");
-    if (!cue) found.push("no cue: " + node.outerHTML);
+    if (!cue) faults.push("no cue: " + node.outerHTML);
   }
-  return found.map((text) => text.slice(0, 200));
+  return faults.map((text) => text.slice(0, 200));
 }"""
 
 # JavaScript: visible texts over 12 characters in boxes narrower than three times their font size.
@@ -260,9 +260,9 @@ def test_all_charts_state_their_values_at_the_slider_and_draw_a_cursor(slider):
     """Values have three digits. For a line without a point there, any value is right."""
     for k in (0, len(slider.stops) - 1, *(slider.stops.index(star) for star in slider.stars)):
         slider.input.fill(str(k))
-        texts = iter(slider.values.all_inner_texts())
-        for line in (line for chart in slider.chart_data for line in chart["lines"]):
-            text, value = next(texts), dict(line["points"]).get(slider.stops[k])
+        lines = [line for chart in slider.chart_data for line in chart["lines"]]
+        for line, text in zip(lines, slider.values.all_inner_texts(), strict=True):
+            value = dict(line["points"]).get(slider.stops[k])
             if value is not None:
                 # half of the last digit of 1.00 is 5e-3
                 assert float(text.split()[0]) == pytest.approx(value, rel=6e-3)

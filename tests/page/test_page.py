@@ -101,7 +101,7 @@ def test_the_page_is_one_file_that_fetches_nothing(page_text):
 
 
 def test_the_page_has_all_figures_counts_and_sections_of_a_study(page_text):
-    """Sections are the targets of links: answers, a slider, the scene, figures, terms."""
+    """Links lead to the sections: answers, a slider, the scene, figures, and terms."""
     tree = parsed(page_text)
     assert len(list(tree.iter("img"))) == len(FIGURES)
     assert "8 of 8 cases, 4 of 4 lives" in words(tree)  # 2 methods, 2 frictions, 2 losses

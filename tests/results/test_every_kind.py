@@ -309,7 +309,7 @@ def test_every_kind_is_drawn(file_of, kind, tmp_path, capsys):
 
 @pytest.mark.parametrize("kind", NOT_DRAWN)
 def test_files_without_a_figure_are_refused_in_one_line(file_of, kind, tmp_path, capsys):
-    """Parts of a study of accuracy are no results of their own."""
+    """They are parts of a study of accuracy, not results of their own."""
     capsys.readouterr()
     assert main(["plot", str(file_of[kind]), "-o", str(tmp_path / "a.svg")]) == 2
     assert re.fullmatch(r"got .*sweep.*, expected .*\n", capsys.readouterr().err)
