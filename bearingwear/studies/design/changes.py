@@ -166,7 +166,6 @@ def _limit_range(now: float, name: str) -> tuple[float, float]:
 
     They are half and twice the present one, but not above the largest that is allowed.
 
-    now: present value.
     name: of the requirement.
     """
     _, highest = Key(within=LIMITED[name].limit[1]).ends

@@ -355,7 +355,7 @@ class _ConditionSearch:
 def _without_unknown_stiffness(extremes: Extremes) -> Extremes:
     """Returns extremes without a dynamic stiffness that is not known.
 
-    It is not known at a speed where the motion of the balls changes, but at speeds beside it.
+    It is NaN at a speed where the motion of the balls changes, but not at speeds beside it.
     """
     return {
         name: extreme

@@ -121,9 +121,8 @@ def least_violations(
     point that comes nearest to it, and the bool is False. Otherwise the bool is True, and the
     dictionary has the requirements that the best point violates, each with the index of that point.
     The best point has the largest least margin, among points with a life if there are any.
-
-    Only practical points count that are of new bearings or have a life. Without any, the dictionary
-    is empty, and the bool is False.
+    Only practical points count that are of new bearings or have a life; without any, the result is
+    empty and False.
     """
     usable = [
         k

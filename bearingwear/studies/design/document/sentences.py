@@ -88,18 +88,13 @@ def recommended_points(recommendation: xr.Dataset) -> list[RecommendedPoint]:
 def points_with_short_life(recommendation: xr.Dataset) -> list[RecommendedPoint]:
     """Returns the longest life of each method that only the required life rules out, longest first.
 
-    The preload of each point is that of this life.
+    Points have the preload and the life of `longest_preload` and `longest_life`.
     """
     if "longest_life" not in recommendation:  # an older file
         return []
-    points = [
-        RecommendedPoint(
-            method, point.assign(preload=point["longest_preload"]), float(point["longest_life"])
-        )
-        for method, point in methods(recommendation)
-        if math.isfinite(point["longest_life"])
-    ]
-    return sorted(points, key=lambda point: -point.life)
+    names = {"preload": "longest_preload", "life": "longest_life"}
+    longest = {name: recommendation[variable] for name, variable in names.items()}
+    return recommended_points(recommendation.assign(longest))
 
 
 def method_names(dataset: xr.Dataset) -> list[str]:

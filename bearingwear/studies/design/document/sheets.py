@@ -472,8 +472,6 @@ def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
 def violated_words(point: xr.Dataset) -> str:
     """Returns which requirements a design point violates, or why it has no life, in words.
 
-    They are `NONE_VIOLATED` if neither applies.
-
     point: dataset of the point, with the limits in its attributes.
     """
     if int(point["status"]) != OK:

@@ -74,10 +74,7 @@ def _speed_range_words(dataset: xr.Dataset) -> str:
 
 
 def conditions_words(dataset: xr.Dataset) -> str:
-    """Returns the cases and speeds of a file in words.
-
-    An example is "worst of 2: nominal, fast; from rest to 9000 r/min".
-    """
+    """Returns cases and speeds, as "worst of 2: nominal, fast; from rest to 9000 r/min"."""
     cases = scenes_by_case(plain_scene(dataset))
     phrases = [worst_case_phrase(cases)] if len(cases) > 1 else []
     return "; ".join([*phrases, _speed_and_warm_up_words(dataset)])
@@ -189,7 +186,7 @@ def _is_resting(extreme: str) -> bool:
 def life_condition_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     """Returns the speed of a method's life in words, and its case if there are several.
 
-    The words are "over the duty" for a scene with one, and empty if the condition is not known.
+    The words are "over the duty" for a scene with a duty, and empty if the condition is not known.
 
     point: recommendation of a method.
     """

@@ -111,7 +111,7 @@ def cumulated_keys(scene: Mapping[str, Any]) -> list[Any]:
 
 
 def _life_ratios(lives: xr.Dataset) -> np.ndarray:
-    """Returns lives at the 10 and 90 % quantile of each value, over the nominal life (values, 2)."""
+    """Returns lives at the 10 and 90 % quantile of each value over the nominal one (values, 2)."""
     ratios: np.ndarray = (lives["life_one_at_a_time"] / lives["nominal_life"]).values
     return ratios
 
