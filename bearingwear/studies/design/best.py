@@ -208,8 +208,9 @@ class PreloadSearch:
         return bool(places)
 
     def _solve(self, places: Sequence[tuple[PreloadLine, float]], solved: int) -> None:
-        """Solves at preloads [N] of lines, and keeps the points in these.
+        """Solves new bearings or lives at preloads [N], and keeps the points in their lines.
 
+        places: each a line, and a preload of it.
         solved: NEW_BEARING, QUICK_LIFE or EXACT_LIFE.
         """
         jobs = [

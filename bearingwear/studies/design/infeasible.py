@@ -196,7 +196,7 @@ def _required_text(name: str, limits: DesignLimits) -> str:
 def _value_text(
     name: str, point: PreloadPoint, limits: DesignLimits, is_together: bool, has_cases: bool
 ) -> str:
-    """Returns text on the worst value of a measure at a preload, and on the condition with it.
+    """Returns a text on the worst value of a measure at a preload, and on the condition with it.
 
     name: of the measure, a key of `LIMITED`.
     is_together: whether other preloads meet the requirement; otherwise "at most" or "at least"

@@ -23,7 +23,7 @@ MACHINE = "machine"
 
 
 def machine_answers(scene: Scene) -> dict[str, Any]:
-    """Returns whether a scene meets what its drive and launch require; {} without either.
+    """Returns how a scene meets the requirements of its drive and launch; {} if it has neither.
 
     `said` has the sentences, and `corners` the fields of each `Corner` of the torque; the latter is
     empty without a drive. A launch counts only if rotor mass and bearing span are known.

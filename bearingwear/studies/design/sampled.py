@@ -90,23 +90,22 @@ def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
 
     points: lives at each preload.
     """
+    spreads = [point.spread for point in points]
     wear_as_stated = tuple(
         rough_value(interval_of(point.lives, ALL_BUT_WEAR) if point.spread else None)
         for point in points
     )
-    longest = tuple(point.spread.longest if point.spread else None for point in points)
-    error_labels = dict.fromkeys(
-        label for point in points if point.spread for label in point.spread.errors
-    )
+    longest = tuple(spread.longest if spread else None for spread in spreads)
+    error_labels = dict.fromkeys(label for spread in spreads if spread for label in spread.errors)
     return (
         Row("method", "", tuple(point.method_words for point in points), "preload_method"),
         Row("preload", "", tuple(point.preload_words for point in points), "preload_choice"),
         Row("preload", "N", _floats(points, "preload"), "preload"),
         Row("life with median values", "h", _floats(points, "nominal_life"), "nominal_life"),
-        *spread_rows([point.spread for point in points]),
+        *spread_rows(spreads),
         *(
             Row(f"{label.strip()}, interval due to sampling", "h",
-                tuple(p.spread.errors.get(label, "") if p.spread else "" for p in points))
+                tuple(spread.errors.get(label, "") if spread else "" for spread in spreads))
             for label in error_labels
         ),
         Row(
