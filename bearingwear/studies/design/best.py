@@ -31,8 +31,8 @@ from bearingwear.studies.design.map import design_point, new_point
 from bearingwear.studies.design.plan import (
     DesignLimits,
     largest_permitted_preload,
-    round_factor,
     round_number,
+    scaled_preload,
 )
 
 SWEPT_FACTORS = tuple(2.0 ** (k / 4) for k in range(-12, 21))
@@ -48,11 +48,11 @@ _SHARES_BETWEEN = (0.05, 0.95)
 """Least and greatest share of the way between two preloads at which another one is solved."""
 
 _LITTLE_LONGER = 1.1
-"""Ratio of the lives beyond an end and at it up to which the preload at the end is taken."""
+"""Ratio of the lives beyond an end and at it from which on the preload beyond is chosen."""
 
 _EDGE = 5e-3
-"""Width in the logarithm of the preload to which the edges of what requirements allow are found: a
-life may change with a power of the preload there."""
+"""Width in the logarithm of the preload to which the ends of allowed ranges are found: a life may
+change with a power of the preload there."""
 
 _GAIN = 5e-3
 """Relative gain of the life up to which no further life is solved for it."""
@@ -154,7 +154,7 @@ class PreloadLine:
 
 
 AnswersAt = Callable[[Callable[[Any], Any], Sequence[Any]], Iterator[Any]]
-"""Asks a function at points, in their order: `map`, or `answers_at` of processes."""
+"""Evaluates a function at points, in their order: `map` or `Workers.answers_at`."""
 
 PreloadChoice = Callable[[PreloadLine], list[float]]
 """Returns the preloads [N] of a line at which something has to be solved."""
@@ -172,32 +172,32 @@ class _Job(NamedTuple):
 class PreloadSearch:
     """Lives of a scene over preload, by each method.
 
-    The longest life is looked for within all requirements but that on the life itself: so it is
-    known, too, where it is too short.
+    The longest life is looked for within all requirements but that on the life itself, so that it
+    is known even if it is too short.
     """
 
     scene: Scene
     limits: DesignLimits
     answers_at: AnswersAt = map
     lines: list[PreloadLine] = field(init=False)
-    but_life: DesignLimits = field(init=False)  # the limits without that on the life
+    other_limits: DesignLimits = field(init=False)  # the limits without that on the life
 
     def __post_init__(self) -> None:
         no_life: dict[str, Any] = {"life_h": None}
-        self.but_life = replace(self.limits, **no_life)
+        self.other_limits = replace(self.limits, **no_life)
         centre = self.scene.operation.preload_N
-        preloads = {round_factor(factor, centre) for factor in SWEPT_FACTORS}
+        preloads = {scaled_preload(factor, centre) for factor in SWEPT_FACTORS}
         grid = sorted(preload for preload in preloads if preload <= largest_permitted_preload())
         self.lines = [PreloadLine(method, grid) for method in PRELOAD_METHODS]
 
     def solve(self, choice: PreloadChoice, solved: int, limits: DesignLimits | None = None) -> bool:
-        """Solves the chosen preloads of all lines; returns whether any were chosen.
+        """Solves the chosen preloads of all lines; returns whether any was left to solve.
 
         New bearings are solved before lives. Where they break a requirement, no life is solved.
 
         choice: returns the preloads of a line [N].
         solved: NEW_BEARING, QUICK_LIFE or EXACT_LIFE.
-        limits: requirements in place of those of the search.
+        limits: requirements that new bearings must meet; by default those of the search.
         """
         limits = limits or self.limits
         places = [(line, p) for line in self.lines for p in choice(line)]
@@ -208,8 +208,9 @@ class PreloadSearch:
         return bool(places)
 
     def _solve(self, places: Sequence[tuple[PreloadLine, float]], solved: int) -> None:
-        """Solves at preloads [N] of lines, and keeps the points in these.
+        """Solves new bearings or lives at preloads [N], and keeps the points in their lines.
 
+        places: each a line, and a preload of it.
         solved: NEW_BEARING, QUICK_LIFE or EXACT_LIFE.
         """
         jobs = [
@@ -234,16 +235,16 @@ class PreloadSearch:
             pass
 
     def _exact_preloads(self, line: PreloadLine) -> list[float]:
-        """Returns preloads [N] beside the best one, whose exact lives are solved next.
+        """Returns the preloads [N] of a line whose exact lives are solved next.
 
-        Where there are none, they are those at other edges where a life may be longer. Then they
-        are those that show between which ones the best may be set, but only on the line with the
-        longest life.
+        They are those beside the best one or, without any, those at other edges where a life may be
+        longer. Without these, too, they show which preloads may be set in place of the best one,
+        but only on the line with the longest life.
         """
         preloads = self._preloads_beside_best(line) or self._preloads_at_worn_edges(line)
         if preloads:
             return preloads
-        bests = [other.best(self.but_life) for other in self.lines]
+        bests = [other.best(self.other_limits) for other in self.lines]
         longest = int(np.argmax([best.life if best else 0.0 for best in bests]))
         return self._preloads_at_ends(line) if line is self.lines[longest] else []
 
@@ -260,14 +261,15 @@ class PreloadSearch:
     def _preloads_between_new(self, line: PreloadLine) -> list[float]:
         """Returns preloads [N] in the middle of gaps between new bearings, for further ones.
 
-        They are the gaps in which the requirements come to be met or broken, and those beside a
-        point that breaks them less than its neighbours, up to the width `_EDGE`.
+        The requirements are met at only one end of such a gap, or the gap is beside a point that
+        breaks them less than its neighbours. Gaps up to the width `_EDGE` are left out.
         """
         points = [line.new[p] for p in sorted(line.new)]
-        least = [point.margins(self.but_life).min() for point in points]
-        gaps = {k for k in range(len(points) - 1) if (least[k] >= 0.0) != (least[k + 1] >= 0.0)}
+        margins = [point.margins(self.other_limits).min() for point in points]
+        is_allowed = [margin >= 0.0 for margin in margins]
+        gaps = {k for k in range(len(points) - 1) if is_allowed[k] != is_allowed[k + 1]}
         for k in range(1, len(points) - 1):
-            if least[k] < 0.0 and least[k] >= max(least[k - 1], least[k + 1]):
+            if not is_allowed[k] and margins[k] >= max(margins[k - 1], margins[k + 1]):
                 gaps |= {k - 1, k}
         wide_gaps = [k for k in sorted(gaps) if _log_width(points[k], points[k + 1]) > _EDGE]
         return [_middle_preload(points[k], points[k + 1]) for k in wide_gaps]
@@ -275,10 +277,11 @@ class PreloadSearch:
     def _first_preloads(self, line: PreloadLine) -> list[float]:
         """Returns every second preload [N] of the grid that new bearings allow, for quick lives.
 
-        The ends and the middle of each range that they allow are among them.
+        The ends and the middle of each range that they allow are added. Preloads with a life are
+        left out.
         """
-        preloads = {p for p in line.grid[::2] if line.may_live(p, self.but_life)}
-        ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.but_life))
+        preloads = {p for p in line.grid[::2] if line.may_live(p, self.other_limits)}
+        ranges = itertools.groupby(sorted(line.new), lambda p: line.may_live(p, self.other_limits))
         for is_allowed, range_preloads in ranges:
             if is_allowed:
                 lowest, *others = range_preloads
@@ -294,12 +297,12 @@ class PreloadSearch:
 
         Those between two shorter lives that the same criterion ends are left out.
         """
-        best = line.best(self.but_life)
+        best = line.best(self.other_limits)
         longest = best.life if best else 0.0
         solved_preloads = sorted(line.lives)
         preloads = []
         for p in line.grid:
-            if p in line.lives or not line.may_live(p, self.but_life):
+            if p in line.lives or not line.may_live(p, self.other_limits):
                 continue
             k = bisect.bisect(solved_preloads, p)
             neighbours = [line.lives[near] for near in solved_preloads[max(k - 1, 0) : k + 1]]
@@ -310,24 +313,23 @@ class PreloadSearch:
         return preloads
 
     def _preloads_at_worn_edges(self, line: PreloadLine) -> list[float]:
-        """Returns preloads [N] where worn bearings come to meet the requirements.
+        """Returns preloads [N] at the ends of ranges that worn bearings allow.
 
         They lie between a life that is longer than the best but breaks requirements, and a point
-        that meets them: a narrow range between may be allowed, if another criterion soon ends the
-        life. Gaps up to the width `_EDGE`, and those beside the best point, are left out.
+        that meets them. A narrow range between these may be allowed if another criterion soon ends
+        the life. Gaps up to the width `_EDGE`, and those beside the best point, are left out.
         """
-        best = line.best(self.but_life)
+        best = line.best(self.other_limits)
         longest = best.life if best else 0.0
         preloads = []
-        for point, following in itertools.pairwise(line.points(self.but_life)):
+        for point, following in itertools.pairwise(line.points(self.other_limits)):
             if _log_width(point, following) <= _EDGE:
                 continue
             for broken, met in ((point, following), (following, point)):
                 is_longer = broken.solved != NEW_BEARING and broken.life > longest
-                is_edge = (
-                    broken.margins(self.but_life).min() < 0.0 <= met.margins(self.but_life).min()
-                )
-                if is_longer and is_edge and met is not best:
+                is_broken = broken.margins(self.other_limits).min() < 0.0
+                is_met = met.margins(self.other_limits).min() >= 0.0
+                if is_longer and is_broken and is_met and met is not best:
                     preloads.append(self._preload_between(met, broken))
         return preloads
 
@@ -337,7 +339,7 @@ class PreloadSearch:
         Returns the best point, at that end; None if the grid is as before. The new preloads are not
         solved yet.
         """
-        best = line.best(self.but_life)
+        best = line.best(self.other_limits)
         if best is None or line.best_beyond_end:
             return None
         if best.preload not in (line.grid[0], line.grid[-1]):
@@ -354,11 +356,11 @@ class PreloadSearch:
         """Takes back an extension of the range if the life beyond its end is hardly longer.
 
         Keeps the best point beyond as `best_beyond_end`, and drops all others there. Nothing
-        changes if the life is at least `_LITTLE_LONGER` times as long, or not longer at all.
+        changes if that life is at least `_LITTLE_LONGER` times as long, or not longer at all.
 
-        end: the point at the end of the range before.
+        end: the point at the end of the range before its extension.
         """
-        best = line.best(self.but_life)
+        best = line.best(self.other_limits)
         assert best is not None
         if best is end or best.life >= _LITTLE_LONGER * end.life:
             return
@@ -374,19 +376,17 @@ class PreloadSearch:
     def _preloads_beside_best(self, line: PreloadLine) -> list[float]:
         """Returns the best preload [N] and those beside it where an exact life may be longer.
 
-        Those with an exact life are left out. A neighbour that a quick life refuses by little is
-        solved itself, as is one beside which nothing else is solved. Quick lives between exact ones
-        are dropped from the line first.
+        Those with an exact life are left out. A neighbour that a quick life refuses is solved
+        itself if it is refused by little, or if no preload between it and the best one is solved.
+        Quick lives between exact ones are dropped from the line first.
         """
         line.lives = {p: point for p, point in line.lives.items() if self._is_kept(line, point)}
-        best = line.best(self.but_life)
+        best = line.best(self.other_limits)
         if best is None:
             return []
         preloads = {best.preload}
-        points = line.points(self.but_life)
-        k = _index_at_preload(points, best)
-        for near in (*points[max(k - 1, 0) : k], *points[k + 1 : k + 2]):
-            margin = near.margins(self.but_life).min()
+        for near in _neighbours(line.points(self.other_limits), best):
+            margin = near.margins(self.other_limits).min()
             may_gain = self._may_gain(best, near)
             is_refused_by_quick_life = near.solved == QUICK_LIFE and margin < 0.0
             if is_refused_by_quick_life and (margin > -_ROUGH or not may_gain):
@@ -399,13 +399,13 @@ class PreloadSearch:
     def _may_gain(self, best: PreloadPoint, near: PreloadPoint) -> bool:
         """Returns whether a life between two preloads may be longer than the best by `_GAIN`.
 
-        Towards a preload that is not allowed, or where another criterion ends the life, it may rise
-        by any power of the preload: the answer is whether they are farther apart than `_EDGE`.
-        Otherwise it changes at most in proportion to the preload. One that falls faster from the
-        best to the near preload jumps between these.
+        If the near preload is not allowed, or another criterion ends its life, the life may rise by
+        any power of the preload: then it may gain if both are farther apart than `_EDGE`. Otherwise
+        it changes at most in proportion to the preload, and jumps if it falls faster than that from
+        the best to the near preload.
         """
         width = abs(_log_width(best, near))
-        is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.but_life)
+        is_edge = near.solved == NEW_BEARING or not near.is_allowed(self.other_limits)
         if is_edge or best.end_criterion != near.end_criterion:
             return width > _EDGE
         drop = math.log(best.life / near.life)
@@ -414,15 +414,15 @@ class PreloadSearch:
         return largest_gain > _GAIN
 
     def _preload_between(self, best: PreloadPoint, near: PreloadPoint) -> float:
-        """Returns a preload between two [N]: just within the requirements that near breaks.
+        """Returns a preload between two [N], just within the requirements that the near one breaks.
 
-        The margins are interpolated. It is in the middle if near breaks no requirement, or if a
-        margin there is -1, of a value that is not known.
+        The margins are interpolated. The preload is in the middle if the near point breaks no
+        requirement, or if a margin there is -1, of a value that is not known.
 
         best: a point that meets all requirements.
         """
-        inside = best.margins(self.but_life)
-        outside = near.margins(self.but_life)
+        inside = best.margins(self.other_limits)
+        outside = near.margins(self.other_limits)
         is_broken = (outside < 0.0) & (outside > -1.0)
         if not is_broken.any() or (outside <= -1.0).any():
             return _middle_preload(best, near)
@@ -434,9 +434,9 @@ class PreloadSearch:
         return round_number(best.preload * math.exp(share * width), low, high)
 
     def _is_kept(self, line: PreloadLine, point: PreloadPoint) -> bool:
-        """Returns whether a life is kept: false of a quick one between close exact ones.
+        """Returns whether a line keeps a life: not a quick one between close exact ones.
 
-        They are close if one on each side is within a step of the first grid.
+        Exact lives are close if one on each side is within a step of the first grid.
         """
         if point.solved == EXACT_LIFE:
             return True
@@ -449,8 +449,8 @@ class PreloadSearch:
     def settable_points(self, line: PreloadLine) -> list[PreloadPoint]:
         """Returns the best point and those around it that may be set in its place, rising.
 
-        They are allowed, and their lives are at least `SIMILAR` times the longest. Without a best
-        point, there are none.
+        They are allowed, and their lives are at least `SIMILAR` times the longest. The list is
+        empty without a best point.
         """
         best = line.best(self.limits)
         if best is None:
@@ -467,9 +467,10 @@ class PreloadSearch:
         return [*list(below)[::-1], best, *above]
 
     def _preloads_at_ends(self, line: PreloadLine) -> list[float]:
-        """Returns preloads [N] whose lives show between which ones the best one may be set.
+        """Returns preloads [N] whose lives show which ones may be set in place of the best one.
 
-        They are the ends of the range of settable preloads, and the middle of the gap beyond each.
+        They are the ends of the settable range, unless their lives are exact, and the middle of the
+        gap beyond each end if it is wide.
         """
         settable = self.settable_points(line)
         if not settable:
@@ -487,27 +488,26 @@ class PreloadSearch:
     def active_limit(self, line: PreloadLine, best: PreloadPoint) -> int:
         """Returns the index into `ACTIVE` of what keeps the best preload from a longer life.
 
-        It is the requirement that a neighbour breaks by most, else a neighbour without solution, a
-        requirement that the best preload just meets, the end of the range, another end of life, or
-        nothing.
+        It is the requirement that a neighbour breaks by most. Otherwise it is a neighbour without
+        solution, a requirement that the best preload just meets, the end of the range, another end
+        of life, or nothing, in this order.
 
         best: a point of the line.
         """
-        points = line.points(self.but_life)
-        k = _index_at_preload(points, best)
-        neighbours = [points[j] for j in (k - 1, k + 1) if 0 <= j < len(points)]
-        names = [*self.but_life.effective, ACTIVE[NOT_PRACTICAL]]
-        margins = best.margins(self.but_life)
+        neighbours = _neighbours(line.points(self.other_limits), best)
+        names = [*self.other_limits.effective, ACTIVE[NOT_PRACTICAL]]
+        margins = best.margins(self.other_limits)
         is_at_limit = margins.min() < _AT_LIMIT
-        refused = [
-            point.margins(self.but_life)
+        refused_margins = [
+            point.margins(self.other_limits)
             for point in neighbours
             if point.values["status"] == OK
-            and point.margins(self.but_life).min() < 0.0
+            and point.margins(self.other_limits).min() < 0.0
             and (point.solved == NEW_BEARING or point.life > best.life)
         ]
-        if refused:
-            worst = int(np.argmin(min(refused, key=np.min)))
+        if refused_margins:
+            most_refused = min(refused_margins, key=np.min)
+            worst = int(np.argmin(most_refused))
             if is_at_limit and margins[worst] >= _AT_LIMIT:
                 worst = int(np.argmin(margins))  # the one that is on its limit here
             return ACTIVE.index(names[worst])
@@ -530,7 +530,13 @@ def _solved_values(job: _Job) -> dict[str, Any]:
 
 def _index_at_preload(points: Sequence[PreloadPoint], point: PreloadPoint) -> int:
     """Returns the index in a list of the point that has the preload of another."""
-    return next(k for k, other in enumerate(points) if other.preload == point.preload)
+    return [other.preload for other in points].index(point.preload)
+
+
+def _neighbours(points: Sequence[PreloadPoint], point: PreloadPoint) -> list[PreloadPoint]:
+    """Returns the points before and after the one that has the preload of another."""
+    k = _index_at_preload(points, point)
+    return [points[j] for j in (k - 1, k + 1) if 0 <= j < len(points)]
 
 
 def _log_width(start: PreloadPoint, end: PreloadPoint) -> float:

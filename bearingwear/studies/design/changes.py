@@ -46,7 +46,7 @@ _END_WIDTH = 0.02
 """Width to which the ends of friction and warmth are found, over the range that is tried."""
 
 _FARTHEST = 2.0
-"""Factor by which a requirement is moved either way, at most."""
+"""Largest factor by which a requirement is moved either way."""
 
 _MOVES = 24  # number of values of a requirement that are tried, from now to the farthest
 
@@ -96,7 +96,7 @@ def changes_dataset(changes: Sequence[Change]) -> xr.Dataset:
 def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -> list[Change]:
     """Returns what would change the choice between two preload methods.
 
-    They are requirements and, if both methods have a recommended point, friction, warmth and worn
+    It may be requirements and, if both methods have a recommended point, friction, warmth and worn
     grooves. The list is empty if no method has a life.
 
     search: run before, with a line for each method.
@@ -106,7 +106,7 @@ def choice_changes(search: PreloadSearch, best: Sequence[PreloadPoint | None]) -
     if not max(lives) > 0.0:
         return []
     better = int(np.argmax(lives))
-    # values of a requirement are tried by factors of the present one, so that of zero has none
+    # other values of a requirement are multiples of the present one, so that of zero has none
     names = [name for name, value in search.limits.given.items() if value > 0.0]
     changes = [_limit_change(search, name, better) for name in names]
     points = [point for point in best if point is not None]
@@ -135,10 +135,11 @@ def _limit_change(search: PreloadSearch, name: str, better: int) -> Change:
 def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -> float:
     """Returns the value of a requirement at which the other method becomes better.
 
-    Values go from the present one to the farthest, each with its own best preloads. Returns NaN
-    where none changes the choice, or where neither method has a life any more. Towards looser
-    values, it solves quick lives at preloads that become allowed, and adds them to the search.
+    Values from the present one to the farthest are tried, each with its own best preloads. Returns
+    NaN if none changes the choice, or if neither method has a life any more. Towards looser values,
+    it solves quick lives at preloads that become allowed, and adds them to the search.
 
+    name: of the requirement, in whose unit the values are.
     better: number of the line with the longer life now.
     """
     limits = search.limits
@@ -147,7 +148,7 @@ def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -
     if is_looser:  # preloads that are not allowed now may become so
         loosest = _with_limit(limits, name, farthest)
         search.solve(partial(_newly_allowed, limits=limits, looser=loosest), QUICK_LIFE, loosest)
-    # stands for the present one; its size matters only if the first value tried has no advantage
+    # that of the present value, of any size: it matters only if the first value tried has none
     previous_advantage = 1.0
     for value in np.geomspace(now, farthest, _MOVES + 1)[1:].tolist():
         advantage = _advantage(search.lines, _with_limit(limits, name, value), better)
@@ -163,8 +164,9 @@ def _limit_end(search: PreloadSearch, name: str, farthest: float, better: int) -
 def _limit_range(now: float, name: str) -> tuple[float, float]:
     """Returns the lowest and highest value of a requirement that are tried, in its unit.
 
-    They are a factor of `_FARTHEST` away from the present one; the highest is not above the largest
-    that is allowed.
+    They are half and twice the present one, but not above the largest that is allowed.
+
+    name: of the requirement.
     """
     _, highest = Key(within=LIMITED[name].limit[1]).ends
     return now / _FARTHEST, max(now, min(_FARTHEST * now, highest))
@@ -177,9 +179,11 @@ def _with_limit(limits: DesignLimits, name: str, value: float) -> DesignLimits:
 
 
 def _newly_allowed(line: PreloadLine, limits: DesignLimits, looser: DesignLimits) -> list[float]:
-    """Returns every second preload [N] that new bearings allow by looser requirements alone.
+    """Returns every second preload [N] of the grid that only looser requirements allow when new.
 
     Preloads with a life are left out.
+
+    limits: present requirements.
     """
     refused = [p for p in line.grid[::2] if p not in line.lives and not line.may_live(p, limits)]
     return [p for p in refused if line.may_live(p, looser)]
@@ -216,7 +220,7 @@ def _share_to_zero(start: float, end: float) -> float:
 
     The advantage changes evenly on the way. The share is a half where one end is infinite.
 
-    start, end: advantages, as by `_log_ratio`, that differ.
+    start, end: different advantages, as from `_log_ratio`.
     """
     return start / (start - end) if math.isfinite(start - end) else 0.5
 
@@ -275,8 +279,12 @@ def _assumption_changes(
     advantage = _log_ratio(best[better].life, best[1 - better].life)
     assumptions = _assumptions(search.scene, advantage)
     exact_over_quick: list[float] = []
-    while trials := [(tried, value) for tried in assumptions for value in tried.wanted]:
-        changed = [tried.change(value, scene) for tried, value in trials for scene in scenes]
+    while trials := [
+        (assumption, value) for assumption in assumptions for value in assumption.wanted
+    ]:
+        changed = [
+            assumption.change(value, scene) for assumption, value in trials for scene in scenes
+        ]
         unchanged = [] if exact_over_quick else scenes  # in the first round
         answers = search.answers_at(quick_life, [*unchanged, *changed])
         lives = [answer.get("life", math.nan) for answer in answers]
@@ -299,10 +307,10 @@ def _assumption_changes(
 def _assumptions(scene: Scene, advantage: float) -> list[_Assumption]:
     """Returns the assumptions on friction and warmth of a scene, with the values to try first.
 
-    One on friction is left out without friction, and one on warmth where a thermal network
-    determines the temperatures.
+    A friction of zero is left out. Warmth is left out where a thermal network determines the
+    temperatures, or where the scene allows no warming.
 
-    advantage: of the better method now, as by `_log_ratio`.
+    advantage: of the better method now, as from `_log_ratio`.
     """
     key, friction = friction_of(scene)
     assumptions = []
@@ -314,7 +322,7 @@ def _assumptions(scene: Scene, advantage: float) -> list[_Assumption]:
                 change=with_friction,
                 now=friction,
                 advantages={friction: advantage},
-                wanted=[value for value in values if value <= _highest(key)],
+                wanted=[value for value in values if value <= _highest_value(key)],
             )
         )
     warmings = _allowed_warmings(scene)
@@ -346,7 +354,7 @@ def _allowed_warmings(scene: Scene) -> list[float]:
 
 @dataclass(frozen=True)
 class _Bracket:
-    """Two values of an assumption; from one to the other, an advantage is lost or unknown."""
+    """Two values of an assumption: at the second, the advantage at the first is lost or unknown."""
 
     start: float
     end: float
@@ -399,9 +407,9 @@ class _Assumption:
 
     @property
     def values_between(self) -> list[float]:
-        """Returns the values to try next, where the advantage is lost below and above the present.
+        """Returns the values to try next: the middles of the brackets below and above the present.
 
-        They are the middles of the brackets on both sides, but for one that is narrow enough.
+        A bracket that is narrow enough is left out.
         """
         width = _END_WIDTH * (max(self.advantages) - min(self.advantages))
         brackets = (self._bracket(-1), self._bracket(1))
@@ -420,7 +428,7 @@ class _Assumption:
 
     @property
     def outcome(self) -> Change:
-        """Returns the change by the values tried: where the other method is better, and the range.
+        """Returns the change: where the other method is better, and the range of values tried.
 
         The range ends where the advantage is not known any more.
         """
@@ -439,10 +447,13 @@ class _Assumption:
 
 
 def _groove_change(best: Sequence[PreloadPoint], better: int) -> list[Change]:
-    """Returns the change from worn grooves (1) to Hertzian ones (0), in a list.
+    """Returns a list with the change from worn grooves (1) to Hertzian ones (0).
 
-    The other method is better below 1 if its Hertzian life is longer. The list is empty where the
-    lives are not those with worn grooves.
+    The other method is better below 1 if its Hertzian life is longer. The list is empty unless all
+    lives have worn grooves, and Hertzian lives beside them.
+
+    best: the recommended point of each line.
+    better: number of the line with the longer life.
     """
     hertzian_lives = [point.values["hertzian_life"] for point in best]
     has_worn_grooves = all(point.values.get("groove") for point in best)
@@ -464,7 +475,7 @@ def friction_of(scene: Scene) -> tuple[str, float]:
     return FRICTION_KEY, scene.friction.coefficient
 
 
-def _highest(key: str) -> float:
+def _highest_value(key: str) -> float:
     """Returns the highest value that a key of a scene may have."""
     place = key_of_scene(key)
     assert place is not None

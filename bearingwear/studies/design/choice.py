@@ -49,9 +49,8 @@ ACTIVE_LIMIT = Variable(
 def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset:
     """Step: returns all parts of a map as one dataset, with the best preload of every line.
 
-    A line has one preload method, friction and speed.
-
-    The parts were solved without requirements, but the limit of the gyroscopic slip share.
+    A line has one preload method, friction and speed. The parts were solved without requirements,
+    except that on the gyroscopic slip share.
 
     limits: requirements by the keys of `DesignLimits`.
     CaseFileError: parts of different maps, a missing part, or another slip limit in the parts.
@@ -111,9 +110,9 @@ def limits_of(design: xr.Dataset) -> DesignLimits:
 def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
     """Returns the relative margin of each limit, negative where it is violated.
 
-    values: a dataset, or a mapping of the values of a design point, by the names of extremes.
+    The margins have the type of the values, and the order of `limits.effective`.
 
-    Returns margins of the type of the values, in the order of `limits.effective`.
+    values: a dataset, or a mapping of the values of a design point, by the names of extremes.
     """
     return [LIMITED[name].margins(values, limit) for name, limit in limits.effective.items()]
 
@@ -123,7 +122,8 @@ class _LineOfMap(NamedTuple):
 
     is_solved: np.ndarray  # (preloads,)
     lives: np.ndarray  # (preloads,) [h]
-    margins: np.ndarray  # of the limits, and last 1 or -1 for a practical design (n + 1, preloads)
+    # (n + 1, preloads): of n limits, and last 1 for a practical design or -1 for another
+    margins: np.ndarray
 
     @property
     def best_index(self) -> int | None:
@@ -138,11 +138,12 @@ class _LineOfMap(NamedTuple):
     def active_limit(self, best: int, names: Sequence[str]) -> int:
         """Returns the index into `ACTIVE` of what keeps the best preload from a longer life.
 
-        It is the limit that the neighbour with the longest life violates by most, if that is longer
-        than the best. Else it is a neighbour that was not solved, the end of the range, or nothing.
+        It is the limit that the neighbour with the longest life violates by most, if that life is
+        longer than the best. Otherwise it is a neighbour that was not solved, the end of the range,
+        or nothing.
 
         best: index of the best preload.
-        names: of the margins.
+        names: items of `ACTIVE`, one for each margin.
         """
         neighbours = [k for k in (best - 1, best + 1) if 0 <= k < len(self.lives)]
         longer = [k for k in neighbours if self.is_solved[k] and self.lives[k] > self.lives[best]]
@@ -155,14 +156,11 @@ class _LineOfMap(NamedTuple):
 
 
 def best_within(design: xr.Dataset, limits: DesignLimits) -> tuple[xr.DataArray, xr.DataArray]:
-    """Returns where the life within the limits is longest along the preload, and its active limit.
+    """Returns the index of the best preload of each line of a map, and what limits it.
 
-    Lives that were not solved are never chosen. The active limit is what keeps the choice from the
-    neighbouring preload whose life is longer: the limit passed there by most, the end of the range,
-    a neighbour that was not solved, or nothing (the life itself is longest there).
-
-    Returns indices of preloads, and indices into `ACTIVE`, both over the dimensions of the map but
-        `preload`. An index is -1 where no preload is within the limits.
+    The best preload has the longest life within the limits. Both arrays have the dimensions of the
+    map without `preload`. The second has indices into `ACTIVE`, see `_LineOfMap.active_limit`.
+    Where no preload is within the limits, the first is -1 and the second `NO_PRELOAD`.
     """
     dims = [str(dim) for dim in design["status"].dims if dim != "preload"]
     order = (*dims, "preload")
@@ -211,20 +209,22 @@ def stiffness_of(design: xr.Dataset) -> Measure:
 def pareto_front(design: xr.Dataset) -> xr.DataArray:
     """Returns a mask over a map, true at its Pareto front of life and stiffness.
 
-    No other point is at least as good in both, and better in one. Points that were not solved, and
-    those with a life of zero or infinity, are false.
+    For a point of the front, no other point is at least as good in both and better in one. Points
+    that were not solved, and those with a life of zero or infinity, are not on the front.
     """
     solved = design["status"] == OK
     lives = design["life"].where(solved)
     stiffness = stiffness_of(design).worst(design).where(solved).transpose(*lives.dims)
-    best = pareto(-stiffness.values.ravel(), -lives.values.ravel()).reshape(lives.shape)
-    return xr.DataArray(best, lives.coords, lives.dims) & (lives > 0.0)
+    is_on_front = pareto(-stiffness.values.ravel(), -lives.values.ravel()).reshape(lives.shape)
+    return xr.DataArray(is_on_front, lives.coords, lives.dims) & (lives > 0.0)
 
 
 def design_files(
     design: Path, recommendation: Path, uncertainty: Path | None = None
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset | None]:
-    """Returns the map, the recommendation and the uncertainty of one scene; None without the last.
+    """Returns the map, the recommendation and the uncertainty of one scene, as datasets.
+
+    The last is None without a file of uncertainty.
 
     CaseFileError: a file of another scene, kind or preload methods.
     """

@@ -46,16 +46,16 @@ NEAR_LIMIT = 0.3
 
 _MOST_ROUNDS = 10  # of speeds between those already solved
 _NEARBY_STEPS = (-0.07, 0.07, -0.15, 0.15)
-"""Relative steps to the speeds that are tried where there is no state at one."""
+"""Relative steps to the speeds that are tried in place of one without a state."""
 
 _LEAST_SHARE = 0.01  # of the full speed: as good as at rest
 
 _NARROW = 1e-3  # of the full speed: speeds this close count as the same one
 _WIDE, _CLOSE = 0.2, 0.02
-"""Shares of the full speed, an eighth of which holds where a limit is just met or broken.
+"""Shares of the full speed; where a limit is just met or broken, an eighth of them applies.
 
-If three speeds round the worst one span more than the first, another speed is solved between them.
-The lowest point of a parabola is not solved if it is within the second of the middle speed.
+If three speeds round the worst one span more than `_WIDE`, another speed is solved between them.
+The lowest point of a parabola is not solved if it is within `_CLOSE` of the middle speed.
 """
 
 _AT_LIMIT = 0.1  # margin of a limit up to which its worst speed is found more closely
@@ -86,8 +86,8 @@ class ConditionExtremes(NamedTuple):
 def rotor_frequency(scene: Scene, state: State) -> float:
     """Returns the rotor's lowest natural frequency [Hz].
 
-    It is that in the state if it is there, as of a pair. Otherwise the rotor is held by two
-    bearings in this state.
+    It is that in the state, if this contains one, as for two unlike bearings. Otherwise it is that
+    of a rotor on two bearings in this state.
     """
     if "lowest_frequency" in state.values:
         return float(state["lowest_frequency"])
@@ -97,7 +97,7 @@ def rotor_frequency(scene: Scene, state: State) -> float:
 def state_extremes(
     scene: Scene, states: States, where: Mapping[str, Any], with_quasistatic: bool = True
 ) -> Extremes:
-    """Returns the limited quantities of the bearings in one condition, but for those at rest.
+    """Returns the limited quantities that depend on the speed, in one condition.
 
     Each is that of the worse bearing. `bearing` is its number 1 or 2, or 0 where both have the same
     value, where there is only one bearing, or where it is a value of the rotor.
@@ -105,8 +105,8 @@ def state_extremes(
     states: one for each bearing that is solved.
     where: the condition, as plain data.
     with_quasistatic: whether the quasi-static stiffness counts, as it does at the scene's own speed
-        alone. Within some 2 % of a speed, where the spin of the balls goes over from one race to
-        the other, it falls far; a machine passes that speed.
+        alone. It falls steeply within about 2 % of the speed at which the spin of the balls changes
+        from one race to the other, but a machine only passes that speed.
     """
     worse = worse_state(states, scene)
     worse = worse.with_values({"lowest_frequency": rotor_frequency(scene, worse)})
@@ -133,13 +133,15 @@ def state_extremes(
 def extremes_of_life(scene: Scene, nodes: Sequence[Node], where: Mapping[str, Any]) -> Extremes:
     """Returns the extremes from the first node of a life to the last one, in one condition.
 
-    NaN at a node between these is left out: the value lies between those of its neighbours. NaN at
-    the first or the last node is the extreme.
+    NaN at a node between these is left out, as the value lies between those of its neighbours. NaN
+    at the first or the last node is the extreme.
 
     where: the condition, as plain data without the wear.
     """
     extremes_of_nodes = []
-    wear_of_nodes = [NEW, *[BETWEEN] * (len(nodes) - 2), AT_END_OF_LIFE][: len(nodes)]
+    wear_of_nodes = [NEW, *[BETWEEN] * (len(nodes) - 2)]
+    if len(nodes) > 1:
+        wear_of_nodes.append(AT_END_OF_LIFE)
     for node, wear in zip(nodes, wear_of_nodes, strict=True):
         extremes = state_extremes(scene, node.states, {**where, "wear": wear})
         if wear == BETWEEN:
@@ -155,7 +157,7 @@ def extremes_of_life(scene: Scene, nodes: Sequence[Node], where: Mapping[str, An
 def worst_extremes(parts: Iterable[Extremes]) -> Extremes:
     """Returns the worst value of each quantity over several conditions, with its condition.
 
-    NaN is worse than any number. Of equal values, it is that of the first condition.
+    NaN is worse than any number. Of equal values, the first counts.
     """
     worst: Extremes = {}
     for extremes in parts:
@@ -192,7 +194,7 @@ def new_states(scene: Scene) -> States:
 def worn_states(life: Life) -> Solve:
     """Returns a function that solves the bearings as a life left them, in other conditions.
 
-    Worn grooves are those of the life, wherever the contacts then run in them.
+    Worn grooves keep the profiles of the life, wherever the contacts then run in them.
     """
     grooves = life.wearing
     if isinstance(grooves, Grooves):
@@ -212,10 +214,10 @@ class OtherConditions(NamedTuple):
     def extremes(self, at_speed: Extremes, solve: Solve, wear: str) -> ConditionExtremes:
         """Returns the extremes of bearings in one state of wear in all conditions.
 
-        If a condition is not solved, there are none, but its status and where it is. A bearing that
-        carries nothing is not such a failure: the share of its preload that is kept is 0.
+        If a condition is not solved, the answer has its status and plain data, but no extremes. A
+        bearing that carries nothing is no such failure: the share of its preload that is kept is 0.
 
-        at_speed: those at the scene's own speed, which are among them.
+        at_speed: extremes at the scene's own speed, which are included.
         solve: solves the bearings in that state of wear.
         wear: of `NEW`, `BETWEEN`, `AT_END_OF_LIFE`.
         """
@@ -232,9 +234,9 @@ class OtherConditions(NamedTuple):
         """Solves lower speeds, those between where a value may be worse, and the cold conditions.
 
         It ends where some bearing carries nothing, which breaks a limit by itself. Raises _Unsolved
-        where another condition is not solved, nor are speeds beside it.
+        where neither another condition nor a speed beside it is solved.
 
-        search: keeps the extremes.
+        search: collects the extremes.
         shares: of the way from the lowest speed to the full one.
         """
         for share in lower_speed_shares(self.scene, shares):
@@ -294,25 +296,25 @@ class _ConditionSearch:
     def add_share(self, share: float) -> None:
         """Adds the extremes at a share of the full speed, or next to it if there is no state at it.
 
-        At some speeds the motion goes over to another one; speeds beside them stand for these.
-        Raises _Unsolved if none of them is solved, unless some bearing carries nothing at the
-        speed: then no preload is kept, and `is_unloaded` is set.
+        There may be none where the motion of the balls changes; a speed beside then stands for it.
+        Raises _Unsolved if no such speed is solved either, unless some bearing carries nothing:
+        then no preload is kept, and `is_unloaded` is set.
         """
-        first = self._at_share(share)
-        if first.status == code.OK:
+        answer = self._extremes_at_share(share)
+        if answer.status == code.OK:
             return
         self.unsolved_shares.append(share)
-        if first.status not in UNLOADED:
+        if answer.status not in UNLOADED:
             nearby = (max(share * (1.0 + step), _LEAST_SHARE) for step in _NEARBY_STEPS)
             for near in dict.fromkeys(nearby):  # without repeats
-                if self._at_share(near).status == code.OK:
+                if self._extremes_at_share(near).status == code.OK:
                     return
-        # `_unloaded` raises _Unsolved unless some bearing carries nothing
-        self.by_share[share] = self._unloaded(first)
+        # raises _Unsolved unless some bearing carries nothing
+        self.by_share[share] = self._unloaded_extremes(answer)
 
-    def _at_share(self, share: float) -> ConditionExtremes:
+    def _extremes_at_share(self, share: float) -> ConditionExtremes:
         """Returns the extremes at a share of the full speed; keeps them in `by_share` if solved."""
-        answer = self._in_condition(OperatingCondition(at_speed_share(self.scene, share)))
+        answer = self._extremes_in(OperatingCondition(at_speed_share(self.scene, share)))
         if answer.status == code.OK:
             self.by_share[share] = answer.extremes
         return answer
@@ -320,12 +322,14 @@ class _ConditionSearch:
     def add_cold(self, condition: OperatingCondition) -> None:
         """Adds the extremes in a condition at mounting temperature to `cold`.
 
-        Where it is not solved, as in `add_share`, but without speeds beside it.
+        Raises _Unsolved if it is not solved, unless some bearing carries nothing: then no preload
+        is kept, and `is_unloaded` is set.
         """
-        answer = self._in_condition(condition)
-        self.cold.append(answer.extremes if answer.status == code.OK else self._unloaded(answer))
+        answer = self._extremes_in(condition)
+        is_solved = answer.status == code.OK
+        self.cold.append(answer.extremes if is_solved else self._unloaded_extremes(answer))
 
-    def _in_condition(self, condition: OperatingCondition) -> ConditionExtremes:
+    def _extremes_in(self, condition: OperatingCondition) -> ConditionExtremes:
         """Returns the extremes in one condition, or how it was not solved; counts the solve."""
         where = condition.where(wear=self.wear)
         self.solves += 1
@@ -336,7 +340,7 @@ class _ConditionSearch:
             return ConditionExtremes(_without_unknown_stiffness(extremes))
         return ConditionExtremes({}, 1, status, where | {"status": code.STATUS_NAMES[status]})
 
-    def _unloaded(self, answer: ConditionExtremes) -> Extremes:
+    def _unloaded_extremes(self, answer: ConditionExtremes) -> Extremes:
         """Returns the extremes where some bearing carries nothing: its share of preload kept is 0.
 
         Sets `is_unloaded`. Raises _Unsolved where the condition failed for another reason.
@@ -351,7 +355,7 @@ class _ConditionSearch:
 def _without_unknown_stiffness(extremes: Extremes) -> Extremes:
     """Returns extremes without a dynamic stiffness that is not known.
 
-    It has no value where the motion of the balls goes over to another one; speeds beside that have.
+    It is NaN at a speed where the motion of the balls changes, but not at speeds beside it.
     """
     return {
         name: extreme
@@ -372,12 +376,13 @@ def _worse_share(
 ) -> float | None:
     """Returns the share of the full speed at which a value should be solved next, or None.
 
-    It is where a parabola through three neighbours is worse than all that is known, by more than
-    `SPEED_FOUND_TO`. Else it is beside a bad value whose neighbours are far from each other. None
-    for fewer than three values, where the worst margin is above `near`, or where all is known.
+    It is where a parabola through three neighbours is worse than all known values, by more than
+    `SPEED_FOUND_TO`. Otherwise it is beside a bad value whose neighbours are far from each other.
+    None for fewer than three values, for a worst margin above `near`, or without such a place.
 
-    values: by shares, which rise.
-    near: magnitude of the relative margin of the limit up to which a share is looked for.
+    values: of an extreme of the measure [SI], by shares, which rise.
+    near: largest magnitude of the relative margin at which a share is looked for.
+    limit: of the measure, in the unit of its key.
     """
     if len(values) < 3:
         return None
@@ -407,8 +412,8 @@ def _share_in_wide_gap(
 
     x, y: (n,) places, rising, and values; lower ones are worse.
     lowest: (n - 2) lowest points of the parabolas through three neighbours.
-    wide: distance of the neighbours of the lowest value from which on they are far; for other
-        values, it is `_WIDE`.
+    wide: largest distance between neighbours that are not far from each other, at places that may
+        hide the lowest value; at others, it is `_WIDE`.
     close: distance from a place within which the lowest point beside it is not returned.
     """
     worst = int(np.argmin(y))
@@ -428,10 +433,10 @@ def _share_in_wide_gap(
 
 
 def _low_places(y: np.ndarray) -> list[int]:
-    """Returns indices of inner places not above both neighbours and nearly lowest, lowest first.
+    """Returns indices of inner places near which the lowest value may be hidden, lowest first.
 
-    Between places far from each other, a value may be lower by a fifth than the one that is known,
-    or as low as its steeper flank leads to.
+    Their values are not above those of their neighbours, and within a fifth of the lowest value, or
+    have a steeper flank that leads below it.
 
     y: values (n,).
     """

@@ -1,4 +1,4 @@
-"""Where a requirement must hold: from the lowest speed to the full one, as warm as then and cold.
+"""Conditions in which requirements must hold: all speeds up to the full one, warm and cold.
 
 Nothing heavy is imported: sheets name conditions by this file.
 """
@@ -18,7 +18,7 @@ SPEED_SHARES = (0.0, 0.0625, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)
 """Speeds at which limits apply beside the full one, as shares of the way to it from the lowest."""
 
 FINE_SHARES = tuple(k / 16.0 for k in range(16))
-"""The same as `SPEED_SHARES`, for exact lives at their end.
+"""The same as `SPEED_SHARES`, but finer: for worn bearings at the end of an exact life.
 
 Slip has a peak where the balls change over from one motion to another, which may hide between two
 eighths.
@@ -41,7 +41,7 @@ CONDITIONS = "conditions"
 AT_SPEED_ONLY = "at_speed_only"
 """Attribute of a recommendation: 1 where limits apply at the speed of each case alone."""
 
-_WARMTH = ("temperature", "thermal")
+_WARMTH_BLOCKS = ("temperature", "thermal")  # of a scene
 
 
 class OperatingCondition(NamedTuple):
@@ -53,8 +53,8 @@ class OperatingCondition(NamedTuple):
     def where(self, **more: Any) -> dict[str, Any]:
         """Returns the condition as plain data, with further keys.
 
-        The keys are `case`, the nominal one, `speed_rpm`, `temperature` and `bearing`, where 0
-        stands for all bearings. Each of `more` is added, or replaces one.
+        The keys are `case` (the nominal one), `speed_rpm`, `temperature` and `bearing` (0, which
+        stands for all bearings). Each key of `more` is added, or replaces one of these.
         """
         return {
             "case": NOMINAL,
@@ -68,7 +68,7 @@ class OperatingCondition(NamedTuple):
 def speed_of(scene: Scene) -> float:
     """Returns the speed that names a condition [r/min].
 
-    It is that of the shaft or, if it stands, the magnitude of that of the outer race.
+    It is the shaft speed or, if the shaft stands, the magnitude of the speed of the outer race.
     """
     operation = scene.operation
     return operation.shaft_speed_rpm or abs(operation.outer_speed_rpm)
@@ -82,19 +82,22 @@ def lowest_share(scene: Scene) -> float:
 
 
 def as_mounted(scene: Scene) -> Scene:
-    """Returns a scene with all parts at mounting temperature, and as many bearings to solve."""
+    """Returns a scene with all parts at mounting temperature.
+
+    As many bearings are solved as before, even if the second differs in its temperatures alone.
+    """
     arrangement = scene.arrangement
     if arrangement is not None and arrangement.second:
         second = {key: value for key, value in arrangement.second.items() if not _is_of_warmth(key)}
-        # two bearings that differ by their wear alone stay two
+        # a second bearing without a difference would not be solved, and its wear would be lost
         no_difference = {"operation.tilt_mrad": scene.operation.tilt_mrad}
         arrangement = replace(arrangement, second=second or no_difference)
     return replace(scene, arrangement=arrangement, temperature=None, thermal=None)
 
 
 def _is_of_warmth(key: str) -> bool:
-    """Returns whether a key is of a block on temperatures."""
-    return key.partition(".")[0] in _WARMTH
+    """Returns whether a key of a scene belongs to a block on temperatures."""
+    return key.partition(".")[0] in _WARMTH_BLOCKS
 
 
 def is_warm(scene: Scene) -> bool:
@@ -104,10 +107,9 @@ def is_warm(scene: Scene) -> bool:
 
 
 def lower_speed_shares(scene: Scene, shares: Sequence[float] = SPEED_SHARES) -> list[float]:
-    """Returns shares of the full speed at which limits apply as well, from the lowest speed up.
+    """Returns shares of the full speed, below 1 and rising, at which limits apply as well.
 
-    The full speed itself is not among them. The list is empty at rest, and where the lowest speed
-    is the full one.
+    The list is empty at rest, and where the lowest speed is the full one.
 
     shares: of the way from the lowest speed to the full one.
     """
@@ -120,7 +122,8 @@ def lower_speed_shares(scene: Scene, shares: Sequence[float] = SPEED_SHARES) -> 
 def cold_conditions(scene: Scene) -> list[OperatingCondition]:
     """Returns the conditions at the lowest speeds at mounting temperature.
 
-    The list is empty if no part has another temperature.
+    The list is empty if no part has another temperature, or if the lowest speed is above
+    `SLOW_SHARE` of the full one.
     """
     if not is_warm(scene):
         return []
@@ -141,7 +144,7 @@ def conditions_of(
     Their keys are `case`, `speed_rpm` and `temperature`.
 
     at_speed_only: whether to leave out lower speeds and mounting temperature.
-    warms_up: whether to add a warm-up.
+    warms_up: whether to add a warm-up of each case.
     """
     plain_conditions = []
     for name, case in cases_of_use(scene).items():
@@ -169,9 +172,9 @@ def speed_words(speed: float) -> str:
 
 
 def warm_up_time_words(where: Mapping[str, Any]) -> str:
-    """Returns the time of an instant of a warm-up as text.
+    """Returns the time of an instant of a warm-up as text, such as "12.3 s".
 
-    where: condition as plain data, with `time_s`.
+    where: the instant as plain data, with the key `time_s`.
     """
     return f"{where['time_s']:.3g} s"
 
@@ -180,7 +183,7 @@ def condition_words(where: Mapping[str, Any], has_cases: bool = False) -> str:
     """Returns a condition in words, such as "at 3000 r/min, new"; a speed of 0 is "at rest".
 
     where: plain data with the keys of `OperatingCondition.where` and, if known, `wear`.
-    has_cases: whether to name its case.
+    has_cases: whether to name the case.
     """
     speed = where["speed_rpm"]
     words = f"at {speed_words(speed)}" if speed else "at rest"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, LIMITED, plain
 from bearingwear.results.units import digits
 from bearingwear.results.words import name_in_words
@@ -30,7 +30,7 @@ def infeasibility_text(
     Without a point that was solved, or that has a life, the text says so instead.
 
     points: solved preloads, none of which is allowed.
-    has_cases: whether the scene has several, which are then named.
+    has_cases: whether the scene has several cases, which are then named.
     """
     solved = [point for point in points if point.values["status"] == OK]
     if not solved:
@@ -62,11 +62,11 @@ def infeasibility_text(
     return introduction + "; ".join(phrases) + _conflict_with_ends(without_life)
 
 
-def life_too_short(longest: PreloadPoint, active: str, limits: DesignLimits) -> str:
-    """Returns that the life is shorter than required, by how much, and what it is limited by.
+def short_life_text(longest: PreloadPoint, active: str, limits: DesignLimits) -> str:
+    """Returns a text on a life that is shorter than required: its length, and what limits it.
 
     longest: the point with the longest life within the other requirements.
-    active: what keeps it from a longer life, an item of `ACTIVE`.
+    active: item of `ACTIVE`: what keeps that point from a longer life.
     """
     life = float(_LIFE.shown(longest.life))
     text = (
@@ -93,13 +93,14 @@ def _points_without_life(
 
 
 def _conflict_with_ends(points: Sequence[PreloadPoint]) -> str:
-    """Returns a phrase on the preloads at which only an end of life is in the way; "" without any.
+    """Returns a phrase on preloads that only an end-of-life criterion rules out; "" without any.
 
-    points: of `_points_without_life`, rising in preload.
+    points: as from `_points_without_life`, rising in preload.
     """
     if not points:
         return ""
-    ends = dict.fromkeys(CRITERIA[point.end_criterion or 0] for point in points)
+    flags = [point.end_criterion for point in points]
+    ends = dict.fromkeys(CRITERIA[flag] for flag in flags if flag is not None)
     names = " and ".join(ENDS[name].words for name in ends if name in ENDS)
     low = digits(points[0].preload)
     high = digits(points[-1].preload)
@@ -114,12 +115,14 @@ def _conflict_with_ends(points: Sequence[PreloadPoint]) -> str:
 def least_violations(
     points: Sequence[PreloadPoint], limits: DesignLimits
 ) -> tuple[dict[str, int], bool]:
-    """Returns the requirements in the way of all preloads, and whether they are so together.
+    """Returns the requirements that rule out all preloads, and whether they do so only together.
 
-    False: some are met at no preload. They have the index of the point that comes nearest, each one
-    its own. True: each is met at some preload. Then they are those that the best point violates,
-    with its index: the one whose worst margin is best, among worn bearings if there are any. Both
-    are empty and False if no point is usable: solved, practical, and with a life.
+    If some requirements are met at no preload, the dictionary has these, each with the index of the
+    point that comes nearest to it, and the bool is False. Otherwise the bool is True, and the
+    dictionary has the requirements that the best point violates, each with the index of that point.
+    The best point has the largest least margin, among points with a life if there are any.
+    Only practical points count that are of new bearings or have a life; without any, the result is
+    empty and False.
     """
     usable = [
         k
@@ -139,8 +142,8 @@ def least_violations(
     }
     if never_met:
         return never_met, False
-    worn = [k for k in range(len(usable)) if points[usable[k]].solved != NEW_BEARING]
-    candidates = worn or [*range(len(usable))]
+    with_life = [k for k in range(len(usable)) if points[usable[k]].solved != NEW_BEARING]
+    candidates = with_life or [*range(len(usable))]
     best = candidates[int(margins[candidates].min(axis=1).argmax())]
     violated = {
         name: usable[best]
@@ -151,9 +154,9 @@ def least_violations(
 
 
 def _impractical_words(points: Sequence[PreloadPoint], name: str, limits: DesignLimits) -> str:
-    """Returns that a requirement is met by impractical designs, and what is wrong with most.
+    """Returns a phrase on the impractical designs that meet a requirement, with their usual fault.
 
-    It is empty if none of them meets it.
+    It is empty if no impractical design meets the requirement.
 
     name: of the measure, a key of `LIMITED`.
     """
@@ -169,7 +172,7 @@ def _impractical_words(points: Sequence[PreloadPoint], name: str, limits: Design
 
 
 def _usual_fault(points: Sequence[PreloadPoint]) -> str:
-    """Returns what is wrong with most of some impractical designs, in words."""
+    """Returns the warning that most of some impractical designs have, in words."""
     flags = [int(point.values["impractical"]) for point in points]
     return name_in_words(IMPRACTICAL_FLAGS[max(flags, key=flags.count)])
 
@@ -182,7 +185,7 @@ def _may_live(point: PreloadPoint) -> bool:
 def _required_text(name: str, limits: DesignLimits) -> str:
     """Returns a requirement in words, with its limit.
 
-    That on lift-off has its reason where nobody gave it: it always applies.
+    If the limit on the preload kept was not given, the words say that no bearing lifts off.
 
     name: of the measure, a key of `LIMITED`.
     """
@@ -193,24 +196,28 @@ def _required_text(name: str, limits: DesignLimits) -> str:
 def _value_text(
     name: str, point: PreloadPoint, limits: DesignLimits, is_together: bool, has_cases: bool
 ) -> str:
-    """Returns the worst value of a measure at a preload, and in which condition it is.
+    """Returns a text on the worst value of a measure at a preload, and on the condition with it.
 
     name: of the measure, a key of `LIMITED`.
-    is_together: whether other preloads meet the requirement; else the text says "never".
+    is_together: whether other preloads meet the requirement; otherwise "at most" or "at least"
+        precedes the value.
     has_cases: whether to name the case.
     """
     measure = LIMITED[name]
     worst = float(measure.shown(measure.worst(point.values)))
-    # more digits where it rounds to what is required
     required = plain(float(measure.shown_limit(limits.effective[name])), 7)
-    texts = (plain(worst, count) for count in range(3, 8))
-    text = next((text for text in texts if text != required), plain(worst, 7))
+    digit_count = 3
+    while digit_count < 7 and plain(worst, digit_count) == required:
+        digit_count += 1  # rounded to fewer digits, it would be what is required
+    text = plain(worst, digit_count)
     side = "" if is_together else f"at {'most' if measure.falls else 'least'} "
     return f"{side}{text} at {digits(point.preload)} N{_where_words(point.values, name, has_cases)}"
 
 
 def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
-    """Returns the condition in which a measure is the worst; empty where that is not known.
+    """Returns the condition in which a measure is the worst, in brackets.
+
+    It is empty if the condition is not known, and for a measure that does not depend on the speed.
 
     values: of a design point.
     name: of the measure, a key of `LIMITED`.
@@ -221,21 +228,22 @@ def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
     conditions = [deciding[extreme] for extreme in measure.extremes if extreme in deciding]
     if not conditions or not measure.of_speed:
         return ""
-    worst, *_ = sorted(conditions, key=lambda where: abs(where["value"]), reverse=not measure.falls)
+    worst_of = min if measure.falls else max
+    worst = worst_of(conditions, key=lambda condition: abs(condition["value"]))
     return f" ({condition_words(worst, has_cases)})"
 
 
 def _unsolved_words(points: Sequence[PreloadPoint], has_cases: bool) -> str:
     """Returns the condition in which most points were not solved, and why, in brackets.
 
-    It is empty if no point has a condition.
+    It is empty if no such condition is known.
 
     has_cases: whether to name the case.
     """
-    words = []
+    phrases = []
     for point in points:
         where = point.values.get(NOT_SOLVED_AT)
         if where:
-            status_words = name_in_words(where.get("status", STATUS_NAMES[OK]))
-            words.append(f"{condition_words(where, has_cases)}: {status_words}")
-    return f" ({max(words, key=words.count)})" if words else ""
+            status_words = name_in_words(where["status"])
+            phrases.append(f"{condition_words(where, has_cases)}: {status_words}")
+    return f" ({max(phrases, key=phrases.count)})" if phrases else ""

@@ -23,10 +23,10 @@ MACHINE = "machine"
 
 
 def machine_answers(scene: Scene) -> dict[str, Any]:
-    """Returns what a drive and a launch require of a scene; {} without a drive and a launch.
+    """Returns how a scene meets the requirements of its drive and launch; {} if it has neither.
 
-    The keys are `said`, sentences, and `corners`, the fields of each `Corner` of the torque, empty
-    without a drive. A launch counts only with the mass of the rotor and the span of the bearings.
+    `said` has the sentences, and `corners` the fields of each `Corner` of the torque; the latter is
+    empty without a drive. A launch counts only if rotor mass and bearing span are known.
     """
     sentences: list[str] = []
     corners: list[Corner] = []
@@ -52,7 +52,7 @@ def machine_blocks(recommendation: xr.Dataset) -> list[Block]:
     list is empty without requirements of a machine.
     """
     answers = json.loads(recommendation.attrs.get(MACHINE, "[]"))
-    has_several = sum(map(bool, answers)) > 1
+    has_several_methods = len([answer for answer in answers if answer]) > 1
     scene_data = plain_scene(recommendation)
     sentences = []
     torque_blocks = []
@@ -60,7 +60,7 @@ def machine_blocks(recommendation: xr.Dataset) -> list[Block]:
         if not answer:
             continue
         words = method_words(scene_data, PRELOAD_METHODS[int(recommendation["preload_method"][k])])
-        lines = [f"{words}: {line}" if has_several else line for line in answer["said"]]
+        lines = [f"{words}: {line}" if has_several_methods else line for line in answer["said"]]
         sentences += [f"{line[:1].upper()}{line[1:]}." for line in lines]
         if answer["corners"]:
             corners = [Corner(**corner) for corner in answer["corners"]]

@@ -104,7 +104,7 @@ def _extreme_variables() -> list[Variable]:
 
 
 def _start_and_end_variables() -> list[Variable]:
-    """Returns variables for the values, when new and at the end, of measures in short tables."""
+    """Returns variables for values when new and at the end of life, of measures in short tables."""
     return [
         Variable(f"{name}_at_{end}", (), measure.si_unit, f"{measure.words_of(name)} {when}")
         for measure in LIMITED.values()
@@ -175,12 +175,12 @@ class _SolvedLife(NamedTuple):
 
 
 def life_point(scene: Scene, slip_limit: float | None) -> PointValues:
-    """Returns a life with Hertzian grooves at the scene's own speed.
+    """Returns the design point of a life with Hertzian grooves, at the scene's own speed.
 
-    Its values are those of `POINT` by their names [SI]. Where the status is not OK, they are
-    `status`, `end_criterion`, `solves` and `failed_solves` alone. `time_to_slip_limit` is infinite
-    where the share stays below its limit, and left out without one. Over a duty, the point is that
-    of `design_point` at the speeds of its cases alone, with the grooves that the model follows.
+    It has the values of `POINT` by their names [SI]; if the status is not OK, only `status`,
+    `end_criterion`, `solves` and `failed_solves`. `time_to_slip_limit` is infinite if the share
+    stays below its limit, and left out without one. Over a duty, the point is that of
+    `design_point` at the speeds of its cases alone, with the grooves that the model follows.
 
     slip_limit: gyroscopic slip share [1], the time to which is computed; None without one.
     """
@@ -191,7 +191,7 @@ def life_point(scene: Scene, slip_limit: float | None) -> PointValues:
 
 
 def _hertzian_life(scene: Scene, slip_limit: float | None) -> _SolvedLife:
-    """Returns the life with Hertzian grooves at the scene's own speed; see `life_point`."""
+    """Returns the life of `life_point` with its values, for a scene without a duty."""
     lives = HertzianLives(scene)
     life = lives(scene)
     values: PointValues = {"status": life.status, "end_criterion": life.criterion}
@@ -200,13 +200,14 @@ def _hertzian_life(scene: Scene, slip_limit: float | None) -> _SolvedLife:
         if slip_limit is not None:
             values["time_to_slip_limit"] = math.inf
             if values[SLIP_SHARE] >= slip_limit:
-                values["time_to_slip_limit"] = lives(_ended_by_slip(scene, slip_limit)).last.time
+                ended_by_slip = _scene_ended_by_slip(scene, slip_limit)
+                values["time_to_slip_limit"] = lives(ended_by_slip).last.time
     values["solves"] = lives.solver.solves
     values["failed_solves"] = lives.solver.failed
     return _SolvedLife(life, values)
 
 
-def _ended_by_slip(scene: Scene, slip_limit: float) -> Scene:
+def _scene_ended_by_slip(scene: Scene, slip_limit: float) -> Scene:
     """Returns a scene whose life ends by its gyroscopic slip share alone.
 
     slip_limit: gyroscopic slip share [1].
@@ -217,17 +218,18 @@ def _ended_by_slip(scene: Scene, slip_limit: float) -> Scene:
 def _time_to_slip_limit(
     scene: Scene, life: Life, values: PointValues, slip_limit: float | None
 ) -> PointValues:
-    """Returns the time at which a solved life reaches a slip limit [s], as a value of its point.
+    """Returns `time_to_slip_limit` [s] of a solved life; an empty dictionary without a limit.
 
-    It is infinite if the life ends before. Without a limit, the dictionary is empty.
+    It is infinite if the life ends before its slip share reaches the limit.
 
-    values: of the point, among which is the largest slip share of the life.
+    values: of its point, among which is the largest slip share of the life.
+    slip_limit: gyroscopic slip share [1].
     """
     if slip_limit is None:
         return {}
     time = math.inf
     if values[SLIP_SHARE] >= slip_limit:
-        time = life.time_to(Criteria(_ended_by_slip(scene, slip_limit)))
+        time = life.time_to(Criteria(_scene_ended_by_slip(scene, slip_limit)))
     return {"time_to_slip_limit": time}
 
 
@@ -248,8 +250,8 @@ def new_point(scene: Scene, limits: DesignLimits) -> PointValues:
     """Returns the limited quantities of new bearings [SI], the worst in all conditions.
 
     Conditions are those in which the limits apply, in all cases of the scene. The values are those
-    of `POINT` without a life. Where the new bearings are not solved, they are the status and the
-    condition that was not solved, `NOT_SOLVED_AT`.
+    of `POINT` without a life. If a condition is not solved, the status says why, and
+    `NOT_SOLVED_AT` which one.
     """
     scene = with_required_measures(scene, limits)
     if scene.cases or scene.duty is not None:
@@ -267,12 +269,13 @@ def new_point(scene: Scene, limits: DesignLimits) -> PointValues:
 def design_point(scene: Scene, limits: DesignLimits, quick: bool = False) -> PointValues:
     """Returns the life of a scene and its worst limited quantities, by the names of `POINT` [SI].
 
-    The life has the grooves that the full model follows, worn or Hertzian; that with Hertzian ones
-    is beside it. The quantities are the worst in all conditions of the limits, new and worn. A life
-    in which nothing turns is infinite, with the status CRITERION_NOT_REACHED. Where a life or a
-    condition was not solved, the status says why, and `NOT_SOLVED_AT` which one.
+    The life has the grooves that the full model follows, worn or Hertzian; `hertzian_life` has
+    Hertzian ones. The quantities are the worst in all conditions of the limits, new and worn. If
+    nothing turns and no criterion is met when new, the life is infinite, with the status
+    CRITERION_NOT_REACHED. If a life or a condition was not solved, the status says why, and
+    `NOT_SOLVED_AT` which one.
 
-    quick: whether worn grooves have coarser cells and steps, and no Hertzian life beside theirs;
+    quick: whether a life with worn grooves has coarser cells and steps, and NaN as `hertzian_life`;
         the worst speed is looked for near a limit only.
     """
     scene = with_required_measures(scene, limits)
@@ -301,7 +304,7 @@ def _duty_point(scene: Scene, limits: DesignLimits, quick: bool) -> PointValues:
             "end_criterion": life.criterion,
             "groove": WORN_GROOVE if over_duty.is_worn else HERTZIAN_GROOVE,
             "hertzian_life": math.nan if over_duty.is_worn else life.last.time,
-            "solves": 0 if points else life.solves,
+            "solves": 0 if points else life.solves,  # those of all cases, in the first one
         }
         if life.status != OK:
             return values | {NOT_SOLVED_AT: _unsolved_at(case, life.status, AT_END_OF_LIFE)}
@@ -373,19 +376,17 @@ def _standstill_point(scene: Scene, limits: DesignLimits) -> PointValues:
 
     Its life is zero if it meets a criterion when new, else infinite. The status is OK for both.
     """
-    states = new_states(scene)
-    status = next((state.status for state in states if state.status != OK), OK)
-    values: PointValues = NO_LIFE | {"status": status, "solves": 1}
-    if status != OK:
-        return values | {NOT_SOLVED_AT: _unsolved_at(scene, status, NEW)}
-    met = np.flatnonzero(Criteria(scene).margins(states) <= 0.0)
+    node = Node(0.0, None, new_states(scene), 0.0)
+    values: PointValues = NO_LIFE | {"status": node.status, "solves": 1}
+    if node.status != OK:
+        return values | {NOT_SOLVED_AT: _unsolved_at(scene, node.status, NEW)}
+    met = np.flatnonzero(Criteria(scene).margins(node.states) <= 0.0)
     life = 0.0 if met.size else math.inf
     values |= {"end_criterion": int(met[0]) if met.size else NO_CRITERION, "life": life}
     values |= {"groove": HERTZIAN_GROOVE, "hertzian_life": life}
     if limits.gyroscopic_slip_share is not None:
         values["time_to_slip_limit"] = math.inf
-    values |= values_of_states(scene, [worse_state(states, scene)] * 2)  # new and at the end
-    node = Node(0.0, None, states, life)
+    values |= values_of_states(scene, [worse_state(node.states, scene)] * 2)  # new and at the end
     standstill = Life([node], None, status=OK)
     return _with_all_conditions(scene, values, standstill, limits, quick=False)
 
@@ -395,17 +396,18 @@ def _with_all_conditions(
 ) -> PointValues:
     """Returns a point with the extremes in all conditions of the limits, and which ones decide.
 
-    If a condition is not solved, the point is returned with its status and `NOT_SOLVED_AT`. A
+    If a condition is not solved, the point has its status and, in `NOT_SOLVED_AT`, the condition. A
     warm-up is not solved if another condition breaks a limit already.
 
     values: those at the scene's own speed; changed in place, with all solves in `solves`.
-    life: solved, at least a node of new bearings.
+    life: solved; it may consist of new bearings alone.
     quick: see `design_point`.
     """
     condition = OperatingCondition(scene)
     parts = [extremes_of_life(scene, life.nodes, condition.where())]
     is_worn = len(life.nodes) > 1
-    if not limits.at_speed_only and (is_worn or "life" not in values or values["life"] > 0.0):
+    ends_when_new = not is_worn and values.get("life") == 0.0
+    if not limits.at_speed_only and not ends_when_new:
         other_conditions = OtherConditions(scene, limits.effective, quick)
         ends: list[tuple[Solve, str, Node]] = [(new_states, NEW, life.nodes[0])]
         if is_worn:
@@ -433,8 +435,8 @@ def _with_all_conditions(
 def _resting_extremes(scene: Scene, values: PointValues, life: Life) -> Extremes:
     """Returns the extremes of measures at rest: of launch, new or worn, and of the torque margin.
 
-    Those of launch have the speed 0 and the wear at which they are worst. The torque margin is the
-    least of several states of wear, which another table names.
+    Those of launch have the speed 0 and the wear at which they are worst. The torque margin has the
+    condition of the scene, without wear: it is the least of several states of wear.
 
     values: of the point, among which are these extremes.
     """
@@ -459,7 +461,10 @@ def _breaks_limit(extremes: Extremes, limits: DesignLimits) -> bool:
 
 
 def _unsolved_at(scene: Scene, status: int, wear: str) -> dict[str, Any]:
-    """Returns the scene's own speed as the condition that was not solved, as plain data."""
+    """Returns the scene's own condition as plain data, with the status with which it failed.
+
+    wear: of `NEW`, `AT_END_OF_LIFE`.
+    """
     return OperatingCondition(scene).where(wear=wear, status=STATUS_NAMES[status])
 
 
@@ -506,9 +511,9 @@ def worst_point(points: Mapping[str, PointValues]) -> PointValues:
 
 
 def worst_cases(point: Mapping[str, Any]) -> dict[str, str]:
-    """Returns the name of the worst case by the names of the life and of extremes.
+    """Returns the name of the worst case for the life and for each extreme, by their names.
 
-    Extremes without a finite value are left out.
+    Without a finite value, they are left out.
 
     point: of several cases.
     """
@@ -531,8 +536,9 @@ def values_of_states(scene: Scene, states: Sequence[State]) -> PointValues:
         "loss_at_end": worn.loss,
         "impractical": _first_impractical(scene, [new, worn]),
     }
-    for measure in LIMITED.values():
-        for name in measure.extremes if measure.brief else ():
+    brief_measures = [measure for measure in LIMITED.values() if measure.brief]
+    for measure in brief_measures:
+        for name in measure.extremes:
             values[f"{name}_at_start"] = measure.extreme(new[name])
             values[f"{name}_at_end"] = measure.extreme(worn[name])
     return values | _worst_values(scene, states)
@@ -541,7 +547,7 @@ def values_of_states(scene: Scene, states: Sequence[State]) -> PointValues:
 def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     """Returns the worst value of every limited measure along the states of a life [SI].
 
-    Values have the names of extremes. They are NaN if that of the first or of the last state is.
+    Values have the names of extremes. One is NaN if that of the first or of the last state is NaN.
     Measures of a life as a whole are left out.
     """
     ends = states[:1] if len(states) == 1 else (states[0], states[-1])
@@ -560,7 +566,7 @@ def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
         divisor = scene.operation.preload_N if measure.over_preload else 1.0
         for name, variable in zip(measure.extremes, measure.variables, strict=True):
             values = [states[0][variable], states[-1][variable]]
-            # a value between others that is NaN would lie between these
+            # a value of NaN in between would lie between its neighbours
             values += [
                 state[variable] for state in states[1:-1] if not np.isnan(state[variable]).any()
             ]
@@ -571,8 +577,8 @@ def _worst_values(scene: Scene, states: Sequence[State]) -> dict[str, float]:
 def _first_impractical(scene: Scene, states: Sequence[State]) -> int:
     """Returns the flag of the variable `impractical`: the first such warning, or 0 for none.
 
-    states: when new and at the end of life. Of a pair they are those of the worse bearing, which
-        are judged as states of the first one.
+    states: when new and at the end of life. Those of the worse bearing of a pair are judged as
+        states of the first one.
     """
     bearing = scene.sides[0]
     values = {"end_criterion": NO_CRITERION, **history_values(list(states))}
@@ -591,11 +597,11 @@ def _life_warnings(scene: Scene, life: Life) -> list[dict[str, Any]]:
 
 
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
-    """Returns the scene at a point of the map; with a film, its friction stays as it is.
+    """Returns the scene at a point of the map.
 
     A lowest speed above the speed is lowered to it.
 
-    mu: friction coefficient of balls on races.
+    mu: friction coefficient of balls on races; ignored if the scene has a film.
     """
     lowest = min(scene.operation.lowest_speed_rpm, speed_rpm)
     held = with_method(scene, method, preload_N, shaft_speed_rpm=speed_rpm, lowest_speed_rpm=lowest)
@@ -648,7 +654,8 @@ def map_dataset(
 ) -> xr.Dataset:
     """Returns the dataset of a map from its design points.
 
-    Of the limits, the attribute `limits` has only the slip share and what is no measure.
+    Of the limits, its attribute has only that of the slip share, and settings such as
+    `at_speed_only`.
 
     axes: values along each of `MAP_AXES`.
     points: in the order of `scenes_of_map`.

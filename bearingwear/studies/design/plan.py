@@ -63,7 +63,7 @@ class DesignLimits(_LIMITS):
     # fmt: on
 
     def check(self, scene: Scene, source: str) -> None:
-        """Raises a SceneError for a limit that requires a block or a key that a scene lacks.
+        """Raises a SceneError for a limit or a warm-up that requires a key that a scene lacks.
 
         source: file of the scene.
         """
@@ -90,7 +90,8 @@ class DesignLimits(_LIMITS):
     def effective(self) -> dict[str, float]:
         """Returns the limits that apply, by their keys: those given, and that no bearing lifts off.
 
-        The latter does not apply by itself where limits hold at the speed of each case alone.
+        The latter is left out where limits apply at the speed of each case alone, without a
+        warm-up. A given limit of the preload kept replaces it.
         """
         limits = self.given
         if not self.at_speed_only or self.warmup_s is not None:
@@ -152,8 +153,8 @@ _ROUNDING = 1e-9
 def round_number(target: float, low: float, high: float) -> float:
     """Returns the number with the fewest digits between two others, the nearest to a target.
 
-    It has at least `DIGITS` significant digits, and lies between low and high without these. If
-    `_MOST_DECIMALS` are not enough, the target is returned.
+    It has at least `DIGITS` significant digits, and lies strictly between low and high. If 11
+    decimals are not enough, the target is returned.
 
     target: above 0.
     """
@@ -166,10 +167,10 @@ def round_number(target: float, low: float, high: float) -> float:
     return target
 
 
-def round_factor(factor: float, preload: float) -> float:
-    """Returns a preload times a factor, with three significant digits [N].
+def scaled_preload(factor: float, preload: float) -> float:
+    """Returns a preload times a factor, rounded to three significant digits [N].
 
-    By a factor of 1 it is the preload with all its digits.
+    With a factor of 1, it is the preload with all its digits.
     """
     return preload if factor == 1.0 else float(f"{factor * preload:.3g}")
 
@@ -180,7 +181,7 @@ def axes_around(
     source: str = "scene",
     factors: Sequence[float] = FACTORS,
 ) -> MapAxes:
-    """Returns the axes of a map by both methods around a scene's own preload, at its own speed.
+    """Returns the axes of a map with both methods, around a scene's own preload at its own speed.
 
     frictions: coefficients of the map.
     source: of the scene, for errors.
@@ -191,7 +192,7 @@ def axes_around(
     if centre <= 0.0:
         problem = f"got {centre:g}, expected a number > 0 as the centre of a map"
         raise SceneError("operation.preload_N", problem, source=source)
-    around = {round_factor(factor, centre) for factor in factors}
+    around = {scaled_preload(factor, centre) for factor in factors}
     largest = largest_permitted_preload()
     preloads = {centre, *(preload for preload in around if preload <= largest)}
     return MapAxes(

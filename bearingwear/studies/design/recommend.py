@@ -55,7 +55,7 @@ from bearingwear.studies.design.document.words import NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.infeasible import (
     infeasibility_text,
     least_violations,
-    life_too_short,
+    short_life_text,
 )
 from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
@@ -106,10 +106,10 @@ def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
     design: file of the map. A CaseFileError is raised if it belongs to another scene.
     """
     base = life_scene(scene, films=True)
-    map_dataset = load(design)
-    if not is_of_scene(map_dataset, base):
+    lives = load(design)
+    if not is_of_scene(lives, base):
         raise CaseFileError(f"{design}: belongs to another scene")
-    return recommendation(base, limits_of(map_dataset))
+    return recommendation(base, limits_of(lives))
 
 
 def small_map(
@@ -119,8 +119,9 @@ def small_map(
 
     Lines of progress go to stderr.
 
-    axes, limits: fields of `MapAxes` and `DesignLimits`.
-    workers: processes that solve lives.
+    axes: fields of `MapAxes`.
+    limits: fields of `DesignLimits`.
+    workers: number of processes that solve lives.
     """
 
     def tell(text: str) -> None:
@@ -141,11 +142,11 @@ def preload_map(
 ) -> xr.Dataset:
     """Returns the map of a scene over some axes, with the best preload of each line of it.
 
-    answers_at: asks a function at points, `map` or that of `Workers`.
+    answers_at: evaluates a function at points: `map` or `Workers.answers_at`.
     """
     scenes = scenes_of_map(scene, axes.values)
-    lives = answers_at(partial(design_point, limits=limits), scenes)
-    design = map_dataset(scene, axes.values, limits, list(lives))
+    points = answers_at(partial(design_point, limits=limits), scenes)
+    design = map_dataset(scene, axes.values, limits, list(points))
     return with_choices(design.assign_attrs(limits=json.dumps(limits.stored)))
 
 
@@ -161,8 +162,8 @@ def recommendation_and_map(
     The map contains lives over preload, for a choice by hand. It is None if any requirement is
     given.
 
-    source: of the scene, for errors.
-    workers: processes that solve lives.
+    source: file of the scene, for errors.
+    workers: number of processes that solve lives.
     tell: takes lines of progress.
     SceneError: a preload of zero, or a requirement that needs more of the scene.
     """
@@ -186,10 +187,10 @@ def recommendation(
 
     The dataset has the variables of `POINT` at the recommended preload and those of
     `_recommendation_dataset` over `preload_method`, and those of `CHANGES` over `change`. Lives at
-    the preloads that are named are exact. Without a requirement no preload is recommended. A method
-    without a preload has NaN, the status -1, and a reason in the attribute `NONE_BECAUSE`.
+    the preloads in it are exact. Without a requirement, no preload is recommended. A method without
+    a preload has NaN, the status -1, and a reason in the attribute `NONE_BECAUSE`.
 
-    answers_at: asks a function at points, `map` or that of `Workers`.
+    answers_at: evaluates a function at points: `map` or `Workers.answers_at`.
     tell: takes lines of progress.
     """
     tell = tell or (lambda text: None)
@@ -207,7 +208,8 @@ def recommendation(
         if point is None:
             rows.append({"active_limit": NO_PRELOAD, "status": -1})
             reasons[line.method] = no_preload_reason(search, line) if limits.given else NO_LIMIT
-            if limits.given and (longest := line.best(search.but_life)):
+            longest = line.best(search.other_limits)  # without a requirement no life is solved
+            if longest:
                 rows[-1] |= {"longest_preload": longest.preload, "longest_life": longest.life}
         else:
             rows.append(_recommended_values(search, line, point))
@@ -225,17 +227,16 @@ def recommendation(
 
 
 def no_preload_reason(search: PreloadSearch, line: PreloadLine) -> str:
-    """Returns why no preload of a line is allowed, and how near one comes.
+    """Returns the reason why no preload of a line is allowed, and how near one comes, as text.
 
-    Quick lives at the preloads that the text names are solved exactly first, and replaced in the
-    line.
+    Before that, quick lives at the preloads in the text are replaced in the line by exact ones.
 
     line: of the search, without an allowed preload.
     """
-    limits = search.but_life
+    limits = search.other_limits
     if longest := line.best(limits):
         active = ACTIVE[search.active_limit(line, longest)]
-        return life_too_short(longest, active, search.limits)
+        return short_life_text(longest, active, search.limits)
 
     def nearest_quick_preloads(other: PreloadLine) -> list[float]:
         """Returns the preloads [N] of the line that are nearly allowed by quick lives."""
@@ -255,9 +256,9 @@ def _recommended_values(
 ) -> dict[str, Any]:
     """Returns the values of a recommended preload by the names of variables.
 
-    Beside those of its design point they are the preload, its active limit, the range of preloads
-    that may be set in its place, and a better one far outside of the search. The range is left out
-    unless the lives at its ends are exact, and the last one if there is none.
+    They are those of its design point, the preload, its active limit, the range of preloads that
+    may be set in its place, and a preload far outside the range of the search with a longer life.
+    The range is left out unless the lives at its ends are exact.
 
     best: the recommended point of the line.
     """
@@ -283,12 +284,12 @@ class _ChosenPreload(NamedTuple):
 
 
 def _chosen_answers(chosen: _ChosenPreload) -> dict[str, Any]:
-    """Returns what stands beside a recommended preload; see `_life_answers`, `machine_answers`."""
+    """Returns the values of `_life_answers` and, by the key `MACHINE`, of `machine_answers`."""
     return _life_answers(chosen.scene, chosen.point) | {MACHINE: machine_answers(chosen.scene)}
 
 
 def _life_answers(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the numerical error of a life, its warnings as JSON and, of several cases, the worst.
+    """Returns `life_error_estimate`, `warnings` as JSON and, of several cases, `worst_cases`.
 
     Over several cases, the error is the largest one, and each warning names its cases. The error is
     relative [1], and NaN where there is no estimate.
@@ -302,9 +303,9 @@ def _life_answers(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
         errors = [answers[name]["life_error_estimate"] for name in cases_that_wear(scene)]
         warnings = _warnings_with_cases(answers)
         return {"life_error_estimate": max(errors), "warnings": warnings, **worst}
-    grooves = groove_choice(scene, "steady").scene if scene.duty is None else None
-    if grooves is not None and POINT_WARNINGS in point:
-        values = groove_errors(grooves, float(point["life"]), int(point["end_criterion"]))
+    groove_scene = groove_choice(scene, "steady").scene if scene.duty is None else None
+    if groove_scene is not None and POINT_WARNINGS in point:
+        values = groove_errors(groove_scene, float(point["life"]), int(point["end_criterion"]))
         warnings = point[POINT_WARNINGS]
     else:
         result = life(scene)
@@ -317,7 +318,7 @@ def _life_answers(scene: Scene, point: Mapping[str, Any]) -> dict[str, Any]:
 def _warnings_with_cases(answers: Mapping[str, Mapping[str, Any]]) -> str:
     """Returns the warnings of all cases as JSON, each with the names of its cases as `in_cases`.
 
-    answers: by the names of cases, with `warnings` as JSON.
+    answers: of `_life_answers`, by the names of cases.
     """
     warnings = json.loads(merged_warnings(answers.values()))
     for warning in warnings:
@@ -337,11 +338,11 @@ def _recommendation_dataset(
 ) -> xr.Dataset:
     """Returns a recommendation over `preload_method`, without `CHANGES`.
 
-    Attributes hold what is no variable, as JSON: warnings, worst cases, deciding conditions, all
-    conditions of the requirements, what the machine requires, and the reasons.
+    Its attributes contain as JSON what is no variable: warnings, worst cases, deciding conditions,
+    all conditions of the requirements, what the machine requires, and the reasons.
 
     rows: values of variables and of `ATTRIBUTES` for each of `PRELOAD_METHODS`.
-    reasons: why no preload is recommended, by the methods without one.
+    reasons: texts on why no preload is recommended, by the methods without one.
     """
     variables = table(
         RECOMMENDED_PRELOAD,
@@ -351,9 +352,8 @@ def _recommendation_dataset(
         *SETTABLE.values(),
         *TOO_SHORT.values(),
     )
-    flags = [PRELOAD_METHODS.index(method) for method in PRELOAD_METHODS]
     dataset = dataset_of_points(
-        {MAP_AXES["preload_method"]: flags},
+        {MAP_AXES["preload_method"]: range(len(PRELOAD_METHODS))},
         [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows],
         variables,
         title="Recommended preload",
@@ -377,12 +377,12 @@ def _recommendation_dataset(
 
 
 def is_of_scene(dataset: xr.Dataset, scene: Scene) -> bool:
-    """Returns whether the scene in a dataset has the values of another that decide a life."""
+    """Returns whether a dataset is of a scene, by the values that determine a life."""
     return decisive_data(plain_scene(dataset)) == decisive_data(scene.to_dict())
 
 
 def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:
-    """Returns a recommendation unchanged. Raises CaseFileError if it is none for the scene."""
+    """Returns a recommendation unchanged; raises a CaseFileError if it is none for the scene."""
     if recommendation is None or recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError("the recommended preload requires a recommendation file")
     if not is_of_scene(recommendation, scene):

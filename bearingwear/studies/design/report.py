@@ -19,7 +19,9 @@ def preload_report(
     """Step: returns the figure, map as CSV, table as Markdown, answer as JSON and charts as JSON.
 
     design, recommendation: files of a map and of its recommendation.
-    uncertainty, spread: as of `design_answer`.
+    uncertainty: file of the study of uncertainty.
+    spread: file of quantiles of lives at the recommended preloads, in place of `uncertainty`; the
+        figure and the tables do not use it.
     """
     csv, markdown = tables(design, recommendation, uncertainty)
     return (

@@ -90,23 +90,22 @@ def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
 
     points: lives at each preload.
     """
+    spreads = [point.spread for point in points]
     wear_as_stated = tuple(
         rough_value(interval_of(point.lives, ALL_BUT_WEAR) if point.spread else None)
         for point in points
     )
-    longest = tuple(point.spread and point.spread.longest for point in points)
-    error_labels = dict.fromkeys(
-        label for point in points if point.spread for label in point.spread.errors
-    )
+    longest = tuple(spread.longest if spread else None for spread in spreads)
+    error_labels = dict.fromkeys(label for spread in spreads if spread for label in spread.errors)
     return (
         Row("method", "", tuple(point.method_words for point in points), "preload_method"),
         Row("preload", "", tuple(point.preload_words for point in points), "preload_choice"),
         Row("preload", "N", _floats(points, "preload"), "preload"),
         Row("life with median values", "h", _floats(points, "nominal_life"), "nominal_life"),
-        *spread_rows([point.spread for point in points]),
+        *spread_rows(spreads),
         *(
             Row(f"{label.strip()}, interval due to sampling", "h",
-                tuple(p.spread.errors.get(label, "") if p.spread else "" for p in points))
+                tuple(spread.errors.get(label, "") if spread else "" for spread in spreads))
             for label in error_labels
         ),
         Row(
@@ -120,10 +119,10 @@ def _quantile_rows(points: Sequence[_SampledPreload]) -> tuple[Row, ...]:
 
 
 def _floats(points: Sequence[_SampledPreload], name: str) -> tuple[float, ...]:
-    """Returns the number in a variable of the lives at each preload, in the unit of the file.
+    """Returns a value of the lives at each preload, in the unit of the file.
 
     points: lives at each preload.
-    name: of a variable without dimensions.
+    name: of the variable with the value, which has no dimensions.
     """
     return tuple(float(point.lives[name]) for point in points)
 
@@ -131,7 +130,7 @@ def _floats(points: Sequence[_SampledPreload], name: str) -> tuple[float, ...]:
 def _index_block(uncertainty: xr.Dataset) -> Block:
     """Returns a table of total Sobol indices, with a line for each uncertain value.
 
-    For each method there are those with all values uncertain, and those with wear as stated.
+    Each method has a column with all values uncertain, and one with wear as stated.
     """
     scene = plain_scene(uncertainty)
     names = quantities_of(uncertainty)
@@ -170,7 +169,7 @@ def _index_block(uncertainty: xr.Dataset) -> Block:
 def distribution_text(distribution: dict[str, float | str]) -> str:
     """Returns a distribution in words, such as "normal, standard deviation 0.35".
 
-    distribution: plain data of a scene: its kind and parameters.
+    distribution: plain data of a scene: the key `distribution` has its kind, others its parameters.
     """
     kind = str(distribution["distribution"])
     required, optional = PARAMETERS[kind]

@@ -1,4 +1,4 @@
-"""The worst of limited quantities on the way to speed."""
+"""The worst values of limited quantities during a warm-up."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ Peaks of preload and pressure are within 2e-4 of those of fine steps.
 def warm_up_extremes(scene: Scene, seconds: float, quick: bool) -> ConditionExtremes:
     """Returns extremes of new bearings from rest to steady temperatures, or where that failed.
 
-    Where some bearing carries nothing, that is no failure: no share of its preload is kept, at the
-    last instant that was solved.
+    If some bearing carries nothing after the start, that is no failure: the share of its preload
+    that is kept is 0, with the condition of the last instant solved.
 
     seconds: time of the ramp from rest to speed [s].
     quick: whether the steps are coarser than those of `bearingwear warmup`.

@@ -62,7 +62,7 @@ def rows_of(table) -> dict[str, Row]:
 
 
 def test_the_answer_has_the_numbers_of_the_files(files, tmp_path):
-    """In its title, the sentences, and three tables by their places on the page.
+    """They are in its title, its sentences, and three tables by their places on the page.
 
     Table `open` is the recommendation, `lead` what would change the choice of method, `charted` the
     points of the map. The small study recommends a constant force.
@@ -110,7 +110,7 @@ def test_each_point_of_the_table_names_the_requirements_that_it_violates(files):
 
 
 def test_the_table_has_the_units_of_the_requirements_and_says_why_a_life_is_zero(files):
-    """Of lives of zero, and of powers of more than a kilowatt, which stay in W as in their key."""
+    """All lives are zero here; powers of more than a kilowatt stay in W, as in their key."""
     design = load(files["design"])
     design["life"][...] = 0.0
     design["friction_power"][...] *= 1e6
@@ -218,7 +218,7 @@ def test_achieved_values_have_no_power_of_ten(files, tmp_path):
 
 
 def test_the_chart_of_life_has_the_required_life(files, tmp_path):
-    """In hours, as its lines; the stiffness beside it is in N/um."""
+    """It is in hours, as its lines; the required stiffness in another chart is in N/um."""
     required = {"life_h": 1.5, STIFFNESS: 3.0}
     for name, path in files.items():
         changed = load(path).assign_attrs(limits=json.dumps(required))
@@ -255,7 +255,10 @@ def test_a_tolerance_that_was_not_sought_says_so(files):
 
 @pytest.mark.parametrize("ratio, is_stated", [(0.99, True), (0.5, False)])
 def test_another_method_with_about_the_same_life_is_stated(files, ratio, is_stated):
-    """With its preload [N]. ratio: of the life of the second method to that of the first."""
+    """The sentence has its preload [N].
+
+    ratio: life of the second method over that of the first.
+    """
     dataset = load(files["recommendation"])
     dataset["life"][1] = ratio * float(dataset["life"][0])
     verdict = sentences_of(preload_document(dataset))["verdict"]
@@ -378,7 +381,7 @@ def test_the_answer_has_the_spread_of_its_file(files, spread_file, tmp_path):
 
 
 def test_without_a_recommendation_no_life_is_sampled(files, small_project, tmp_path):
-    """A study whose limits nothing keeps to still ends with its answer."""
+    """A study whose requirements no preload meets still ends with its answer."""
     none, path, answer = (tmp_path / name for name in ("none.nc", "spread.nc", "answer.json"))
     dataset = load(files["recommendation"])
     for name in ("life", "preload"):
@@ -394,7 +397,7 @@ def test_without_a_recommendation_no_life_is_sampled(files, small_project, tmp_p
 
 
 def test_the_requirement_that_nobody_gave_is_named_where_it_rejects_a_preload(files):
-    """No bearing may lift off: of a bearing that keeps nothing, the residual preload is no word."""
+    """A bearing that keeps no preload lifts off; the words do not name its residual preload."""
     point = load(files["recommendation"]).isel(preload_method=0)
     assert "lifts off" not in violated_words(point)
     for name in LIMITED["preload_kept"].extremes:

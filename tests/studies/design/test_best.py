@@ -50,8 +50,9 @@ class InventedLives:
     """A search for the best preload by invented lives; quick ones are 1 % short, 2 % less stiff.
 
     life, stiffness [N/m] and practical (a bool) are functions of the preload [N]; a life of NaN is
-    one that was not solved. `other` has those of the other preload method, which is left out if it
-    is None. `count` has the number of solves of each kind. new_over_worn: ratio of stiffnesses.
+    one that was not solved. `other` is the search by the other preload method; if it is None, that
+    method is left out. `count` has the number of solves of each kind. new_over_worn: stiffness of
+    new bearings over that of worn ones.
     """
 
     def __init__(
@@ -78,22 +79,21 @@ class InventedLives:
     def values(self, operation, solved):
         """Returns the values of a design point for a kind of solve."""
         self.count[solved] = self.count.get(solved, 0) + 1
-        preload, result = operation.preload_N, self
-        if operation.preload_method != "constant_force":
-            result = self.other
-        life = result.life(preload)
+        preload = operation.preload_N
+        lives = self if operation.preload_method == "constant_force" else self.other
+        life = lives.life(preload)
         if math.isnan(life):
             return {"status": NOT_CONVERGED, "end_criterion": len(ENDS)}  # none
         is_quick = solved == QUICK_LIFE
-        stiffness = result.stiffness(preload) * (0.98 if is_quick else 1.0)
+        stiffness = lives.stiffness(preload) * (0.98 if is_quick else 1.0)
         if solved == NEW_BEARING:
-            stiffness *= result.new_over_worn
+            stiffness *= lives.new_over_worn
         values = dict.fromkeys(LIMITED["axial_stiffness_N_um"].extremes, stiffness)
         # two criteria, 0 and 1, of which the second ends the lives of `peak` at low preloads
-        values |= {"status": OK, "end_criterion": int(result.life is peak and preload < 333.0)}
+        values |= {"status": OK, "end_criterion": int(lives.life is peak and preload < 333.0)}
         if solved != NEW_BEARING:
             values |= {"life": life * (0.99 if is_quick else 1.0)}
-            values |= {"impractical": 0 if result.practical(preload) else 1}
+            values |= {"impractical": 0 if lives.practical(preload) else 1}
         return values
 
     def best_point(self):
@@ -112,32 +112,32 @@ class InventedLives:
 
 
 def falling(p):
-    """A life inverse to the preload, but of nothing up to 100 N."""
+    """A life inverse to the preload above 100 N, and zero up to that."""
     return 1000.0 / p if p > FIRST else 0.0
 
 
 def cliff(p):
-    """Thirty times shorter below 427 N."""
+    """A life as `falling`, but thirty times shorter below 427 N."""
     return falling(p) / (30.0 if p < 427.0 else 1.0)
 
 
 def nothing(p):
-    """A limit passed when new below 427 N."""
+    """A life as `falling`, but zero below 427 N, as of a criterion that is met when new."""
     return 0.0 if p < 427.0 else falling(p)
 
 
 def unsolved(p):
-    """No state below 427 N."""
+    """A life as `falling`, but not solved below 427 N."""
     return math.nan if p < 427.0 else falling(p)
 
 
 def peak(p):
-    """Two criteria, of which the first to be met ends the life; they meet at 333 N."""
+    """A life by two criteria: as `falling`, or rising with the preload; both are equal at 333 N."""
     return min(falling(p), 1000.0 / 333.0 * (p / 333.0) ** 1.2)
 
 
 @pytest.mark.parametrize(
-    "life, stiffness, held_by_what",
+    "life, stiffness, active_limit",
     [
         (falling, lambda p: 20e6 * (p / 381.6) ** 1.4, "axial_stiffness_N_um"),
         (peak, lambda p: 1e9, "end_of_life"),
@@ -146,10 +146,10 @@ def peak(p):
         (unsolved, lambda p: 1e9, "not_solved"),
     ],
 )
-def test_no_allowed_preload_is_better_by_one_per_cent(scene, life, stiffness, held_by_what):
+def test_no_allowed_preload_is_better_by_one_per_cent(scene, life, stiffness, active_limit):
     """The best of the search, by an exact life, is compared with brute force.
 
-    held_by_what: name in `ACTIVE` of what forbids the longer lives beside it. 381.6 and 427 N lie
+    active_limit: name in `ACTIVE` of what forbids the longer lives beside it. 381.6 and 427 N lie
     between preloads of the grid, which are 19 % apart.
     """
     lives = InventedLives(scene, life, stiffness)
@@ -158,7 +158,7 @@ def test_no_allowed_preload_is_better_by_one_per_cent(scene, life, stiffness, he
     assert best.life > 0.99 * lives.best_of_all()
     assert best.life == life(best.preload) > 0.0
     assert best.preload == float(f"{best.preload:.4g}")
-    assert ACTIVE[lives.search.active_limit(lives.line, best)] == held_by_what
+    assert ACTIVE[lives.search.active_limit(lives.line, best)] == active_limit
     assert lives.count[EXACT_LIFE] <= 16  # they take seconds; quick lives of a sweep take less
 
 
@@ -202,7 +202,7 @@ def test_a_preload_may_be_set_where_the_life_is_similar(scene):
     """
     lives = InventedLives(scene, cliff)
     best = lives.best_point()
-    similar = [item.preload for item in lives.search.settable_points(lives.line)]
+    similar = [point.preload for point in lives.search.settable_points(lives.line)]
     assert similar[0] >= 427.0 and cliff(similar[-1]) >= SIMILAR * best.life
     assert similar[-1] > 1.05 * best.preload
 
@@ -216,7 +216,7 @@ def test_an_impractical_preload_is_not_recommended(scene):
 
 
 @pytest.mark.parametrize(
-    "life, stiffness, preload, held_by_what, has_point_beyond",
+    "life, stiffness, preload, active_limit, has_point_beyond",
     [
         # below the range, which begins at an eighth of the scene's 283 N: to the required stiffness
         (
@@ -231,7 +231,7 @@ def test_an_impractical_preload_is_not_recommended(scene):
     ],
 )
 def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
-    scene, life, stiffness, preload, held_by_what, has_point_beyond
+    scene, life, stiffness, preload, active_limit, has_point_beyond
 ):
     """preload: expected best one [N], to 1 %.
 
@@ -240,7 +240,7 @@ def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
     lives = InventedLives(scene, life, stiffness)
     best = lives.best_point()
     assert best.preload == pytest.approx(preload, rel=0.01)
-    assert ACTIVE[lives.search.active_limit(lives.line, best)] == held_by_what
+    assert ACTIVE[lives.search.active_limit(lives.line, best)] == active_limit
     assert (lives.line.best_beyond_end is not None) == has_point_beyond
 
 
@@ -258,7 +258,7 @@ def test_the_best_stiffness_is_named_where_none_is_enough(scene):
 
 
 def test_a_requirement_that_only_impractical_designs_meet_names_what_is_wrong_with_them(scene):
-    """20 N/um are reached at 400 N, and the design is practical only up to 350 N."""
+    """20 N/um are reached at 400 N, but the design is practical only up to 350 N."""
     lives = InventedLives(scene, falling, lambda p: 20e6 * p / 400.0, lambda p: p <= 350.0)
     why = why_no_preload(lives)
     assert why.startswith("axial stiffness of one bearing")
@@ -361,12 +361,17 @@ def test_numbers_have_as_few_digits_as_fit_between_two():
 # bearings
 
 
-def test_the_recommendation_is_at_the_end_of_a_steep_rise():
-    """No preload from 106 to 114 N lasts 1 % longer; somewhat below, slip soon ends lives."""
+def warm_bearing(speed):
+    """Returns a bearing at a speed [r/min], with Hertzian contacts and a warmer inner ring."""
     warm = {"inner_ring_C": 30.0, "balls_C": 30.0, "outer_ring_C": 20.0}
-    scene = bearingwear.new(designation="7202AC", speed=24000.0).with_(
+    return bearingwear.new(designation="7202AC", speed=speed).with_(
         {"model.contact": "hertz"} | {f"temperature.{key}": C for key, C in warm.items()}
     )
+
+
+def test_the_recommendation_is_at_the_end_of_a_steep_rise():
+    """No preload from 106 to 114 N lasts 1 % longer; somewhat below, slip soon ends lives."""
+    scene = warm_bearing(24000.0)
     limits = DesignLimits(axial_stiffness_N_um=2.9)
     point = recommendation(scene, limits).isel(preload_method=0)
     hours = []
@@ -382,10 +387,7 @@ def test_a_narrow_range_within_the_requirements_is_found_where_slip_ends_lives_a
 
     Above 120 N slip ends no life, but lives are 0.35 h.
     """
-    warm = {"inner_ring_C": 30.0, "balls_C": 30.0, "outer_ring_C": 20.0}
-    scene = bearingwear.new(designation="7202AC", speed=26400.0).with_(
-        {"model.contact": "hertz"} | {f"temperature.{key}": C for key, C in warm.items()}
-    )
+    scene = warm_bearing(26400.0)
     limits = DesignLimits(axial_stiffness_N_um=2.0, maximum_pressure_GPa=1.67)
     point = recommendation(scene, limits).isel(preload_method=0)
     in_range = design_point(with_method(scene, PRELOAD_METHODS[0], 48.75), limits)

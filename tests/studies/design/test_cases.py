@@ -94,7 +94,7 @@ def shortest_life(points):
 
 @pytest.mark.parametrize("k", range(2))
 def test_no_preload_within_all_limits_in_all_cases_lives_longer(scene, recommended, k):
-    """By more than 1 %, of four preloads from 20 to 120 N; practical ones in all cases.
+    """None of four preloads from 20 to 120 N that are practical in all cases lives 1 % longer.
 
     Without a recommended preload, none of them may be allowed.
     """
@@ -111,9 +111,9 @@ def test_no_preload_within_all_limits_in_all_cases_lives_longer(scene, recommend
 
 
 def test_the_recommended_preload_has_the_numbers_of_its_worst_cases(scene, recommended):
-    """Life, preload at its end, and the case of each worst value, for each method with a preload.
+    """They are life, preload at its end, and the case of each worst value, for each method.
 
-    All requirements hold in all cases there.
+    A method without a preload is left out. All requirements hold in all cases at a preload.
     """
     solved = np.flatnonzero(np.isfinite(recommended["preload"]))
     assert solved.size
@@ -124,8 +124,8 @@ def test_the_recommended_preload_has_the_numbers_of_its_worst_cases(scene, recom
         assert all(map(is_within_limits, points.values())), method
         life = shortest_life(points)
         assert 3600.0 * float(point["life"]) == pytest.approx(life, rel=1e-9)
-        left = min(float(item["residual_preload_at_end"]) for item in points.values())
-        assert float(point["residual_preload_at_end"]) == pytest.approx(left, rel=1e-9)
+        preload_at_end = min(float(p["residual_preload_at_end"]) for p in points.values())
+        assert float(point["residual_preload_at_end"]) == pytest.approx(preload_at_end, rel=1e-9)
         assert json.loads(recommended.attrs[WORST_CASES])[k] == worst_cases(points)
 
 
@@ -145,7 +145,7 @@ def test_the_worst_case_is_named(recommended):
 
 
 def test_a_point_of_a_map_has_the_values_of_its_worst_cases(scene):
-    """The least acceleration at which the pair opens, when cold, and the highest pressure."""
+    """It has the least acceleration at which the pair opens (cold) and the highest pressure."""
     point = new_point(scene, LIMITS)
     by_case = {name: new_point(case, LIMITS) for name, case in scene.in_cases.items()}
     opening = {name: item["opening_acceleration"] for name, item in by_case.items()}

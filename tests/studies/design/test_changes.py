@@ -19,7 +19,7 @@ STIFFNESS = "system_axial_stiffness_N_um"
 
 
 class Change(NamedTuple):
-    """A value now, and those below and above which the other method is better (NaN: none tried)."""
+    """A value now, and those below and above which the other method is better (NaN for none)."""
 
     below: float
     now: float
@@ -47,16 +47,13 @@ def recommended_at(scene):
 
 def test_both_machines_are_as_stiff_as_required(recommended_at):
     """Stiffness exceeds 3 N/um by 1 % at most, as preloads of three digits are rounded up."""
-    lesser = LIMITED[STIFFNESS].worst(recommended_at(3.0))
-    assert_allclose(lesser, 3e6, rtol=1e-2)
-    assert (lesser >= 3e6).all()
+    stiffnesses = LIMITED[STIFFNESS].worst(recommended_at(3.0))  # N/m, by method
+    assert_allclose(stiffnesses, 3e6, rtol=1e-2)
+    assert (stiffnesses >= 3e6).all()
 
 
 def test_a_spring_is_better_up_to_a_stiffness_and_a_rigid_pair_above(recommended_at):
-    """It is 4.8 N/um, a regression value; recommendations for 4 % less and more bear it out.
-
-    best_method: index of the method with the longer life.
-    """
+    """It is 4.8 N/um, a regression value; recommendations for 4 % less and more confirm it."""
     soft = recommended_at(3.0)
     assert best_method(soft) == SPRING
     stiffness = change_in(soft, LIMIT_KEY + STIFFNESS)
@@ -67,7 +64,7 @@ def test_a_spring_is_better_up_to_a_stiffness_and_a_rigid_pair_above(recommended
 
 @pytest.mark.parametrize("name", ["torque_margin", "gap_um"])
 def test_a_requirement_of_zero_is_not_varied(name):
-    """Other values are tried as factors of the present one, which leave zero as it is.
+    """Other values are tried as multiples of the present one, and those of zero are zero.
 
     The search has no spring pair within its limits; its rigid pair needs nothing but a life.
     """
@@ -78,7 +75,7 @@ def test_a_requirement_of_zero_is_not_varied(name):
 
 
 def test_a_rigid_pair_is_better_up_to_a_warmth_and_a_spring_above(scene, recommended_at):
-    """Lives at the recommended preloads, 10 % below and above the warmth that is found.
+    """Quick lives at the recommended preloads confirm it, 10 % below and above that warmth.
 
     Warmth is the temperature of the inner ring above the rest at 20 degC [K].
     """

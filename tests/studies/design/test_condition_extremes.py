@@ -145,7 +145,7 @@ def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
 
 
 def test_a_steep_peak_of_slip_that_begins_below_the_highest_known_speed_is_found():
-    """At 0.404 of the speed, between two sixteenths with less slip than a hump at 0.58.
+    """It is at 0.404 of the speed, between two sixteenths with less slip than a hump at 0.58.
 
     Of sixteenths alone, the hump would be the highest.
     """
@@ -158,7 +158,7 @@ def test_a_steep_peak_of_slip_that_begins_below_the_highest_known_speed_is_found
 
 
 def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
-    """By more than a tenth of the 20 N/um either way; a solve at 3000 r/min confirms it.
+    """Margins are more than a tenth of the 20 N/um either way; a solve at 3000 r/min confirms it.
 
     Margins are shares of the limit; the least of all requirements counts, new. 17.5 N lie between
     the preload that is enough at 18000 r/min and that which is enough below.
@@ -171,10 +171,10 @@ def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
 
 
 def test_the_deciding_condition_is_the_worst_one(spindle):
-    """New, stiffness at the speed named is as low as at any of 101 speeds, 1 % apart.
+    """When new, stiffness at the speed named is as low as at any of 101 speeds, 1 % apart.
 
-    A plain solve at that speed has the value. Between
-    the speeds of a grid the worst one is only looked for near a limit, here 36 N/um.
+    A plain solve at that speed has the value. Between the speeds of a grid, the worst one is only
+    looked for near a limit, here 36 N/um.
     """
     held = with_method(spindle, "fixed_position", 60.0)
     point = new_point(held, DesignLimits(system_axial_stiffness_N_um=36.0))
@@ -190,7 +190,7 @@ def test_the_deciding_condition_is_the_worst_one(spindle):
 
 
 def test_worn_grooves_are_solved_at_other_speeds():
-    """Worn, states at other speeds are solved though balls run beside the middle of their tracks.
+    """They are solved although the balls run beside the middle of their tracks there.
 
     At the full speed, the state is the last one of the life: pressure to 2 %, stiffness to 3 %, the
     errors of a quick life.
@@ -208,7 +208,7 @@ def test_worn_grooves_are_solved_at_other_speeds():
 
 
 def test_a_worn_pair_that_keeps_its_preload_slow_keeps_it_at_rest():
-    """At a sixteenth of the speed and at rest, as mounted: preloads differ by 2 % at most.
+    """Preloads at a sixteenth of the speed and at rest, as mounted, differ by 2 % at most.
 
     A solve must start from where the rotor stood before: from the place that even wear would give,
     it ends with bearing 2 unloaded.
@@ -245,7 +245,7 @@ def pair():
 
 
 def test_a_bearing_that_lifts_off_somewhere_is_refused(pair):
-    """At rest, as mounted, less than 1 % of the preload is left (`LEAST_KEPT`): a negative margin.
+    """At rest, as mounted, it keeps less than 1 % of its preload (`LEAST_KEPT`): a negative margin.
 
     At the full speed alone it keeps more than its initial preload.
     """
@@ -268,9 +268,9 @@ def recommended_pair(pair):
 
 
 def test_a_pair_is_stiff_enough_and_carries_load_cold_and_slow(pair, recommended_pair):
-    """By plain solves at six speeds: 60 N/um, and both bearings keep 1 % of the preload or more.
+    """Plain solves at six speeds have 60 N/um, and both bearings keep 1 % of the preload or more.
 
-    Below 3000 r/min also with the temperatures of mounting, as rings have not warmed by then.
+    Below 3000 r/min they also have mounting temperatures, as rings have not warmed by then.
     """
     k = PRELOAD_METHODS.index("fixed_position")
     preload = float(recommended_pair["preload"][k])
@@ -327,7 +327,7 @@ def test_the_case_that_forbids_every_preload_is_named(spindle):
 
 
 def test_requirements_at_the_speed_alone_see_nothing_else(spindle):
-    """Neither lower speeds, nor the mounting temperature, nor that no bearing lifts off."""
+    """They exclude lower speeds, the mounting temperature, and that no bearing lifts off."""
     limits = replace(STIFF, at_speed_only=True)
     assert limits.effective == {"system_axial_stiffness_N_um": 20.0}
     assert STIFF.effective == limits.effective | {"preload_kept": LEAST_KEPT}

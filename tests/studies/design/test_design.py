@@ -1,6 +1,7 @@
 """The design study: its plan, the choice of a preload, and its steps on a map of a few lives."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,6 +24,12 @@ from bearingwear.studies.design.choice import (
     best_within,
     design_map,
     pareto_front,
+)
+from bearingwear.studies.design.document.check_table import (
+    SHARE_LABEL,
+    CheckedPreload,
+    ComparedNumber,
+    agreement,
 )
 from bearingwear.studies.design.dynamic_check import check_scene
 from bearingwear.studies.design.map import HERTZIAN_GROOVE, life_point, map_part
@@ -162,7 +169,7 @@ def test_a_method_without_a_preload_has_no_status_of_a_solve(folder, tmp_path):
 
 @pytest.mark.parametrize("name", ["constant_force", "recommendation", "uncertainty"])
 def test_single_files_are_drawn(folder, name, tmp_path):
-    """A part of a map is drawn as a map."""
+    """A part of a map (`constant_force`) is drawn as a map."""
     figure = tmp_path / f"{name}.svg"
     assert main(["plot", str(folder / f"{name}.nc"), "-o", str(figure)]) == 0
     assert "<path" in figure.read_text(encoding="utf-8")
@@ -233,7 +240,10 @@ def with_values(path, target, **values):
     """
     case = load(path)
     for name, value in values.items():
-        case[name] = case[name] * 0 + value if name == "status" else case[name] * value
+        if name == "status":
+            case[name][...] = value
+        else:
+            case[name] = case[name] * value
     case.to_netcdf(target)
     return str(target)
 
@@ -289,7 +299,7 @@ def check_table(folder, out, cases):
 
 
 def test_dynamic_cases_without_a_cage_stay_in_the_steady_state(folder, checking_cases, tmp_path):
-    """QV agrees to 1e-9; the table marks no difference of QV and preload, at both factors."""
+    """QV agrees to 1e-9; the table marks no difference in QV and wear rate at both preloads."""
     for steady, dynamic in zip(checking_cases[::2], checking_cases[1::2], strict=True):
         assert_allclose(load(dynamic)["total_qv"], load(steady)["total_qv"], rtol=1e-9)
     out = tmp_path / "check.md"
@@ -297,8 +307,17 @@ def test_dynamic_cases_without_a_cage_stay_in_the_steady_state(folder, checking_
     assert out.read_text().count("| no |") == 2 * len(TIMES) and "| yes |" not in out.read_text()
 
 
+def test_the_agreement_of_numbers_without_an_error_estimate_is_not_known():
+    """It is neither claimed nor denied where estimates are NaN, however close the numbers are."""
+    qv = ComparedNumber(preload=7.0, name="QV (W)", steady=1.0, dynamic=1.001)
+    slip = replace(qv, name=SHARE_LABEL)
+    point = CheckedPreload(preload=7.0, numbers=[qv, slip], settled="", status={})
+    text = agreement([point])
+    assert "not known" in text and "agrees" not in text and "does not agree" not in text
+
+
 def test_a_dynamic_case_with_another_qv_is_marked(folder, checking_cases, tmp_path):
-    """Its QV is raised by 1 %, and by twice the error estimate of a steady case."""
+    """Its QV is raised by 1 % plus twice the error estimate of a steady case."""
     *others, last = checking_cases
     beyond = 1.0 + 2.0 * float(load(checking_cases[0])["qv_error_estimate"]) + 0.01
     changed, out = with_values(last, tmp_path / "qv.nc", total_qv=beyond), tmp_path / "check.md"
@@ -386,7 +405,7 @@ def test_a_map_of_another_scene_is_not_recommended_from(folder, tmp_path, capsys
     [("design", "recommendation file"), ("recommendation", "another scene")],
 )
 def test_a_spread_needs_a_recommendation_for_its_scene(folder, name, problem, tmp_path, capsys):
-    """Refused are the map of gyro_s1, and its recommendation, for a spread of gyro_s2."""
+    """The map of gyro_s1 and its recommendation are refused for a spread of gyro_s2."""
     inputs = {"scene": scene_file("gyro_s2"), "methods": "constant_force"}
     inputs["recommendation"] = folder / f"{name}.nc"
     quantiles = "studies.uncertainty.quantiles.quantiles_and_indices"
@@ -396,7 +415,7 @@ def test_a_spread_needs_a_recommendation_for_its_scene(folder, name, problem, tm
 
 
 def test_a_limit_can_be_changed_without_another_map(folder):
-    """Best of the five preloads [N] by either method: with 3 N/um 5 and 11, with 4 N/um 7 and none.
+    """The best of five preloads by each method are 5 and 11 N for 3 N/um, 7 N and none for 4 N/um.
 
     The lives of the map stay the same.
     """
@@ -420,7 +439,7 @@ def axes(preloads, friction=0.08):
 
 
 def test_a_small_map_has_what_the_parts_of_a_large_one_have(scene, folder):
-    """Values and attributes of the whole, bit for bit; attributes of variables may differ."""
+    """Values and attributes of the dataset agree bit for bit; those of variables may differ."""
     limits = DesignLimits(**LIMITS, at_speed_only=True)
     design = preload_map(scene, axes((3.0, 5.0, 7.0, 9.0, 11.0)), limits)
     dataset = load(folder / "design.nc")
@@ -443,7 +462,7 @@ def test_the_limit_that_is_met_first_holds(scene):
 
 @pytest.mark.parametrize(("life", "drawn"), [(0.0, "map"), (np.nan, "design")])
 def test_figures_of_a_map_without_any_life(life, drawn, folder, tmp_path):
-    """Of lives that are all zero, or all unsolved (NaN): an axis of life cannot be logarithmic.
+    """Lives are all zero, or all unsolved (NaN), so that their axis cannot be logarithmic.
 
     drawn: a map alone, or with its recommendation.
     """

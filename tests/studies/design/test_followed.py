@@ -64,7 +64,7 @@ BY_METHOD = pytest.mark.parametrize(("k", "method"), [*enumerate(METHODS)])
 
 @BY_METHOD
 def test_the_recommended_life_is_that_of_life(scene, recommended, k, method):
-    """To rounding, and with the same criterion; files have hours."""
+    """Both agree to rounding, and the same criterion ends them; files have hours."""
     point = recommended.isel(preload_method=k)
     values = life(with_method(scene, method, float(point["preload"]))).values
     assert_allclose(point["life"], values["life"] / 3600.0, rtol=1e-15)
@@ -97,7 +97,7 @@ def test_a_map_has_lives_with_grooves_as_life_follows_them(scene, design_map):
 
 @BY_METHOD
 def test_no_preload_of_the_map_within_the_limit_lives_longer(design_map, recommended, k, method):
-    """Than the recommended one of its method."""
+    """They are compared with the life at the recommended preload of the same method."""
     line = design_map.isel(preload_method=k, friction=0, shaft_speed=0)
     within = line["life"].where(line["system_axial_stiffness"] >= 5e6)
     assert float(recommended["life"][k]) >= float(within.max())
@@ -123,7 +123,7 @@ def test_a_life_that_ends_when_new_needs_no_groove(scene):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_quick_lives_are_those_of_life(scene, method):
-    """To 3e-3, and the least stiffness to 2 %: they take fewer cells and longer steps."""
+    """Lives agree to 3e-3, the least stiffness to 2 %: quick ones take fewer cells and steps."""
     held = with_method(scene, method, 7.0)
     quick, exact = (design_point(held, slip_limit(0.12), is_quick) for is_quick in (True, False))
     assert_allclose(quick["life"], exact["life"], rtol=3e-3)
@@ -146,7 +146,7 @@ def with_limits(scene, **limits):
 def test_one_march_has_the_lives_of_all_ends(held, limits):
     """A life is followed to the farthest end; the times at which it passes others are lives.
 
-    Within 3e-3 of lives that are followed to each of these ends alone.
+    They agree to 3e-3 with lives that are followed to each of these ends alone.
     """
     farthest = with_limits(held, ball_diameter_loss_um=1.4, preload_fraction=0.2)
     life_to = lives_by_end(held, farthest.wear.end_of_life)

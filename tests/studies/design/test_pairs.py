@@ -94,7 +94,7 @@ def test_the_sheet_names_spring_and_rigid_pair_and_the_required_frequency(recomm
 
 @pytest.mark.parametrize("missing", ["arrangement.rotor_mass_kg", "arrangement.span_mm"])
 def test_a_required_frequency_needs_mass_and_span(scene, missing, capsys):
-    """The error names the key that is missing, in Python and in one line of the command."""
+    """The error names the missing key, in Python and in one line of the command."""
     rotor = {key: value for key, value in ROTOR.items() if key != missing}
     with pytest.raises(SceneError, match=missing):
         DesignLimits(lowest_frequency_Hz=1e3).check(scene("gyro_s1", rotor), "scene")

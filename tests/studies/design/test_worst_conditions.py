@@ -84,7 +84,7 @@ def test_the_first_lines_name_the_lowest_speed_in_place_of_rest(scene):
 
 
 def test_the_first_lines_name_speeds_of_cases_where_nothing_else_was_looked_at(scene):
-    """With requirements at the speed of each case alone, the lowest and the highest of these."""
+    """With requirements at the speed of each case alone, the words have the extremes of these."""
     limits = {STIFFNESS: 20.0, "at_speed_only": True}
     words = conditions_words(recommended_for(scene.with_({"cases": CASES}), limits=limits))
     assert numbers_in(words)[-2:] == [500.0, 24000.0] and "rest" not in words
@@ -96,7 +96,7 @@ def limit_words(recommended):
 
 
 def test_the_headline_names_where_a_requirement_is_just_met(scene):
-    """Speed, wear and bearing; the case if there are several."""
+    """The words have speed, wear and bearing, and the case if there are several."""
     words = limit_words(recommended_for(scene))
     assert numbers_in(words) == [20.0, 3000.0, 2.0] and "new" in words  # N/um, r/min, bearing
     assert "case" not in words
@@ -120,7 +120,7 @@ def test_the_headline_names_the_bearing_that_lifts_off(scene):
 
 
 def test_a_life_names_the_speed_and_the_case_in_which_it_is_the_shortest(scene):
-    """3000 r/min; the case `fast`, and that it is one of three, if there are several."""
+    """At 3000 r/min; if there are several cases, the words have `fast` and their number."""
     of_scene = recommended_for(scene)
     best = of_scene.isel(preload_method=0)  # the only method
     assert numbers_in(life_condition_words(of_scene, best))[0] == 3000.0
@@ -149,7 +149,7 @@ def test_neglected_temperatures_are_said_of_the_cases_without_any(scene):
 
 
 def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
-    """By the lowest and the highest speed of cases and their names; without cases, by its speed."""
+    """The line has the extreme speeds of cases and their names; without cases, only a speed."""
     data = scene.with_({"cases": CASES}).to_dict()
     line = bearing_line(data)
     assert "500 to 24000 r/min" in line and line.endswith("nominal, slow, fast")
@@ -162,7 +162,7 @@ def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
 
 
 def test_a_method_without_a_preload_is_named_in_its_heading(scene):
-    """But in a heading for no method at all it is not: a life of NaN, and then of 1 h."""
+    """It is not named where no method has a preload: first the life is NaN, then 1 h."""
     recommended = recommended_for(scene, active=ACTIVE[NO_PRELOAD])
     recommended = recommended.assign(life=("preload_method", [np.nan]))
     recommended.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "x"})

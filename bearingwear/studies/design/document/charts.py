@@ -33,11 +33,11 @@ from bearingwear.studies.design.document.worst_conditions import (
 from bearingwear.studies.design.recommend import best_method
 
 X_LABEL = "initial preload (N)"
-_DECADES = 30.0
-"""Ratio of the largest value to the smallest from which an axis is logarithmic."""
+_LOGARITHMIC_FROM = 30.0
+"""Ratio of the largest value to the smallest above which an axis is logarithmic."""
 
 Bands = Mapping[str, tuple[float, float]]
-"""Lives between which those of most bearings lie [h], by method."""
+"""Lowest and highest life of 90 % of bearings [h], by method."""
 
 
 class PointOverPreload(NamedTuple):
@@ -104,19 +104,20 @@ def _achieved_requirements(recommendation: xr.Dataset) -> str:
             measure = LIMITED[name]
             achieved = digits(measure.shown(float(measure.worst(point))))
             margin_percent = 100.0 * abs(float(measure.margins(point, limit)))
+            decimals = 0 if margin_percent >= 1.0 else 1
             where = critical_condition_words(recommendation, point, name)
             if where:
                 where = f" {where}" if where.startswith("at ") else f", {where}"
             text += (
                 f" (achieved: {achieved} {printed_unit(measure.unit)}{where}; "
-                f"margin {margin_percent:.{0 if margin_percent >= 1.0 else 1}f} %)"
+                f"margin {margin_percent:.{decimals}f} %)"
             )
         texts.append(text)
     return "; ".join(texts)
 
 
 def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands) -> Iterator[Chart]:
-    """Yields the charts of the life over the preload, then of each quantity of the short tables."""
+    """Yields a chart of the life over the preload, then one of each quantity of short tables."""
     limits = limits_of(design).given
     points = preload_points(design, recommendation)
     preloads = [point.preload for line in points.values() for point in line]
@@ -149,8 +150,8 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
             lines=lines,
             limit=limit,
             at_least=bool(measure and measure.falls),
-            log_x=max(preloads) > _DECADES * min(preloads),
-            log_y=bool(positive) and max(positive) > _DECADES * min(positive),
+            log_x=max(preloads) > _LOGARITHMIC_FROM * min(preloads),
+            log_y=bool(positive) and max(positive) > _LOGARITHMIC_FROM * min(positive),
         )
 
 
@@ -162,8 +163,8 @@ def _chart_lines(
 ) -> list[ChartLine]:
     """Returns a line over the preload for each method, with a star at the recommended preload.
 
-    values, violations: of a quantity, and the violated requirements, at all points of one method
-        after the other.
+    values: of the quantity, at all points of one method after the other.
+    violations: the violated requirements in words, at the same points.
     """
     scene = plain_scene(recommendation)
     recommended = dict(methods(recommendation))
@@ -201,8 +202,8 @@ def _finite_or_none(value: float) -> float | None:
 def _violated_ranges(line: Sequence[PointOverPreload]) -> list[tuple[float, float]]:
     """Returns the ranges of the preload [N] in which a limit is violated.
 
-    Their ends lie between two preloads, where the least margin is zero if it changes evenly; they
-    are in the middle next to a point with a margin of 1 or more, which says little.
+    Their ends lie between two preloads, where the least margin is zero if it changes evenly with
+    the logarithm of the preload. They are in the middle if one margin is 1 or more, or -1 or less.
 
     line: points with rising preload.
     """

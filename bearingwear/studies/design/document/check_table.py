@@ -33,14 +33,14 @@ WITH_CAGE = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Compared:
+class ComparedNumber:
     """A number by both models."""
 
     preload: float  # [N]
     name: str  # with the unit
     steady: float
     dynamic: float
-    # both estimates of the numerical error together, relative; NaN where there is none
+    # sum of both relative estimates of the numerical error; NaN without an estimate
     errors: float = np.nan
 
     @property
@@ -50,7 +50,7 @@ class Compared:
 
     @property
     def exceeds_errors(self) -> bool:
-        """Whether the models differ by more than both estimates together."""
+        """Returns whether the models differ by more than the sum of the error estimates."""
         return abs(self.difference) > self.errors
 
 
@@ -59,9 +59,9 @@ class CheckedPreload:
     """A preload by both models."""
 
     preload: float  # [N]
-    numbers: list[Compared]  # none where a model has no answer
-    settled: str  # how far the dynamic means are settled
-    status: dict[str, str]  # by fidelity
+    numbers: list[ComparedNumber]  # none where a model has no answer
+    settled: str  # how far the dynamic means have settled, in words
+    status: dict[str, str]  # names of statuses, by fidelity
 
 
 def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
@@ -91,7 +91,7 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
 
 
 def _explanation(recommendation: xr.Dataset, case_scene: Mapping[str, Any]) -> str:
-    """Returns sentences on the condition to which the numbers apply, and what agreement means.
+    """Returns sentences on the operation to which the numbers apply, and what agreement means.
 
     case_scene: plain data of the scene of a case.
     """
@@ -113,7 +113,9 @@ def _explanation(recommendation: xr.Dataset, case_scene: Mapping[str, Any]) -> s
 
 
 def _numbers_block(points: Sequence[CheckedPreload], limit: float | None) -> Block:
-    """Returns a table with a line for each number by both models; of an unsolved preload, statuses.
+    """Returns a table with a line for each number by both models.
+
+    A preload that was not solved has a line with its statuses.
 
     points: at all checked preloads.
     limit: of the gyroscopic slip share; None without one.
@@ -141,10 +143,10 @@ def _numbers_block(points: Sequence[CheckedPreload], limit: float | None) -> Blo
     return Block(rows=tuple(rows), axes=2)
 
 
-def _verdict(number: Compared, limit: float | None) -> str:
+def _verdict(number: ComparedNumber, limit: float | None) -> str:
     """Returns "yes" if the difference exceeds the errors, "no" if not, a dash if these are unknown.
 
-    For the slip share, it is how many models violate its limit.
+    For the slip share, if it has a limit, the words say how many models violate this.
 
     limit: of the gyroscopic slip share; None without one.
     """
@@ -160,7 +162,9 @@ def _verdict(number: Compared, limit: float | None) -> str:
 def _cases_by_preload(
     recommendation: xr.Dataset, paths: Sequence[str | Path]
 ) -> dict[float, dict[str, xr.Dataset]]:
-    """Returns the steady and the dynamic case of each preload in files, by preload and fidelity.
+    """Returns the steady and the dynamic case at each preload [N], by preload and fidelity.
+
+    paths: of the files of the cases.
 
     CaseFileError: no recommendation, a file of another scene or kind, or a missing case.
     """
@@ -202,17 +206,19 @@ def _checked_preload(preload: float, cases: Mapping[str, xr.Dataset]) -> Checked
     )
 
 
-def _compared_numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Compared]:
+def _compared_numbers(
+    preload: float, steady: xr.Dataset, dynamic: xr.Dataset
+) -> list[ComparedNumber]:
     """Returns QV, wear rate and slip share of a case by both models.
 
     steady, dynamic: solved cases of a new bearing at the preload [N].
     """
 
-    def compared(label: str, variable: str, error: str, unit: Display) -> Compared:
+    def compared(label: str, variable: str, error: str, unit: Display) -> ComparedNumber:
         """Returns a variable by both models, with the sum of their relative error estimates."""
         cases = steady, dynamic
         errors = (float(case[error]) if error in case else np.nan for case in cases)
-        return Compared(
+        return ComparedNumber(
             preload=preload,
             name=unit.label(label),
             steady=unit.of(float(steady[variable])),
@@ -226,7 +232,7 @@ def _compared_numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -
     return [
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
         compared(CASE[rate].label, rate, "wear_rate_error_estimate", LOSS_RATE),
-        Compared(
+        ComparedNumber(
             preload=preload,
             name=SHARE_LABEL,
             steady=float(steady[share].max()),
@@ -256,19 +262,21 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
     return " ".join(sentences)
 
 
-def _agreement_sentences(numbers: Sequence[Compared]) -> list[str]:
+def _agreement_sentences(numbers: Sequence[ComparedNumber]) -> list[str]:
     """Returns sentences on whether both models agree, and on the largest difference by quantity.
 
     numbers: at all preloads, among them slip shares.
     """
-    # the last number of each name stays: one beyond the estimates if any is, then the largest
+    # rising, so that the dictionary keeps the worst number of each name
     ordered = sorted(numbers, key=lambda n: (n.exceeds_errors, abs(n.difference)))
     worst = {number.name: number for number in ordered}
     share = worst.pop(SHARE_LABEL)
     with_errors = [number for number in worst.values() if np.isfinite(number.errors)]
     within = "; ".join(_difference_text(n) for n in with_errors if not n.exceeds_errors)
     beyond = "; ".join(_difference_text(n) for n in with_errors if n.exceeds_errors)
-    if within and beyond:
+    if not with_errors:
+        verdict = "lacks an error estimate, so its agreement with the steady values is not known"
+    elif within and beyond:
         verdict = "agrees only partly with the steady values of the map"
     else:
         verb = "agrees" if within else "does not agree"
@@ -284,13 +292,13 @@ def _agreement_sentences(numbers: Sequence[Compared]) -> list[str]:
     ]
 
 
-def _difference_text(number: Compared) -> str:
-    """Returns the name of a number without its unit, its difference, and its errors."""
+def _difference_text(number: ComparedNumber) -> str:
+    """Returns text with a number's name without its unit, its difference, and its errors."""
     name, _, _ = number.name.partition(" (")
     errors = plain(100.0 * number.errors, 2)
     return f"{name}, {_percent_text(number)} (estimates: {errors} %)"
 
 
-def _percent_text(number: Compared) -> str:
-    """Returns the difference of a number [%], and its preload."""
+def _percent_text(number: ComparedNumber) -> str:
+    """Returns text with the difference of a number [%], and its preload."""
     return f"{plain(100.0 * number.difference, 2, '+')} % at {digits(number.preload)} N"

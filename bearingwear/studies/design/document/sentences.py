@@ -52,7 +52,7 @@ SHORT_LIFE = 500.0
 """Life [h] below which a bearing evidently has no lubricant film."""
 
 _RUNS_APART = 1.5
-"""Running preload over the initial one, or the reverse, that is worth a word."""
+"""Ratio of running and initial preload, the larger over the smaller, above which both are named."""
 
 CALIBRATED = "Wear and friction were calibrated with {rows} tests ({tests})"
 
@@ -88,16 +88,13 @@ def recommended_points(recommendation: xr.Dataset) -> list[RecommendedPoint]:
 def points_with_short_life(recommendation: xr.Dataset) -> list[RecommendedPoint]:
     """Returns the longest life of each method that only the required life rules out, longest first.
 
-    The preloads of the points are those of these lives.
+    Points have the preload and the life of `longest_preload` and `longest_life`.
     """
     if "longest_life" not in recommendation:  # an older file
         return []
-    points = [
-        RecommendedPoint(method, point.assign(preload=point["longest_preload"]), float(life))
-        for method, point in methods(recommendation)
-        if math.isfinite(life := point["longest_life"])
-    ]
-    return sorted(points, key=lambda point: -point.life)
+    names = {"preload": "longest_preload", "life": "longest_life"}
+    longest = {name: recommendation[variable] for name, variable in names.items()}
+    return recommended_points(recommendation.assign(longest))
 
 
 def method_names(dataset: xr.Dataset) -> list[str]:
@@ -129,15 +126,15 @@ def headline(recommendation: xr.Dataset) -> str:
 
 
 def setting_words(scene: Mapping[str, Any], point: RecommendedPoint) -> str:
-    """Returns how a preload is applied: `a spring pair with a preload of 14.7 N`."""
+    """Returns how a preload is applied, as "a spring pair with a preload of 14.7 N"."""
     device = method_words(scene, point.method) if is_pair(scene) else point.method
     return TAKE[device].format(preload_text(point.point))
 
 
 def _running_preload_words(point: xr.Dataset) -> str:
-    """Returns the running preload of a fixed position; empty if it is nearly the initial one.
+    """Returns the running preload of a fixed position, in brackets.
 
-    It is empty for a constant force, too.
+    It is empty if it is nearly the initial preload, and for a constant force.
 
     point: recommendation of a method.
     """
@@ -196,7 +193,7 @@ def life_sentence(recommendation: xr.Dataset, spreads: Mapping[str, Spread | Non
 
 
 def similar_life_sentences(recommendation: xr.Dataset) -> list[str]:
-    """Returns a sentence on the other method if its life is about the same; else an empty list."""
+    """Returns a sentence on the other method if its life is similar, in a list; else none."""
     best, *others = recommended_points(recommendation)
     if not others or others[0].life < SIMILAR * best.life:
         return []
@@ -206,9 +203,9 @@ def similar_life_sentences(recommendation: xr.Dataset) -> list[str]:
 
 
 def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
-    """Returns sentences on the minimum preload by the maker, beside the recommended one if any.
+    """Returns sentences on the maker's minimum preload, compared with the recommended one if any.
 
-    The list is empty where the maker's minimum is not known.
+    The list is empty if that minimum is not known.
     """
     scene = plain_scene(recommendation)
     points = recommended_points(recommendation)
@@ -220,7 +217,7 @@ def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
 
 
 def trust_sentence(recommendation: xr.Dataset) -> str:
-    """Returns a sentence on what the life may be used for: comparison, or more if calibrated."""
+    """Returns sentences on what the life may be used for: comparison, or more if calibrated."""
     scene = plain_scene(recommendation)
     calibration = scene.get("calibrated")
     if calibration:
@@ -242,7 +239,7 @@ def setting_sentence(recommendation: xr.Dataset) -> str:
     """
     best = recommended_points(recommendation)[0]
     low, high = float(best.point["least_preload"]), float(best.point["most_preload"])
-    has_tolerance = low <= high
+    has_tolerance = low <= high  # both may be NaN
     text = preload_text(best.point)
     side = _side_words(recommendation, best)
     if best.method == "fixed_position":
@@ -267,7 +264,7 @@ def setting_sentence(recommendation: xr.Dataset) -> str:
 
 
 def _side_words(recommendation: xr.Dataset, best: RecommendedPoint) -> str:
-    """Returns words on the preload of a tandem set: on each side, and of which pair if rigid.
+    """Returns words for a tandem set: that the preload is on each side, and of which pair if rigid.
 
     They are empty for other arrangements.
     """
@@ -282,7 +279,7 @@ def _side_words(recommendation: xr.Dataset, best: RecommendedPoint) -> str:
 
 
 def _rounded_down(tolerance: float) -> float:
-    """Returns the largest number with two digits that a tolerance contains; zero for none."""
+    """Returns a tolerance rounded down to two significant digits; zero unless it is above zero."""
     if not tolerance > 0.0:
         return 0.0
     unit = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
@@ -293,7 +290,7 @@ def _rounded_down(tolerance: float) -> float:
 def spacer_offset(recommendation: xr.Dataset, preload: float) -> float:
     """Returns the approach [µm] of both bearings of a rigid pair under a preload [N], as mounted.
 
-    A single bearing counts twice.
+    The approach of a single bearing counts twice.
     """
     scene = with_method(scene_from_dict(plain_scene(recommendation)), "fixed_position", preload)
     sides = scene.sides
@@ -312,7 +309,7 @@ def no_preload_title(recommendation: xr.Dataset) -> str:
 def no_preload_sentences(recommendation: xr.Dataset) -> list[str]:
     """Returns a sentence for each method without a preload on why it has none.
 
-    Without requirements, it is advice to state some.
+    Without requirements, the list has advice to state some, or is empty.
     """
     reasons = recommendation.attrs.get(NONE_BECAUSE, "{}")
     if not limits_of(recommendation).given:
@@ -326,7 +323,7 @@ def no_preload_sentences(recommendation: xr.Dataset) -> list[str]:
 
 
 def _method_in_sentence(recommendation: xr.Dataset, method: str) -> str:
-    """Returns the words of a method, with an article if it is a kind of pair."""
+    """Returns the words for a preload method, with an article if it is a kind of pair."""
     scene = plain_scene(recommendation)
     words = method_words(scene, method)
     return f"a {words}" if is_pair(scene) else words

@@ -118,7 +118,10 @@ def design_answer(
 
 
 def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) -> tuple[str, str]:
-    """Step: returns the whole map as CSV, and the recommended preload as Markdown."""
+    """Step: returns the whole map as CSV, and the document of the recommendation as Markdown.
+
+    The arguments are those of `design_answer`.
+    """
     lives, recommended, sampled = design_files(design, recommendation, uncertainty)
     heads = ("preload_method", "friction", "shaft_speed (rpm)", "preload (N)")
     document = preload_document(recommended, lives, sampled)
@@ -126,7 +129,7 @@ def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) 
 
 
 def recommendation_sheet(file: Any) -> Document:
-    """Returns the sheet of a recommendation.
+    """Returns the document of a recommendation alone.
 
     file: open netCDF file.
     """
@@ -196,7 +199,7 @@ def _facts(recommendation: xr.Dataset, warnings: Sequence[Mapping[str, Any]]) ->
 
 
 def _setting_block(recommendation: xr.Dataset) -> Block:
-    """Returns sentences on what to specify, the maker's minimum, and what the life is good for."""
+    """Returns sentences on what to specify, the maker's minimum, and how far to trust the life."""
     lines = (
         setting_sentence(recommendation),
         *makers_minimum_sentences(recommendation),
@@ -206,9 +209,9 @@ def _setting_block(recommendation: xr.Dataset) -> Block:
 
 
 def _no_preload_blocks(recommendation: xr.Dataset) -> list[Block]:
-    """Returns a block on why a method has no preload, or on what a requirement would do.
+    """Returns a list with a block on why a method has no preload, or why to state a requirement.
 
-    The list is empty where each method has a preload.
+    It is empty if each method has a preload.
     """
     reasons = no_preload_sentences(recommendation)
     if not reasons:
@@ -221,7 +224,7 @@ def _no_preload_blocks(recommendation: xr.Dataset) -> list[Block]:
 
 
 def _friction_words(scene: Mapping[str, Any]) -> str:
-    """Returns the friction coefficient of a scene in words."""
+    """Returns words for the ball-race friction of a scene: a coefficient, or a film."""
     mu = scene["friction"].get("ball_race")
     return "friction of a film" if mu is None else f"friction {mu:g}"
 
@@ -242,7 +245,7 @@ def recommended_spreads(
 def _recommended_block(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None]) -> Block:
     """Returns a table of the preload of each method, its limit, its life, and its worst values.
 
-    spreads: of the lives, of `recommended_spreads`.
+    spreads: of the lives, as from `recommended_spreads`.
     """
     rows = [
         *_preload_rows(recommendation),
@@ -282,7 +285,10 @@ def _preload_rows(recommendation: xr.Dataset) -> list[Row]:
 
 
 def _tolerance_row(recommendation: xr.Dataset, label: str, name: str) -> Row:
-    """Returns an end of the tolerance of each preload, which the longest life alone has."""
+    """Returns a row of one end of the tolerance, which the preload with the longest life has alone.
+
+    name: of the variable with that end.
+    """
     has_preload = np.isfinite(recommendation["preload"])
     values = tuple(
         NO_TOLERANCE if math.isnan(limit) and recommended else limit
@@ -320,7 +326,7 @@ def _life_rows(recommendation: xr.Dataset, spreads: Mapping[str, Spread | None])
     errors = tuple(Rough(100.0 * error) for error in _floats(recommendation["life_error_estimate"]))
     rows.append(Row("  numerical error", "%", errors, "life_error_estimate"))
     rows += _groove_rows(recommendation)
-    if not any(spreads.values()):  # those sampled contain the wear
+    if not any(spreads.values()):  # sampled spreads include the uncertainty of wear
         rows += by_wear_row(scene, lives)
     return [*rows, *spread_rows([*spreads.values()])]
 
@@ -349,7 +355,7 @@ def _groove_rows(recommendation: xr.Dataset) -> list[Row]:
 def _worst_value_rows(recommendation: xr.Dataset) -> list[Row]:
     """Returns rows of the worst values from new to the end of life, and of the preload at the end.
 
-    They are the measures of short tables and those that are limited, if their values are known.
+    The values are of the measures of short tables and of limited measures, if they are known.
     """
     limits = limits_of(recommendation).given
     rows = []
@@ -380,7 +386,7 @@ def _worst_note(recommendation: xr.Dataset, name: str) -> str:
 
     A life over a duty that ends by a depth of wear ends in all phases.
 
-    name: of the quantity, or `active_limit` for the one that limits the preload.
+    name: of the quantity, or `active_limit` for the quantity that limits the preload.
     """
     words = []
     is_life_over_duty = name == "life" and bool(plain_scene(recommendation).get("duty"))
@@ -396,7 +402,7 @@ def _worst_note(recommendation: xr.Dataset, name: str) -> str:
 
 
 def _floats(values: Iterable[Any]) -> tuple[float, ...]:
-    """Returns the values of a variable as plain numbers."""
+    """Returns the values of a variable as built-in floats."""
     return tuple(float(value) for value in values)
 
 
@@ -458,13 +464,16 @@ def brief_rows(points: Sequence[xr.Dataset]) -> list[Row]:
         worst = [measure.worst(point) for point in points]
         rows.append(_measure_row(measure, measure.short, worst, measure.key))
     end_label, _ = RECOMMENDED_WORDS[AT_END]
-    end = quantity_row(end_label, "N", [point[AT_END] for point in points], AT_END)
+    end_row = quantity_row(end_label, "N", [point[AT_END] for point in points], AT_END)
     violations = Row("requirements violated", "", tuple(map(violated_words, points)))
-    return [life_row, *rows, end, violations]
+    return [life_row, *rows, end_row, violations]
 
 
 def violated_words(point: xr.Dataset) -> str:
-    """Returns which requirements a design point violates, or why it has no life, in words."""
+    """Returns which requirements a design point violates, or why it has no life, in words.
+
+    point: dataset of the point, with the limits in its attributes.
+    """
     if int(point["status"]) != OK:
         return f"not solved: {name_in_words(STATUS_NAMES[int(point['status'])])}"
     limits = limits_of(point)

@@ -1,4 +1,4 @@
-"""Requirements of the design study in words, and what keeps a preload from a longer life."""
+"""Requirements of the design study in words, and what limits a recommended preload."""
 
 import json
 import math
@@ -17,7 +17,7 @@ LIMIT_WORDS = {name: measure.words for name, measure in LIMITED.items()} | {
     "end_of_life": "a switch to another end-of-life criterion",
     "impractical": "a warning: impractical design",
 }
-"""What keeps a preload from one with a longer life."""
+"""What keeps a preload from one with a longer life, by the names of `choice.ACTIVE`."""
 
 
 def active_limit_words(name: str, extremes: Callable[[str], Any]) -> str:
@@ -84,7 +84,9 @@ WHAT_LIMITS = (
 
 
 def no_requirement_words(reasons_json: str) -> tuple[str, str]:
-    """Returns a headline where no requirement was given, and advice, which may be empty.
+    """Returns a headline and advice for a recommendation without a requirement.
+
+    If the reasons are other than `NO_LIMIT`, the headline has these, and the advice is empty.
 
     reasons_json: attribute `NONE_BECAUSE` of the recommendation.
     """
@@ -95,6 +97,6 @@ def no_requirement_words(reasons_json: str) -> tuple[str, str]:
 
 
 GROOVE_WORDS = {"hertzian": "Hertzian", "worn": "worn"}
-"""Groove models of lives."""
+"""Words for the groove models of lives."""
 
 HERTZIAN_LIFE_WORDS = "with a Hertzian groove"

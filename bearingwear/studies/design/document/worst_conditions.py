@@ -32,12 +32,12 @@ from bearingwear.studies.design.conditions import (
 )
 
 _JUST_MET = 0.01
-"""Margin of a requirement, over it, that is as good as none."""
+"""Relative margin below which a requirement counts as just met."""
 
 _OVER_DUTY = "over the duty"
 
 _WEAR_WORDS = {NEW: "new", AT_END_OF_LIFE: "worn", BETWEEN: "during the life"}
-"""States of wear in tables, and of a launch, which may precede the end of life."""
+"""States of wear in tables and at a launch, which may precede the end of life."""
 
 
 def _speed_and_warm_up_words(dataset: xr.Dataset) -> str:
@@ -74,7 +74,7 @@ def _speed_range_words(dataset: xr.Dataset) -> str:
 
 
 def conditions_words(dataset: xr.Dataset) -> str:
-    """Returns cases and speeds in words: "worst of 2: nominal, fast; from rest to 9000 r/min"."""
+    """Returns cases and speeds, as "worst of 2: nominal, fast; from rest to 9000 r/min"."""
     cases = scenes_by_case(plain_scene(dataset))
     phrases = [worst_case_phrase(cases)] if len(cases) > 1 else []
     return "; ".join([*phrases, _speed_and_warm_up_words(dataset)])
@@ -101,7 +101,7 @@ def worst_condition(
 ) -> Mapping[str, Any] | None:
     """Returns the condition in which a quantity of one method is the worst; None if not known.
 
-    point: that of the method in the recommendation.
+    point: recommendation of the method.
     quantity: name of an extreme, or "life".
     """
     methods = recommendation["preload_method"].values.tolist()
@@ -174,19 +174,19 @@ def brief_condition_words(recommendation: xr.Dataset, point: xr.Dataset, extreme
 
 
 def _has_cases(dataset: xr.Dataset) -> bool:
-    """Whether the scene of a file has further cases."""
+    """Returns whether the scene of a file has cases beside the nominal one."""
     return bool(plain_scene(dataset).get("cases"))
 
 
 def _is_resting(extreme: str) -> bool:
-    """Whether an extreme is of a measure at rest, which no speed has."""
+    """Returns whether an extreme is of a measure that is computed at rest."""
     return any(measure.resting and extreme in measure.extremes for measure in LIMITED.values())
 
 
 def life_condition_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
     """Returns the speed of a method's life in words, and its case if there are several.
 
-    It is "over the duty" if there is one, and empty where the condition is not known.
+    The words are "over the duty" for a scene with a duty, and empty if the condition is not known.
 
     point: recommendation of a method.
     """
@@ -211,9 +211,9 @@ def lives_condition_words(dataset: xr.Dataset) -> str:
 
 
 def limit_met_words(recommendation: xr.Dataset, point: xr.Dataset) -> str:
-    """Returns what limits a recommended preload: "20 N/µm is just met at 3000 r/min, new".
+    """Returns what limits a recommended preload, as "20 N/µm is just met at 3000 r/min, new".
 
-    Empty if the active limit is no requirement.
+    The text is empty if the active limit is no requirement.
 
     point: recommendation of a method.
     """

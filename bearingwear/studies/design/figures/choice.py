@@ -1,4 +1,4 @@
-"""Figure of the design study: which preload to take."""
+"""Figure of the design study: lives of a map, and the recommended preloads."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from bearingwear.studies.design.plan import DesignLimits
 
 LETTERS = {name: measure.letter for name, measure in LIMITED.items()}
 LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NB", strict=True))
-"""Letters on a map by the names in `ACTIVE`, for what keeps a preload from a longer life."""
+"""Letters on a map for what keeps a preload from a longer life, by the names of `ACTIVE`."""
 
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 PALE = {"alpha": 0.6, "linewidth": 0.9}
@@ -57,7 +57,7 @@ def design_figure(
 ) -> Figure:
     """Returns a figure of life over preload and over stiffness, with the recommended preloads.
 
-    A map of several frictions and several speeds adds the recommended preload over these.
+    For a map of several frictions and speeds, it also shows the recommended preload over these.
 
     uncertainty: dataset of the study of uncertainty, whose spread of lives is drawn; or None.
     """
@@ -96,7 +96,7 @@ def design_figure(
 
 
 def _draw_lives(over_preload: Any, over_stiffness: Any, lives: xr.Dataset) -> bool:
-    """Draws the lives of both methods in two panels; returns whether one was not solved.
+    """Draws the lives of each method in two panels; returns whether any was not solved.
 
     over_preload, over_stiffness: panels.
     lives: map over preload method and preload.
@@ -156,7 +156,7 @@ def set_preload_scale(panel: Any, design: xr.Dataset) -> None:
 def _draw_lives_over_preload(
     panel: Any, method: str, line: xr.Dataset, is_allowed: xr.DataArray
 ) -> None:
-    """Draws lives of a method, pale where a requirement is violated.
+    """Draws lives of a method, pale where a requirement is violated, with marks at new ends.
 
     line: map over the preload, of the method.
     is_allowed: mask of the points that violate no requirement.
@@ -171,10 +171,10 @@ def _draw_lives_over_preload(
 
 
 def end_changes(line: xr.Dataset) -> list[tuple[int, str]]:
-    """Returns indices of preloads from which on another criterion ends the life, and its name.
+    """Returns the indices of preloads from which on another criterion ends the life, with its name.
 
-    They rise. Preloads whose life was not solved are passed over, and so are lives that no
-    criterion ends.
+    The indices rise. Preloads without a solved life are skipped, and lives that no criterion ends
+    are not among them.
 
     line: map over the preload.
     """
@@ -189,7 +189,7 @@ def end_changes(line: xr.Dataset) -> list[tuple[int, str]]:
 
 
 def _draw_hertzian_lives(panel: Any, method: str, line: xr.Dataset) -> None:
-    """Draws lives with grooves that keep their shape, beside those with worn grooves.
+    """Draws lives with Hertzian grooves as a dotted line, beside those with worn grooves.
 
     line: map over the preload, of the method.
     """
@@ -200,7 +200,7 @@ def _draw_hertzian_lives(panel: Any, method: str, line: xr.Dataset) -> None:
 def _draw_lives_over_stiffness(
     panel: Any, method: str, line: xr.Dataset, is_allowed: xr.DataArray, is_on_front: np.ndarray
 ) -> None:
-    """Draws lives of a method, pale where a requirement is violated, with dots on the front.
+    """Draws lives of a method, pale where a requirement is violated; dots mark the Pareto front.
 
     line: map over the preload, of the method.
     is_allowed: mask of the points that violate no requirement.
@@ -308,12 +308,12 @@ def _draw_letters(panel: Any, area: xr.Dataset, dark_from: float) -> None:
 
 
 def counting_key(scene: Mapping[str, Any]) -> Any:
-    """Returns the entry of the legend that says whose wear counts: of balls, or races as well."""
+    """Returns the entry of a legend that says what wear counts: of balls, or of races as well."""
     return key(f"wear of {counted_words(scene)}", color="0.3")
 
 
 def _life_keys(scene: Mapping[str, Any], has_limit: bool, has_spread: bool) -> list[Any]:
-    """Returns the legend of the lives.
+    """Returns the entries of the legend for the lives.
 
     has_limit: whether a limit of stiffness is drawn.
     has_spread: whether bars of the spread of lives are drawn.
@@ -331,7 +331,7 @@ def _life_keys(scene: Mapping[str, Any], has_limit: bool, has_spread: bool) -> l
 
 
 def _groove_keys() -> list[Any]:
-    """Returns the legend of the grooves."""
+    """Returns the entries of the legend for the grooves."""
     return [
         key("worn grooves", color="0.3"),
         key("Hertzian grooves", color="0.3", linewidth=0.8, linestyle=":"),
@@ -339,7 +339,7 @@ def _groove_keys() -> list[Any]:
 
 
 def _end_keys(lives: xr.Dataset) -> list[Any]:
-    """Returns the legend of the marks where the criterion that ends the life changes."""
+    """Returns the entries of the legend for marks where another criterion ends the life."""
     ends = dict.fromkeys(end for _, line in methods(lives) for _, end in end_changes(line))
     look = {"color": "0.3", "linestyle": "none", "markerfacecolor": "white"}
     return [
@@ -349,7 +349,7 @@ def _end_keys(lives: xr.Dataset) -> list[Any]:
 
 
 def _letter_keys(design: xr.Dataset) -> list[Any]:
-    """Returns the legend of the letters on the map, and of the mark at the scene's own values."""
+    """Returns the entries of the legend for the letters, and for the mark at the scene's values."""
     keys = []
     for flag in np.unique(design["active_limit"].values):
         name = ACTIVE[flag]

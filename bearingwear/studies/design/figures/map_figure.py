@@ -90,10 +90,10 @@ def _draw_quantity(
     cmap: str,
     label: str,
 ) -> None:
-    """Draws a quantity of every preload method, a panel each; grey where it is infinite.
+    """Draws a quantity over preload and friction, with a panel for each preload method.
 
-    Cells of zero stay blank, and points that were not solved are marked. If no value is above zero
-    and finite, the panels are left empty, without axes.
+    Infinite values are grey, cells of zero stay blank, and points that were not solved are marked.
+    If no value is above zero and finite, the panels are left empty, without axes.
 
     row: panels.
     plane: map at one speed.

@@ -1,6 +1,6 @@
 """Figures by `bearingwear plot` of single files of this study, and of uncertain lives.
 
-No step calls this, so what it imports makes no figure of the study outdated.
+No step of the workflow calls this module, so its imports make no figure of the study outdated.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ from bearingwear.studies.design.figures.uncertainty_figure import (
 
 
 def map_plot(design: xr.Dataset) -> Figure:
-    """Returns a figure of a map over preload and friction, or over preload at its only friction.
+    """Returns a figure of a map at the scene's speed, over preload and friction.
 
-    The speed is that of the scene.
+    A map of one friction is drawn over the preload alone.
     """
     if design.sizes["friction"] > 1:
         return map_overview(design)
@@ -139,9 +139,9 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
 
 
 def _recommended_text(recommendation: xr.Dataset, point: xr.Dataset) -> str:
-    """Returns the life at the recommended preload of a method, and the words for its limit.
+    """Returns text with the life at the recommended preload of a method, and with its limit.
 
-    Without a recommended preload, it returns the words for the reason alone.
+    Without a recommended preload, the text has only the reason.
 
     point: recommendation of the method.
     """

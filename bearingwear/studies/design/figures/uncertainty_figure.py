@@ -105,32 +105,31 @@ def draw_cumulated(panel: Any, sampled: xr.Dataset, colour: str) -> None:
 
 
 def cumulated_keys(scene: Mapping[str, Any]) -> list[Any]:
-    """Returns the legend of `draw_cumulated`."""
+    """Returns the entries of the legend for `draw_cumulated`."""
     text = "5, 10, 50, 90 and 95 % quantiles with sampling errors"
     return [counting_key(scene), key(text, color="0.3", linestyle="none", marker="o")]
 
 
 def _life_ratios(lives: xr.Dataset) -> np.ndarray:
-    """Returns lives with one value at its 10 or 90 % quantile, over the nominal one (values, 2)."""
+    """Returns lives at the 10 and 90 % quantile of each value over the nominal one (values, 2)."""
     ratios: np.ndarray = (lives["life_one_at_a_time"] / lives["nominal_life"]).values
     return ratios
 
 
 def _places(ratios: np.ndarray) -> np.ndarray:
-    """Returns the place of each value in a panel (values,), the largest effect on top.
+    """Returns the height of each value in a panel (values,): 0, 1, ..., the largest effect on top.
 
-    ratios: of `_life_ratios`.
+    ratios: as from `_life_ratios`.
     """
     least_ratio = 1e-6  # a life may be zero, which has no logarithm
     effects = np.abs(np.log(np.maximum(ratios, least_ratio))).max(axis=1)
-    ranks = np.argsort(np.argsort(np.nan_to_num(effects)))
-    return ranks
+    return np.argsort(np.argsort(np.nan_to_num(effects)))  # sorted twice: the rank of each effect
 
 
 def _draw_tornado(panel: Any, lives: xr.Dataset, names: list[str], colour: str) -> None:
     """Draws the lives with one value changed at a time, as bars from the nominal life.
 
-    The pale bar is that of the 10 % quantile of the value. The axis is logarithmic; texts state the
+    The pale bar belongs to the 10 % quantile of the value. The axis is logarithmic; texts state the
     changes in percent.
 
     names: of the uncertain values.
