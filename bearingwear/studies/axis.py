@@ -18,6 +18,7 @@ GRID_KEYS = {
 """Keys of a scene by the names that they have as dimensions of files."""
 
 MOST_POINTS = 1000
+"""Most values of evenly spaced ones."""
 
 MOST_DECIMALS = 9
 """Most decimals of a number that names files."""
@@ -41,7 +42,7 @@ class Steps:
     step: float = setting("Distance between successive values", within="(0, inf)")
 
     def __post_init__(self) -> None:
-        """Raises a ValueError if no whole number of steps leads to the last value, or too many."""
+        """Raises a ValueError unless at most `MOST_POINTS` equal steps end at the last value."""
         distance = abs(self.first + (self.count - 1) * self.step - self.last)
         # beyond the rounding of decimals such as 0.1
         misses_last = distance > 1e-6 * self.step
@@ -80,13 +81,13 @@ class RisingAxis(tuple[float, ...]):
 
     @classmethod
     def from_plain(cls, data: Any) -> RisingAxis:
-        """Builds the axis from a list or from `Steps`. Raises ValueError."""
+        """Returns the axis of a list, or of the keys of `Steps`. Raises ValueError."""
         try:
             if isinstance(data, list):
                 return cls(build_record(Values, checked_data(Values, {"values": data})).values)
             return cls(build_record(Steps, checked_data(Steps, data)).values)
         except SceneError as error:
-            key = error.key.removeprefix("values")
+            key = error.key.removeprefix("values")  # a list has no key of its own
             raise ValueError(": ".join(part for part in (key, error.problem) if part)) from None
 
 

@@ -226,9 +226,9 @@ def grids(config: Mapping[str, Any], key: str = "studies") -> dict[str, Grid]:
 def check_config(config: Mapping[str, Any]) -> None:
     """Refuses figures of cases or lives that no grid contains, and scenes with invalid cases.
 
-    It also refuses sampled scenes without a block `uncertainty`, studied scenes without an end of
-    life, pairs of bearings in dynamic cases, and dynamic cases that the grid of steady cases of the
-    same scene lacks.
+    It also refuses sampled scenes without a block `uncertainty` or outside of the studies, studied
+    scenes without an end of life, pairs of bearings in dynamic cases, and dynamic cases that the
+    grid of steady cases of the same scene lacks.
 
     config: data of config.yaml that agrees with its schema.
     ValueError: the first fault, in one line that names the key or the scene file.
@@ -258,8 +258,10 @@ def check_config(config: Mapping[str, Any]) -> None:
     for scene, grid in dynamic.items():
         single_bearing_scene(load_scene(scene_file(scene)), scene_file(scene))  # for a pair
         _check_cases(scene, grid, dynamic_model(config, scene))
-        # a dynamic case without its steady twin could not be set beside it
-        for case in grid.cases() if scene in studied else ():
+        if scene not in studied:
+            continue
+        # a dynamic case without its steady twin could not be compared with it
+        for case in grid.cases():
             if case not in studied[scene].cases():
                 problem = f"got {scene}, {case}, expected cases of the same scene under studies"
                 raise ValueError(f"config: dynamic: {problem}")
@@ -278,12 +280,12 @@ def _check_each(key: str, values: Iterable[Any], allowed_values: Collection[Any]
     """Raises a ValueError for the first value of a key that is not allowed."""
     for value in values:
         if value not in allowed_values:
-            expected = ", ".join(map(_text, sorted(allowed_values)))
+            expected = ", ".join(map(_printed_value, sorted(allowed_values)))
             expected = expected or "none, because nothing is studied"
-            raise ValueError(f"config: {key}: got {_text(value)}, expected {expected}")
+            raise ValueError(f"config: {key}: got {_printed_value(value)}, expected {expected}")
 
 
-def _text(value: Any) -> str:
+def _printed_value(value: Any) -> str:
     """Returns a value of the configuration as a message shows it."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
@@ -338,8 +340,9 @@ def check_sampled(uncertainty: Mapping[str, Any]) -> None:
 def map_axes(axes: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the axes of a map of design.yaml as lists of methods and numbers, by their keys.
 
-    axes: `preload_method`, and further keys with a list, or with `first`, `last` and `step`.
-    ValueError: an axis that does not rise, or is neither of both.
+    axes: `preload_method`, and further keys with a list, or with `first`, `last` and `step`. The
+        list `[NO_FRICTION]`, for films, stays as it is.
+    ValueError: an axis that does not rise, or is neither a list nor steps.
     """
     lists: dict[str, Any] = {"preload_method": list(axes["preload_method"])}
     for key, values in axes.items():

@@ -52,8 +52,8 @@ def cost_lines(sweep: Sweep, workers: int | None = None, parts: int = 1) -> list
 def _timed_answers(sweep: Sweep, points: Sequence[ScenePoint]) -> tuple[list[Answer], list[float]]:
     """Returns the answers of a sweep at its first points, and the CPU time [s] of the timed ones.
 
-    The first point, which loads the kernels, is timed only if it took so long that it stayed the
-    only one; otherwise there is one time less than answers.
+    The first point, which loads the kernels, is timed only if it stays the only one; otherwise
+    there is one time less than answers. Further points are solved for up to `_LONGEST`.
     """
     answers, seconds = [], []
     start = time.monotonic()

@@ -122,9 +122,10 @@ class Grid:
     def chunks(self, points: int | None) -> list[str]:
         """Returns the names of files that contain several whole lines of the grid each.
 
-        The list is empty if a file would contain one line or less: each point then has a file.
+        A line has the cases of all losses at one preload method and friction. The list is empty if
+        a file would contain one line or less: each point then has a file.
 
-        points: wanted in a file; None for one.
+        points: number wanted in a file; None for one.
         """
         lines_per_file = (points or 0) // len(self.ball_diameter_loss_um)
         if lines_per_file < 2:

@@ -48,9 +48,8 @@ def study_life(scene: Path, study: Path) -> xr.Dataset:
 def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     """Returns the wear life for each preload method and friction coefficient of a study.
 
-    study: cases of `gathered_study`.
-
     scene_path: file of the scene of the study; its lives start from new.
+    study: cases of `gathered_study`.
 
     Returns: the variables of a life file over `preload_method` and `friction`, those of
         `interpolated_life`, and `life_route_difference`: the interpolated life over that by the
@@ -91,10 +90,9 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
 
 
 def _interpolated_lives(base: Scene, grid: Grid, study: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
-    """Returns interpolated lives over `preload_method` and `friction`, and criteria that are not.
+    """Returns interpolated lives over `preload_method` and `friction`, and names of criteria.
 
-    The names of criteria that the cases of the study do not contain, and that end no interpolated
-    life, are the second result.
+    These criteria end no interpolated life, because the cases of the study do not contain them.
 
     base: scene of the study, without wear.
     """

@@ -28,6 +28,7 @@ def life_quantile(lives: np.ndarray, factors: np.ndarray, p: float) -> Quantile:
     """Returns the quantile at a probability of the lives of independent bearings.
 
     It is NaN without a solved life, and so is an end of the interval that the sample cannot give.
+    If all lives are equal, so that only wear varies, the interval has no width.
 
     The share of bearings below the quantile is known as well as by an effective number of bearings,
     whose binomial interval (Clopper and Pearson 1934; Korn and Graubard 1998) is carried over to

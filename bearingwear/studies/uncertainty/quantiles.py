@@ -59,7 +59,7 @@ from bearingwear.studies.uncertainty.variables import (
 )
 
 MEMBERS = 512
-"""Lives by which a file gives their distribution."""
+"""Number of lives in a file that represent their distribution."""
 
 
 class MethodLives(NamedTuple):
@@ -83,9 +83,10 @@ def uncertain_lives(
 ) -> xr.Dataset:
     """Returns quantiles of the life at a scene's own preload [h], as a dataset.
 
-    Its variables are those of `ANALYSED` but Sobol indices, over friction, preload method, choice
-    of preload, inputs that vary, and probability. Where the scene has no `uncertainty`, usual
-    distributions are assumed, and the attribute `ASSUMED_SPREAD` describes them.
+    Its variables are those of `ANALYSED` without the effects of single values, over friction,
+    preload method, choice of preload, inputs that vary, and probability. Where the scene has no
+    `uncertainty`, usual distributions are assumed, and the attribute `ASSUMED_SPREAD` describes
+    them.
 
     frictions: coefficients of ball and race [1], which replace that of the scene. Without any, the
         dataset has no dimension `friction`.
@@ -95,8 +96,8 @@ def uncertain_lives(
     workers: processes that solve lives.
     tell: takes lines of progress, and a line on distributions that are assumed.
 
-    SceneError: as `uncertain_scene`; or `samples` or `seed` is invalid. NotAvailable: no life could
-    be solved by any model.
+    SceneError: as `uncertain_scene`; or `samples` or `seed` is invalid.
+    NotAvailable: no life could be solved by any model.
     """
     plan = sampling_of(samples, seed)
     assumptions: list[str] = []

@@ -41,6 +41,7 @@ def friction_figures(
     """Step: yields a figure of QV and contact load against friction for each state of wear.
 
     losses_um: losses of ball diameter in the study [um].
+    bearing {"first", "second"}: of a pair of two that differ; None otherwise.
     """
     for loss_um in losses_um:
         yield draw_friction(study, loss_um, bearing)
