@@ -109,7 +109,7 @@ class Workers:
     ) -> Iterator[Answer]:
         """Yields the answers: the first from this process before it forks, the rest from the forks.
 
-        With one worker, all are from this process; if the forks exist already, all are from these.
+        With one worker, all are from this process; after `start`, all are from the forks.
         """
         if self.workers == 1:
             count_here = len(points)

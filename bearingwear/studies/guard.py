@@ -1,7 +1,7 @@
 """Runs a command, and interrupts it with all its children when standard input closes.
 
-`bearingwear study` starts Snakemake so, as the leader of a session: however that command ends, its
-end of the pipe closes, and no job runs on.
+`bearingwear study` starts Snakemake this way, as the leader of a session. However `bearingwear
+study` ends, its end of the pipe closes, and no job runs on.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ import itertools
 import json
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -136,7 +136,7 @@ class SweepPoints:
         return coordinates
 
 
-def names_of_keys(keys: Iterable[str], used_names: Iterable[str]) -> dict[str, str]:
+def names_of_keys(keys: Iterable[str], used_names: Collection[str]) -> dict[str, str]:
     """Returns the name of each dotted key in a dataset, by the key.
 
     It is the name in studies (`friction` for `friction.ball_race`), else the last part of the key.

@@ -105,9 +105,9 @@ def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, A
 def _typed_value(text: str, annotation: str) -> Any:
     """Returns the value that a word of a command stands for: a text, or data written in Python.
 
-    annotation: of the parameter; that of a text keeps the word as it is.
+    annotation: of the parameter, as text or as `str` prints it; `str` keeps the word as it is.
     """
-    if annotation.startswith("str"):
+    if annotation.startswith(("str", "<class 'str'>")):
         return text
     try:
         return ast.literal_eval(text)
@@ -144,7 +144,7 @@ def _save(figure: Any, paths: Sequence[Path]) -> None:
 
 
 def _is_a(result: Any, name: str) -> bool:
-    """Whether a result is of a class with a name, or of a subclass; nothing is imported."""
+    """Whether a result is an instance of the class of this name; nothing is imported."""
     return any(kind.__name__ == name for kind in type(result).__mro__)
 
 

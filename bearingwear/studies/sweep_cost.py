@@ -12,7 +12,7 @@ from bearingwear.studies.sweep import Sweep
 from bearingwear.studies.sweep_dataset import points_dataset
 
 _MOST_TIMED = 5
-"""Number of timed points. A point before them, which is not counted, loads the kernels."""
+"""Largest number of timed points, without the first point of all, which loads the kernels."""
 
 _LONGEST = 20.0
 """Time [s] after which no further point is timed."""

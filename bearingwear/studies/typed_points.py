@@ -20,8 +20,8 @@ MOST_ON_AN_AXIS = 100_000
 def typed_points(axes: Sequence[str], rows: Path | None) -> Any:
     """Returns the points of a sweep from the options `--axis` or `--rows`.
 
-    They are a dict with the list of values of each key for axes, or a list with a dict for each row
-    of a table, with a value for each key.
+    Axes give a dict with the list of values of each key. A table gives a list of rows, each of
+    which is a dict with a value for each key.
 
     axes: texts `KEY=VALUES`.
     rows: path of a table, if there are no axes.

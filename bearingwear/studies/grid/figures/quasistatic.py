@@ -202,11 +202,11 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     names = [name for name, _ in methods(cases_of_columns[-1])]
     scene = plain_scene(cases_of_columns[-1])
     loss = float(studies[0]["ball_diameter_loss"][-1])
+    prefix = f"{_bearing_text(scene)}: " if columns == 1 else ""
+    method = f"{'in a' if is_pair(scene) else 'with'} {method_words(scene, names[-1])}"
     frame(
         figure,
-        (f"{_bearing_text(scene)}: " if columns == 1 else "")
-        + f"QV {'in a' if is_pair(scene) else 'with'} {method_words(scene, names[-1])} after "
-        f"{loss:g} µm of wear, relative to new: {', '.join(ratio_texts)}",
+        f"{prefix}QV {method} after {loss:g} µm of wear, relative to new: {', '.join(ratio_texts)}",
         method_keys(names, plain_scene(studies[0]))
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],
