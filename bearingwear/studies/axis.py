@@ -18,7 +18,7 @@ GRID_KEYS = {
 """Keys of a scene by the names that they have as dimensions of files."""
 
 MOST_POINTS = 1000
-"""Most values of evenly spaced ones."""
+"""Largest number of evenly spaced values on an axis."""
 
 MOST_DECIMALS = 9
 """Most decimals of a number that names files."""

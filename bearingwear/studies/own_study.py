@@ -210,7 +210,8 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> str:
     file: of the scene.
     folder: new, empty, or of an earlier call for this scene.
     limits: requirements on the recommended preload.
-    UsageError: another folder, an edited file in it, or a scene's name that is not allowed.
+    UsageError: a folder with other files, an edited file, or a name of the scene that is not
+        allowed.
     SceneError: as of `study_files`, or a scene that is not valid or has no life.
 
     Returns the `requirements_in_words` of the earlier call; "" without one.

@@ -108,13 +108,13 @@ def test_fewer_bearings_are_sampled_over_a_duty(scene, phases, samples):
 
 
 def test_a_duty_is_studied_at_its_own_friction(scene):
-    """Phases may have friction of their own, so a grid of it means little and costs four times."""
+    """Phases may have their own friction, so a grid of it would mean little and cost four times."""
     config, design = plans(scene.with_({"duty.phases": {"nominal": {"hours": 1.0}}}))
     assert config["studies"][0]["friction"] == design["small_map"]["friction"] == [0.08]
 
 
 def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
-    """Its friction is not a single coefficient: the map has zero for it (`NO_FRICTION`)."""
+    """A film has no single friction coefficient: the map has zero for it (`NO_FRICTION`)."""
     film = {"shear_strength_MPa": 30.0, "thickness_um": 1.0, "wear_coefficient": 1e-7}
     inputs = {f"friction.film.{key}": value for key, value in film.items()}
     config, design = plans(scene.with_({"friction.ball_race": None, "uncertainty": None} | inputs))
@@ -126,7 +126,7 @@ def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
     "mu, frictions", [(0.001, [0.001, 0.002]), (0.064, [0.032, 0.064, 0.096, 0.128])]
 )
 def test_own_friction_is_among_those_studied(scene, mu, frictions):
-    """So are 0.5, 1.5 and 2 times it, rounded to thousandths; none occurs twice or is zero."""
+    """The others are 0.5, 1.5 and 2 times it, rounded to thousandths; none is repeated or zero."""
     config, _ = plans(with_friction(scene, mu))
     assert config["studies"][0]["friction"] == frictions
 

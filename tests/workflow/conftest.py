@@ -52,7 +52,7 @@ CONFIG = {
 
 @functools.cache
 def planner() -> subprocess.Popen:
-    """Starts the process that runs Snakemake for the tests of this one, and returns it."""
+    """Starts the process that runs Snakemake for the tests of this process, and returns it."""
     process = subprocess.Popen(
         [sys.executable, str(Path(__file__).with_name("planner.py"))],
         stdin=subprocess.PIPE,

@@ -224,7 +224,7 @@ def holding(*languages):
 
 @pytest.mark.parametrize("page", with_marks(holding("sh", "python")), ids=named)
 def test_a_page_prints_what_it_shows(run, page):
-    """Its lines are compared; two pages must have compared some, so that lines are compared at all.
+    """Two pages must have compared some lines, so that lines are compared at all.
 
     The page on Python writes just the files that it names.
     """

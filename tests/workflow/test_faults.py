@@ -270,7 +270,7 @@ def test_a_study_goes_on_after_its_results_filled_the_disk(project, undisturbed,
 
 @pytest.mark.faults
 def test_a_study_on_a_full_disk_goes_on_with_more_room(tmp_path, undisturbed):
-    """Configuration, logs and notes of Snakemake lie there, too; each run has more room.
+    """Configuration, logs and notes of Snakemake are on the disk, too; each run has more room.
 
     Runs that fail say so without a traceback, and leave whole files. The first fails, the last
     succeeds. Pages are not compared.

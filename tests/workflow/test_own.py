@@ -125,7 +125,7 @@ def in_a_folder(tmp_path):
 
 
 def test_an_interrupt_ends_the_command_and_all_that_it_started(in_a_folder):
-    """Snakemake and its jobs, after 4 s; the exit status is 130, and the last line says so."""
+    """It comes after 4 s; the exit status is 130, and the last line names the interrupt."""
     run = subprocess.Popen(STUDY, **in_a_folder)
     time.sleep(4.0)  # by then Snakemake runs its first jobs
     below = psutil.Process(run.pid).children(recursive=True)

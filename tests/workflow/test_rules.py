@@ -21,7 +21,7 @@ STEPS = {name: line for name, line in SHELL_LINES.items() if "bearingwear step "
 
 
 def test_every_rule_has_a_name_and_no_rule_is_made_in_a_loop():
-    """As many rules are found by their names as the word `rule` begins lines: more than 30."""
+    """The number of named rules, above 30, is that of lines that begin with the word `rule`."""
     assert len(RULES) == len(re.findall(r"^ *rule\b", TEXT, re.M)) > 30
 
 
@@ -57,7 +57,7 @@ def test_the_code_common_to_the_rules_is_short():
 
 
 def test_the_workflow_uses_nothing_private_of_snakemake():
-    """Rules, Snakefile and package name none of its internals, and import public modules only."""
+    """Rules, Snakefile and package name no internals of Snakemake, and import public modules."""
     text = TEXT + (ROOT / "Snakefile").read_text(encoding="utf-8")
     text += "".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
     private = r"workflow\.(dag|get_rule|register|_)|logger\.handlers"

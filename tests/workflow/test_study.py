@@ -88,7 +88,7 @@ def test_options_that_run_no_job_need_no_jobs(repository, option):
 
 
 def test_a_run_makes_everything_and_then_nothing(first_run, solved_study):
-    """Studies, lives, tables, figures, the page with its links, and the verdict.
+    """The run makes studies, lives, tables, figures, the page with its links, and the verdict.
 
     A copy of the project in another folder has nothing left to do.
     """
@@ -197,7 +197,7 @@ def test_captions_find_the_files_that_they_name():
 
 
 def test_the_page_shows_large_maps_if_the_configuration_says_so(solved_study):
-    """Never because such a map lies there: the inputs of the page follow from the configuration."""
+    """A map that is merely present is not shown: the configuration decides what the page has."""
     path = solved_study.root / "config/design.yaml"
     design = yaml.safe_load(path.read_text(encoding="utf-8"))
     axes = {"preload_method": ["constant_force"], "friction": [0.02, 0.08]}
@@ -394,7 +394,7 @@ def test_a_given_configuration_replaces_that_of_the_folder(first_run):
 @pytest.mark.long
 @pytest.mark.skipif(not has_dynamic_model("gyro_s1"), reason="no dynamic model in this version")
 def test_dynamic_cases_are_solved_and_drawn_with_the_study(new_project):
-    """One case of four strips, for half a turn, beside the steady one, with figures and a table.
+    """A case of four strips lasts half a turn; it has figures and a table beside the steady one.
 
     Another number of turns is planned to be solved again, and no steady case.
     """

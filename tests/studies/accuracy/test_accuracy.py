@@ -144,7 +144,7 @@ def test_every_scene_of_the_plan_is_valid(plan):
 
 
 def test_a_scene_has_the_sweeps_of_its_references(plan):
-    """bearing218 has a steady reference and none of long runs; turbine has the other way round."""
+    """bearing218 has a steady reference and none of long runs; for turbine, it is the reverse."""
     jobs = sweep_jobs(plan)
     assert ("bearing218", "strips") in jobs and ("bearing218", "turns") not in jobs
     assert ("turbine", "strips") not in jobs and ("turbine", "hertz") in jobs
@@ -181,7 +181,7 @@ def test_a_broken_plan_is_refused_in_one_line(change, problem, tmp_path):
 
 @pytest.mark.long
 def test_errors_are_against_the_reference_of_the_scene(trade, plan):
-    """Signed and relative; of both contacts, `error_contact_qv` is the larger magnitude.
+    """They are signed and relative; `error_contact_qv` is the larger magnitude of both contacts.
 
     The errors are those of `invented_sweep`: 0.1^k for the k-th point of `gauss`, -3 times that at
     the inner contact. Its first point failed: it keeps its status and has no errors.
@@ -466,7 +466,7 @@ def test_the_docs_hold_every_row_of_a_run(trade, cages, part):
 
 
 def test_table_cells_have_only_significant_digits():
-    """Three digits of a number, two of a `Rough` one; below 0.001 % only that; a dash for NaN.
+    """A number has three digits, a `Rough` one two, NaN a dash; below 0.001 %, the cell says so.
 
     The first two items of the row are its axes, which are no cells.
     """

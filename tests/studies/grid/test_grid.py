@@ -9,7 +9,7 @@ from bearingwear.studies.grid.grid import Case, Grid
 
 
 def test_id_of_a_case():
-    """At least three decimals of the friction and two of the loss [um], more where they count."""
+    """It has at least three decimals of the friction and two of the loss [um], more if needed."""
     assert Case("constant_force", 0.0125, 0.005).id == "constant_force-mu0.0125-loss0.005"
     case = Case("fixed_position", 0.08, 0.5)
     assert case.id == "fixed_position-mu0.080-loss0.50"

@@ -123,7 +123,7 @@ def test_gathering_twice_gives_the_same_bytes(folder, cases, tmp_path):
 
 
 def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
-    """One sweep for each preload method; either order of the axes gives the same file."""
+    """There is one sweep for each preload method, with the axes in either order."""
     frictions, losses = (
         ("friction.ball_race", "0,0.08"),
         ("wear.ball_diameter_loss_um", "0,0.35,0.7"),
@@ -447,7 +447,7 @@ def figure_words(path, bearing):
 
 
 def test_alike_bearings_of_a_pair_have_interpolated_lives_and_one_figure(alike_pair_study):
-    """Titles and summary name no bearing, and pairs in place of preload methods.
+    """Titles and summary name no bearing; they name pairs in place of preload methods.
 
     Three losses interpolate lives to 3 %. The table of cases has columns of both bearings.
     """

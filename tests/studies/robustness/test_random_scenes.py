@@ -129,7 +129,7 @@ def test_violations_of_a_wrong_life_are_reported(scene_and_life, name, spoilt):
 
 
 def test_random_dynamic_runs_conserve_energy_or_say_why_not():
-    """Six draws; those that make no bearing, or one with more than 12 balls, are left out.
+    """Of six draws, those that make no bearing, or one with more than 12 balls, are left out.
 
     At least three runs end with the status OK.
     """
@@ -327,7 +327,7 @@ def test_a_class_that_the_plan_has_not_is_refused_in_one_line(tmp_path, capsys):
     ],
 )
 def test_a_broken_plan_is_refused_in_one_line(old, new, problem, tmp_path, capsys):
-    """Each fault replaces the first occurrence of a text of the project's plan; status 2."""
+    """Each fault replaces the first occurrence of a text of the project's plan."""
     plan = tmp_path / "plan.yaml"
     text = FILE.read_text()
     assert old in text

@@ -67,7 +67,7 @@ def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
 
 
 def test_interval_of_one_factor_is_that_of_order_statistics():
-    """Clopper and Pearson (1934): the binomial interval of the share below, as lives."""
+    """The binomial interval (Clopper and Pearson 1934) of the share below is expressed as lives."""
     lives = np.exp(np.random.default_rng(5).standard_normal(200))
     quantile = life_quantile(lives, np.ones((200, 1)), 0.1)  # 20 of the 200 lie below
     ends = stats.binomtest(20, 200).proportion_ci(0.95)
@@ -213,7 +213,7 @@ def test_indices_of_a_sum_with_an_interaction(interacting_lives, name, of_sum):
 
 
 def test_indices_leave_out_base_samples_with_a_life_of_zero_or_without_one(interacting_lives):
-    """SciPy takes a power of two: of 2046 usable samples 1024, hence 0.05 in place of 0.03."""
+    """SciPy requires a power of two: 1024 of 2046 usable samples, hence 0.05 in place of 0.03."""
     lives = interacting_lives.copy()
     lives[0, 0, 5], lives[3, 1, 8] = 0.0, np.nan
     expected = sobol_indices(interacting_lives, seed=1)["total_index"]

@@ -144,7 +144,7 @@ def test_samples_of_a_batch_and_of_scatter_vary_their_own_values():
 
 @pytest.mark.parametrize("scatters", [False, True])
 def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
-    """Known answer: K_s alone; life is proportional to 1/K_s, lognormal with a factor of 3.
+    """Known answer: K_s alone is uncertain, so life, proportional to 1/K_s, is lognormal.
 
     The 5 and 95 % points of 64 samples agree to 1 %.
 
@@ -253,7 +253,7 @@ def test_lives_that_fail_are_counted(tmp_path, capsys):
 
 
 def test_a_scene_that_no_model_solves_is_refused_in_one_line(tmp_path, capsys):
-    """Worn contacts cannot be combined with slip over a line."""
+    """The scene combines worn contacts with slip over a line, which no model can solve."""
     path, out = tmp_path / "mine.yaml", tmp_path / "uncertainty.nc"
     settings = ["model.contact=worn", "model.slip_over=line"]
     bearingwear.save(load_scene(scene_file("gyro_s1"), settings), path)

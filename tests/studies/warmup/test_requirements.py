@@ -210,7 +210,7 @@ def test_a_stop_that_the_spring_reaches_is_named(spindle):
 
 
 def test_a_rigid_pair_has_no_spring_that_travels(spindle):
-    """Its warm-up has no such variable; at a point of the map its travel is zero."""
+    """Its warm-up has no variable of travel; at a point of the map, the travel is zero."""
     warmed = bearingwear.warmup(spindle, seconds=10.0, duration=20.0)
     assert "spring_travel" not in warmed and "peak_spring_extension" not in warmed
     limits = DesignLimits(spring_travel_um=1.0, at_speed_only=True)
@@ -255,7 +255,7 @@ def test_a_runaway_on_the_way_is_named(spindle):
 
 
 def test_a_warm_up_is_refused_without_heat_capacities(spindle):
-    """So is a required thermal margin without a thermal network; the first check must not raise."""
+    """A required thermal margin is refused without a thermal network. The first check passes."""
     limits = DesignLimits(warmup_s=10.0)
     limits.check(spindle, "mine.yaml")
     with pytest.raises(SceneError, match="heat_capacity_J_K"):

@@ -58,7 +58,7 @@ def test_one_node_of_constant_heat_warms_exponentially(spindle, monkeypatch):
 
 
 def test_three_nodes_of_constant_heat_warm_by_the_matrix_exponential(spindle, monkeypatch):
-    """Rises of inner ring, balls and outer ring: steady - exp(-t G/C) steady, by SciPy.
+    """Rises of inner ring, balls and outer ring are steady - exp(-t G/C) steady, by SciPy.
 
     G [W/K] and C [J/K] are those of `warm_spindle` as matrices. Half of the heat of a contact goes
     into its ring, half into the balls; drag heats the outer ring.

@@ -126,7 +126,7 @@ def draw_dynamic(study: Path, dynamic: Path) -> Figure:
 def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
     """Step: returns the figure of the wear rates of a dynamic case as their means settle.
 
-    reference: table with values to draw beside them.
+    reference: table with values to draw beside the rates.
     CaseFileError: a file that is no dynamic case.
     """
     dataset = load_with_axes(case)
