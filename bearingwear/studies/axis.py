@@ -24,11 +24,18 @@ MOST_DECIMALS = 9
 """Most decimals of a number that names files."""
 
 
-def in_name(value: float, decimals: int) -> str:
-    """Returns a number as it stands in the name of a file, such as 0.050 for 0.05 and 3 decimals.
+def mu_name(friction: float) -> str:
+    """Returns a friction coefficient as it stands in the names of files, such as 0.050."""
+    return _with_decimals(friction, 3)
 
-    decimals: the fewest; more are written where the number has more, up to `MOST_DECIMALS`.
-    """
+
+def loss_name(loss_um: float) -> str:
+    """Returns a loss of ball diameter [um] as it stands in the names of files, such as 1.50."""
+    return _with_decimals(loss_um, 2)
+
+
+def _with_decimals(value: float, decimals: int) -> str:
+    """Returns a number as text with at least some decimals, and with `MOST_DECIMALS` at most."""
     integer_part, _, fraction = f"{value:.{MOST_DECIMALS}f}".rstrip("0").partition(".")
     return f"{integer_part}.{fraction:0<{decimals}}"
 

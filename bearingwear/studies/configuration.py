@@ -24,7 +24,7 @@ from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.read import as_data, changed_scene, load_scene, scene_for_life, variant
-from bearingwear.studies.axis import RisingAxis, in_name, place_of_errors
+from bearingwear.studies.axis import RisingAxis, place_of_errors
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
 from bearingwear.studies.grid.grid import GRID_AXES, Grid
 from bearingwear.studies.solve import life_scene
@@ -92,16 +92,6 @@ def scene_file(scene: str) -> str:
     return f"config/scenes/{scene}.yaml"
 
 
-def mu_name(friction: float) -> str:
-    """Returns a friction coefficient as it stands in the names of files, such as 0.050."""
-    return in_name(friction, 3)
-
-
-def loss_name(loss_um: float) -> str:
-    """Returns a loss of ball diameter [um] as it stands in the names of files, such as 1.50."""
-    return in_name(loss_um, 2)
-
-
 def settings(changes: Mapping[str, Any]) -> str:
     """Returns changes of a scene as `--set` options of a shell command; empty without changes."""
     words = (shlex.quote(f"{key}={json.dumps(value)}") for key, value in changes.items())
@@ -119,8 +109,8 @@ def scene_values(
 ) -> Callable[[Any], str]:
     """Returns a function of wildcards that hashes the values of a scene that a job reads.
 
-    Snakemake runs a job again when its params change: after a change of a value that the job reads,
-    and not after a change of a comment, the description or a value that it does not read.
+    Snakemake runs a job again when its params change. A value that the job reads changes the hash;
+    comments, the description and other values do not.
 
     file: path of the scene with wildcards, or a function of these.
     replaced: keys that the job sets itself.
@@ -226,9 +216,9 @@ def grids(config: Mapping[str, Any], key: str = "studies") -> dict[str, Grid]:
 def check_config(config: Mapping[str, Any]) -> None:
     """Refuses figures of cases or lives that no grid contains, and scenes with invalid cases.
 
-    It also refuses sampled scenes without a block `uncertainty` or outside of the studies, studied
-    scenes without an end of life, pairs of bearings in dynamic cases, and dynamic cases that the
-    grid of steady cases of the same scene lacks.
+    It also refuses sampled scenes without a block `uncertainty` or outside of the studies, and
+    studied scenes without an end of life. Dynamic cases must be of single bearings, and in the grid
+    of steady cases of the same scene if there is one.
 
     config: data of config.yaml that agrees with its schema.
     ValueError: the first fault, in one line that names the key or the scene file.

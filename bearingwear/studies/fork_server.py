@@ -157,8 +157,8 @@ def _end() -> None:
 def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
     """Forks a job for a client that connects, and registers callbacks for both.
 
-    Nothing is forked for a client that is gone. The callbacks wait for the end of the client, for
-    the names of the modules that the job imported, and for the end of the job.
+    Nothing is forked for a client that is gone. The callbacks wait for the end of the client, the
+    names of the modules that the job imported, and the end of the job.
     """
     from selectors import EVENT_READ
 

@@ -170,9 +170,9 @@ def _grid_frictions(scene: Scene, source: str) -> list[float]:
 def _grid_losses(scene: Scene) -> list[float]:
     """Returns losses of ball diameter [um], rising evenly from 0 to the end of the scene's life.
 
-    They have two decimals. If the life with the scene's own preload method is not solved, the last
-    loss is that at the end of the life with the other. If a preload method has no state there, the
-    last loss is the smaller of those at the two ends of life. Without any life, the list is [0.0].
+    They have two decimals. If the life with the scene's own preload method is not solved, the other
+    method decides the last loss. If a preload method has no state there, the last loss is the
+    smaller of those at the two ends of life. Without any life, the list is [0.0].
     """
     from bearingwear.scene.arrangement import with_method
     from bearingwear.solvers.compose import solver_of

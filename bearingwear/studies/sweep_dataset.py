@@ -86,8 +86,9 @@ class KeptVariables:
     def of_result(self, scene: Scene, result: Result) -> Answer:
         """Returns what a dataset of the sweep needs of a solve or a life.
 
-        The keys are `values` (the kept ones, by name), `attrs` (those that differ between points),
-        `scene` (the blocks that decide the layout of a file) and `worst` (`WORST_VALUES`, if kept).
+        The keys `values` and `attrs` have the kept values, and the attributes that differ between
+        points. `scene` has the blocks that decide the layout of a file, and `worst` the values of
+        `WORST_VALUES`, if kept.
         """
         values = {name: value for name, value in result.values.items() if self._keeps(name)}
         names = ("fidelity", "warnings", "phases")

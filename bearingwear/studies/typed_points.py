@@ -74,8 +74,8 @@ def _table_rows(path: Path) -> list[dict[str, Any]]:
 
     Empty lines are left out.
 
-    SceneError: a file that cannot be read, without a header of different keys or without a row, or
-    a line that has too few or too many values or one that is not YAML.
+    SceneError: a file that cannot be read, or has no header of different keys or no row.
+    SceneError: a line with too few or too many values, or a value that is not YAML.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")

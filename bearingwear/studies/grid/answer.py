@@ -205,7 +205,7 @@ def _comparison(pair: Sequence[MethodLife]) -> _Comparison:
     """Returns the comparison of two lives of a scene at the same friction coefficient.
 
     The longer one wins if it exceeds the shorter by more than the sum of their relative numerical
-    errors, where an unknown error counts as 0. The ratio is infinite if the shorter life is 0.
+    errors. An unknown error counts as 0. The ratio is infinite if the shorter life is 0.
     """
     shorter, longer = sorted(pair, key=lambda life: life.hours)
     ratio = longer.hours / shorter.hours if shorter.hours > 0.0 else math.inf
@@ -420,8 +420,8 @@ def detailed_lives_block(
 ) -> Block:
     """Returns the table of `lives_block`, with two more columns.
 
-    They are the total wear depth at the end, and the relative difference between the life that was
-    interpolated from the study and the computed one.
+    They are the total wear depth at the end, and the relative difference of the interpolated life
+    from the computed one.
     """
     block = lives_block(title, lives, scene)
     lives = sorted(lives, key=lambda life: life.friction)

@@ -190,8 +190,8 @@ def _cases_at(losses: xr.DataArray, scene: Scene) -> xr.Dataset:
 def _is_comparable(lives: xr.Dataset, not_interpolated: Collection[str]) -> xr.DataArray:
     """Returns whether each life by the solver could be interpolated between the cases.
 
-    It could not be if it was computed with worn grooves, as the cases have Hertzian ones, or if its
-    end is a criterion that the cases do not contain.
+    A life with worn grooves could not, as the cases have Hertzian ones. Nor could a life that ends
+    by a criterion that the cases do not contain.
 
     not_interpolated: names of the criteria that the cases do not contain.
     """

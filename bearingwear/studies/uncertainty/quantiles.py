@@ -257,8 +257,8 @@ def _rows_at_preloads(
 def _method_lives(scene: Scene, plan: Sampling, pool: Workers, tell: Tell | None) -> MethodLives:
     """Returns lives at the scene's preload, with the row of their quantiles and statuses.
 
-    The quantiles (inputs, probabilities) are those of all bearings, of all bearings with the wear
-    coefficient and hardness of the scene, within a batch, and over batches.
+    The first two rows of quantiles (inputs, probabilities) have all values varied, and all but the
+    wear coefficient and hardness. The other two are those within a batch, and over batches.
     """
     if tell:
         tell(
@@ -327,8 +327,8 @@ def _medians(scene: Scene) -> list[float]:
 def _effects_of_values(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
     """Returns how much each uncertain value changes the life, by the names of `ANALYSED`.
 
-    These are Sobol indices of the lives with their errors (inputs, values), the share of base
-    samples that they use, and the lives [h] with one value at its 10 or 90 % quantile and the
+    These are Sobol indices of the lives with their errors (inputs, values), and the share of base
+    samples that they use. Further lives [h] have one value at its 10 or 90 % quantile, and the
     others at their medians (values, 2). Indices are NaN for inputs that vary within a batch or over
     batches alone.
     """

@@ -75,8 +75,8 @@ def lives_plot(lives: xr.Dataset) -> Figure:
 def life_plot(life: xr.Dataset) -> Figure:
     """Returns a figure of a life.
 
-    It shows the phases of a duty, else the parts that wear (dynamic model), else worn grooves,
-    else wear and residual preload over time, whichever the file contains first.
+    It shows the phases of a duty, if any, else the parts that wear (dynamic model), else worn
+    grooves. A file without any of these has wear and residual preload over time.
     """
     if "history_phase_worn_share" in life:
         from bearingwear.studies.lives.duty_figure import duty_figure
