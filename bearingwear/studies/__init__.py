@@ -1,7 +1,7 @@
 """Studies: functions that solve many cases or lives, and tables and figures of their files.
 
-The rules of the workflow (`workflow/rules`) call them. Those that need the repository lie in
-`workflow/studies`.
+The rules of the workflow (`workflow/rules`) call these functions. Studies that need the repository
+are in `workflow/studies`.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ FAILURES = ValueError, ArithmeticError
 without a result. Others are faults of the program and end a sweep."""
 
 _CHUNKS_PER_WORKER = 8
-"""Shares of the points for each process, which takes the next when it has answered one."""
+"""Number of shares of the points per process, which takes a share when it has answered another."""
 
 _MOST_AT_ONCE = 32
 """Most points in such a share."""
@@ -60,12 +60,12 @@ def answers_at(
 class Workers:
     """Processes that evaluate functions at points, in any number of rounds.
 
-    The first point is evaluated in this process, before the others are forked from it: they then
+    The first point is evaluated in this process, before the workers are forked from it: they then
     have the kernels and modules that it loaded. With one worker, all points are evaluated here.
-    Used as a context, it ends the processes after its block; an error in the block terminates them
-    at once, and that of a process which was killed becomes a `ProcessEnded`.
+    Used as a context, it ends the processes after its block. An error in the block terminates them
+    at once; if it is due to a killed process, it becomes a `ProcessEnded`.
 
-    workers: number of processes (default: one per core).
+    workers: number of processes, at least 1 (default: one per core).
     label: name of the computation in lines of progress and of errors.
     progress: whether a round of more than a few seconds reports its progress on standard error
         (with tqdm, if installed); or a function that takes the lines of progress.
@@ -95,7 +95,7 @@ class Workers:
         return with_progress(answers, len(points), self._label, self._progress)
 
     def start(self) -> None:
-        """Starts the processes now; they then evaluate all points."""
+        """Starts the processes now; they then evaluate all points. A single worker has none."""
         if self._pool is None and self.workers > 1:
             # a terminal interrupts them, too; they ignore it, and this process ends them
             self._pool = ProcessPoolExecutor(
@@ -107,9 +107,9 @@ class Workers:
     def _answers(
         self, function: Callable[[_P], Answer], points: Sequence[_P], at_once: int
     ) -> Iterator[Answer]:
-        """Yields the answers: the first from this process before it forks, the others from these.
+        """Yields the answers: the first from this process before it forks, the rest from the forks.
 
-        With one worker, all are from this process.
+        With one worker, all are from this process; after `start`, all are from the forks.
         """
         if self.workers == 1:
             count_here = len(points)

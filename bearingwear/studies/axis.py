@@ -18,16 +18,24 @@ GRID_KEYS = {
 """Keys of a scene by the names that they have as dimensions of files."""
 
 MOST_POINTS = 1000
+"""Largest number of evenly spaced values on an axis."""
 
 MOST_DECIMALS = 9
 """Most decimals of a number that names files."""
 
 
-def in_name(value: float, decimals: int) -> str:
-    """Returns a number as it stands in the name of a file, such as 0.050 for 0.05 and 3 decimals.
+def mu_name(friction: float) -> str:
+    """Returns a friction coefficient as it stands in the names of files, such as 0.050."""
+    return _with_decimals(friction, 3)
 
-    decimals: the fewest; more are written where the number has more, up to `MOST_DECIMALS`.
-    """
+
+def loss_name(loss_um: float) -> str:
+    """Returns a loss of ball diameter [um] as it stands in the names of files, such as 1.50."""
+    return _with_decimals(loss_um, 2)
+
+
+def _with_decimals(value: float, decimals: int) -> str:
+    """Returns a number as text with at least some decimals, and with `MOST_DECIMALS` at most."""
     integer_part, _, fraction = f"{value:.{MOST_DECIMALS}f}".rstrip("0").partition(".")
     return f"{integer_part}.{fraction:0<{decimals}}"
 
@@ -41,7 +49,7 @@ class Steps:
     step: float = setting("Distance between successive values", within="(0, inf)")
 
     def __post_init__(self) -> None:
-        """Raises a ValueError if no whole number of steps leads to the last value, or too many."""
+        """Raises a ValueError unless at most `MOST_POINTS` equal steps end at the last value."""
         distance = abs(self.first + (self.count - 1) * self.step - self.last)
         # beyond the rounding of decimals such as 0.1
         misses_last = distance > 1e-6 * self.step
@@ -80,13 +88,13 @@ class RisingAxis(tuple[float, ...]):
 
     @classmethod
     def from_plain(cls, data: Any) -> RisingAxis:
-        """Builds the axis from a list or from `Steps`. Raises ValueError."""
+        """Returns the axis of a list, or of the keys of `Steps`. Raises ValueError."""
         try:
             if isinstance(data, list):
                 return cls(build_record(Values, checked_data(Values, {"values": data})).values)
             return cls(build_record(Steps, checked_data(Steps, data)).values)
         except SceneError as error:
-            key = error.key.removeprefix("values")
+            key = error.key.removeprefix("values")  # a list has no key of its own
             raise ValueError(": ".join(part for part in (key, error.problem) if part)) from None
 
 

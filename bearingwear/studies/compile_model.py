@@ -12,13 +12,13 @@ _WORN_GROOVES = ("model.contact=auto", "model.normal_balance=frictionless")
 
 
 def compile_model(model: str) -> None:
-    """Solves cases that call every kernel of a model, which numba then stores on disk.
+    """Solves cases or lives that call every kernel of a model, which numba then stores on disk.
 
     The results are dropped. Cases are solved with slip on the centre line of the contact, as the
     example has it (`model.contact=paper`), and over the whole ellipse.
 
     model {"steady", "worn", "dynamic"}: "worn" stands for lives, with Hertzian and worn grooves.
-    NoStudy: there is no workflow, whose example is solved.
+    NoStudy: there is no workflow, which contains the example.
     """
     from bearingwear.lives.life import life
     from bearingwear.solvers.solve import solve

@@ -24,7 +24,7 @@ from bearingwear.scene.checking.errors import leaves
 from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.decisive import decisive_data
 from bearingwear.scene.read import as_data, changed_scene, load_scene, scene_for_life, variant
-from bearingwear.studies.axis import RisingAxis, in_name, place_of_errors
+from bearingwear.studies.axis import RisingAxis, place_of_errors
 from bearingwear.studies.design.plan import NO_FRICTION, DesignLimits
 from bearingwear.studies.grid.grid import GRID_AXES, Grid
 from bearingwear.studies.solve import life_scene
@@ -92,16 +92,6 @@ def scene_file(scene: str) -> str:
     return f"config/scenes/{scene}.yaml"
 
 
-def mu_name(friction: float) -> str:
-    """Returns a friction coefficient as it stands in the names of files, such as 0.050."""
-    return in_name(friction, 3)
-
-
-def loss_name(loss_um: float) -> str:
-    """Returns a loss of ball diameter [um] as it stands in the names of files, such as 1.50."""
-    return in_name(loss_um, 2)
-
-
 def settings(changes: Mapping[str, Any]) -> str:
     """Returns changes of a scene as `--set` options of a shell command; empty without changes."""
     words = (shlex.quote(f"{key}={json.dumps(value)}") for key, value in changes.items())
@@ -119,8 +109,8 @@ def scene_values(
 ) -> Callable[[Any], str]:
     """Returns a function of wildcards that hashes the values of a scene that a job reads.
 
-    Snakemake runs a job again when its params change: after a change of a value that the job reads,
-    and not after a change of a comment, the description or a value that it does not read.
+    Snakemake runs a job again when its params change. A value that the job reads changes the hash;
+    comments, the description and other values do not.
 
     file: path of the scene with wildcards, or a function of these.
     replaced: keys that the job sets itself.
@@ -226,9 +216,9 @@ def grids(config: Mapping[str, Any], key: str = "studies") -> dict[str, Grid]:
 def check_config(config: Mapping[str, Any]) -> None:
     """Refuses figures of cases or lives that no grid contains, and scenes with invalid cases.
 
-    It also refuses sampled scenes without a block `uncertainty`, studied scenes without an end of
-    life, pairs of bearings in dynamic cases, and dynamic cases that the grid of steady cases of the
-    same scene lacks.
+    It also refuses sampled scenes without a block `uncertainty` or outside of the studies, and
+    studied scenes without an end of life. Dynamic cases must be of single bearings, and in the grid
+    of steady cases of the same scene if there is one.
 
     config: data of config.yaml that agrees with its schema.
     ValueError: the first fault, in one line that names the key or the scene file.
@@ -258,8 +248,10 @@ def check_config(config: Mapping[str, Any]) -> None:
     for scene, grid in dynamic.items():
         single_bearing_scene(load_scene(scene_file(scene)), scene_file(scene))  # for a pair
         _check_cases(scene, grid, dynamic_model(config, scene))
-        # a dynamic case without its steady twin could not be set beside it
-        for case in grid.cases() if scene in studied else ():
+        if scene not in studied:
+            continue
+        # a dynamic case without its steady twin could not be compared with it
+        for case in grid.cases():
             if case not in studied[scene].cases():
                 problem = f"got {scene}, {case}, expected cases of the same scene under studies"
                 raise ValueError(f"config: dynamic: {problem}")
@@ -278,12 +270,12 @@ def _check_each(key: str, values: Iterable[Any], allowed_values: Collection[Any]
     """Raises a ValueError for the first value of a key that is not allowed."""
     for value in values:
         if value not in allowed_values:
-            expected = ", ".join(map(_text, sorted(allowed_values)))
+            expected = ", ".join(map(_printed_value, sorted(allowed_values)))
             expected = expected or "none, because nothing is studied"
-            raise ValueError(f"config: {key}: got {_text(value)}, expected {expected}")
+            raise ValueError(f"config: {key}: got {_printed_value(value)}, expected {expected}")
 
 
-def _text(value: Any) -> str:
+def _printed_value(value: Any) -> str:
     """Returns a value of the configuration as a message shows it."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
@@ -338,8 +330,9 @@ def check_sampled(uncertainty: Mapping[str, Any]) -> None:
 def map_axes(axes: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the axes of a map of design.yaml as lists of methods and numbers, by their keys.
 
-    axes: `preload_method`, and further keys with a list, or with `first`, `last` and `step`.
-    ValueError: an axis that does not rise, or is neither of both.
+    axes: `preload_method`, and further keys with a list, or with `first`, `last` and `step`. The
+        list `[NO_FRICTION]`, for films, stays as it is.
+    ValueError: an axis that does not rise, or is neither a list nor steps.
     """
     lists: dict[str, Any] = {"preload_method": list(axes["preload_method"])}
     for key, values in axes.items():

@@ -24,11 +24,11 @@ def dataset_of_rows(
     rows: Sequence[Mapping[str, Any]],
     **attributes: Any,
 ) -> xr.Dataset:
-    """Makes a dataset of rows along axes.
+    """Returns a dataset of rows along axes.
 
     table: variables of the dataset, in their order.
-    axes: dimensions. The key of a coordinate is its Variable, with its values or None for all its
-        flags; the key of a dimension without coordinate is its name, with its length. The rows lie
+    axes: a coordinate has its Variable as key; its value is a list, or None for all flags. A
+        dimension without coordinate has its name as key, and its length as value. The rows lie
         along those axes that are no dimension of a variable.
     rows: values [SI] by the names of the table, in C order. Missing values become NaN, even those
         of whole numbers and flags.
@@ -88,12 +88,12 @@ def stacked_dataset(
     datasets: in C order over the new dimensions. Missing variables and shorter dimensions are
         filled with NaN.
     lengths: names and lengths of the new dimensions.
-    leave_out: names of variables to leave out, and of dimensions whose variables to leave out.
+    leave_out: names of variables, and of dimensions; all variables along these are left out.
     along: a leading dimension along which a dataset may hold several items; others hold one item.
 
-    Returns a dataset with the coordinates of the inner dimensions, those of the longest dataset. A
-        coordinate along a dimension of another name, such as `strip_position` along `strip`, stays
-        only if it has the same length in all datasets.
+    Returns a dataset that has the longest coordinate of each inner dimension. A coordinate along a
+        dimension of another name, such as `strip_position` along `strip`, stays only if it has the
+        same length in all datasets.
     """
     templates: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {}
@@ -134,7 +134,7 @@ def stacked_dataset(
 def _item_variables(
     dataset: xr.Dataset, leave_out: Sequence[str], along: str
 ) -> dict[str, xr.Variable]:
-    """Returns the variables of the first item along a dimension, without its coordinates.
+    """Returns the variables of the first item along a dimension, without coordinates along it.
 
     Variables without that dimension are returned whole. The arguments are those of
     `stacked_dataset`.
@@ -148,8 +148,8 @@ def _item_variables(
     return variables
 
 
-_OF_TEXTS = set("OUT")
-"""Kinds of NumPy's types of texts."""
+_TEXT_KINDS = set("OUT")
+"""Kinds of NumPy types that hold texts."""
 
 
 def _concatenated_values(
@@ -161,7 +161,7 @@ def _concatenated_values(
     """
     parts = [dataset.variables.get(name) for dataset in datasets]
     kinds = {part.dtype.kind for part in parts if part is not None}
-    dtype = object if kinds & _OF_TEXTS else float
+    dtype = object if kinds & _TEXT_KINDS else float
     present = [part for part in parts if part is not None]
     if len(present) == len(parts) and len({(part.dims, part.shape) for part in present}) == 1:
         arrays = [part.values if along in part.dims else part.values[None] for part in present]
@@ -197,7 +197,7 @@ def reshaped_dataset(dataset: xr.Dataset, along: str, lengths: Mapping[str, int]
 
 
 def coordinate(variable: Variable, values: Any = None) -> dict[str, xr.Variable]:
-    """Returns a coordinate by its name, as `xr.Dataset` takes it.
+    """Returns a coordinate by its name, as in the `coords` of a dataset.
 
     values: by default the codes of all flags of the variable.
     """
@@ -239,8 +239,7 @@ def load_with_dynamic(steady_path: Path, dynamic_path: Path) -> tuple[xr.Dataset
     axes = ("preload_method", "friction", "ball_diameter_loss")
     grid = {axis: dynamic_cases[axis].values.tolist() for axis in axes}
     steady = load_with_axes(steady_path, **grid)
-    names = (plain_scene(cases)["name"] for cases in (steady, dynamic_cases))
-    if len({*names}) > 1:
+    if plain_scene(steady)["name"] != plain_scene(dynamic_cases)["name"]:
         raise CaseFileError(
             f"{dynamic_path}: got cases from another scene, expected the scene of {steady_path}"
         )

@@ -13,6 +13,7 @@ from bearingwear.results.variable import Variable, table
 from bearingwear.scene.scene import Scene
 
 KEEP_EXTREMES = "extremes"
+"""Choice of a sweep that keeps the worst values along each life."""
 
 
 def _worst_words(measure: Measure, name: str) -> str:
@@ -39,11 +40,11 @@ WORST_VALUES = table(
         for name in measure.extremes
     )
 )
-"""Variables of the worst values along a life; the preload is a share of that when new."""
+"""Variables of the worst values along a life; a preload is a share of the initial preload."""
 
 
 def worst_values(scene: Scene, life: Mapping[str, Any]) -> dict[str, float]:
-    """Returns the worst value along a life of each measure that it has a history of.
+    """Returns the worst value of each measure along a life, if the life has its history.
 
     life: values of its result [SI]; `history_...` has the shape (steps, ...), or (2, steps, ...)
         for a pair, whose worse bearing counts.
@@ -62,7 +63,7 @@ def worst_values(scene: Scene, life: Mapping[str, Any]) -> dict[str, float]:
 def _worst_value(measure: Measure, values: np.ndarray, scene: Scene) -> float:
     """Returns the worst value over steps, contacts and bearings [SI]; NaN if all are NaN.
 
-    A residual preload is returned as a share of the initial one, that of the scene [1].
+    A residual preload is returned as a share of the preload of the scene [1].
 
     values: (steps, ...) [SI], in a pair (2, steps, ...).
     """

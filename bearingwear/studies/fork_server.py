@@ -19,7 +19,7 @@ TYPE_CHECKING = False  # `typing` would take longer than the rest
 if TYPE_CHECKING:
     from selectors import DefaultSelector
 
-_FOLDER = ".snakemake/bearingwear-{}"  # of Snakemake's process, in the folder of the study
+_FOLDER = ".snakemake/bearingwear-{}"  # id of Snakemake's process; in the folder of the study
 _SCRIPT = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "run_module.py")
 _MOST_BYTES = 1 << 16
 
@@ -86,20 +86,21 @@ def _start_server(folder: str, snakemake: str) -> None:
 def log_silent_failure(status: int) -> None:
     """Writes the exit status of a job in its log, if it failed without a message.
 
-    The log is the file to which standard error goes; elsewhere, as on a terminal, it does nothing.
+    The log is the file to which standard error goes. Where that is no file, as on a terminal,
+    nothing is written.
     """
     try:
         if status and os.path.isfile("/dev/stderr") and not os.fstat(2).st_size:
             cause = f" (by signal {status - 128})" if status > 128 else ""
-            # with that status, a command says that it could not even write a line
-            cause = " (No space left on device)" if status == os.EX_IOERR else cause
+            if status == os.EX_IOERR:  # of a command that could not even write a line
+                cause = " (No space left on device)"
             print(f"ended with status {status}{cause} without a message", file=sys.stderr)
     except OSError:
         pass  # a full disk
 
 
 _RUNNING: set[int] = set()
-"""Jobs of the server."""
+"""Process ids of the jobs that the server has started and that have not ended."""
 
 
 def serve(folder: str, snakemake: int) -> None:
@@ -154,11 +155,13 @@ def _end() -> None:
 
 
 def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
-    """Forks a job for a client that connects, and registers what may happen to both.
+    """Forks a job for a client that connects, and registers callbacks for both.
 
-    Nothing is forked for a client that is gone. The callbacks wait for the end of the client, for
-    the names of the modules that the job imported, and for the end of the job.
+    Nothing is forked for a client that is gone. The callbacks wait for the end of the client, the
+    names of the modules that the job imported, and the end of the job.
     """
+    from selectors import EVENT_READ
+
     client = listener.accept()[0]
     request, files, _, _ = socket.recv_fds(client, _MOST_BYTES, 2)
     while not request.endswith(b"\n"):
@@ -178,7 +181,6 @@ def _accept(selector: DefaultSelector, listener: socket.socket) -> None:
     _RUNNING.add(job)
     for file in (*files, pipe_end):
         os.close(file)
-    EVENT_READ = 1  # of `selectors`
     selector.register(client, EVENT_READ, lambda: _end_abandoned_job(selector, client, job))
     selector.register(report_end, EVENT_READ, lambda: _imported_modules(selector, report_end))
     job_file = os.pidfd_open(job)
@@ -195,7 +197,10 @@ def _end_abandoned_job(selector: DefaultSelector, client: socket.socket, job: in
 
 
 def _imported_modules(selector: DefaultSelector, report_end: int) -> set[str]:
-    """Returns the names of the modules that a job has imported, from its end of the pipe."""
+    """Returns the names of the modules that a job has imported, and closes its pipe.
+
+    report_end: descriptor from which the server reads.
+    """
     selector.unregister(report_end)
     with os.fdopen(report_end, "rb") as file:
         return set(file.read().decode().split())

@@ -1,7 +1,7 @@
 """Runs a command, and interrupts it with all its children when standard input closes.
 
-`bearingwear study` starts Snakemake so, as the leader of a session: however that command ends, its
-end of the pipe closes, and no job runs on.
+`bearingwear study` starts Snakemake this way, as the leader of a session. However `bearingwear
+study` ends, its end of the pipe closes, and no job runs on.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import sys
 import threading
 
 GRACE = 10.0
-"""Time in which an interrupted command has ended [s]."""
+"""Time after which an interrupted command is killed [s]."""
 
 
 def run_guarded() -> int:
@@ -32,8 +32,7 @@ def run_guarded() -> int:
 def _interrupt_at_closed_input() -> None:
     """Waits until standard input closes, interrupts the children, and kills them after `GRACE`.
 
-    Both signals reach the whole process group. The second also kills this process, so that the
-    function returns only if the process ends before.
+    Both signals reach the whole process group, so that the second also kills this process.
     """
     while os.read(0, 1):  # until the command that started this ends
         pass

@@ -53,8 +53,9 @@ def run_study(
 ) -> int:
     """Runs a target of the workflow in a folder with a configuration.
 
+    jobs: largest number of simultaneous jobs.
     extra_arguments: further arguments of Snakemake.
-    files: open files that Snakemake keeps open while it runs.
+    files: descriptors of files that Snakemake keeps open while it runs.
     scene_folder: folder of the study of one scene, empty for other studies.
     NoStudy: the folder has no configuration, or there is no workflow.
 
@@ -95,7 +96,7 @@ def run_own_study(
     NoStudy: another run is in the folder, or it has no configuration or cannot be used.
 
     Returns the exit status of Snakemake, and the path of the report page, which is copied beside
-        the folders of the study. It is None if there is no page, and after a dry run.
+        the folders of the study. The path is None if there is no page, and after a dry run.
     """
     with _only_run(folder) as lock_file:
         # this lock ends with the processes that hold it, Snakemake's would stay after a kill
@@ -201,9 +202,10 @@ def _only_run(folder: Path) -> Iterator[int]:
 
 
 def copy_own_page(folder: Path) -> Path | None:
-    """Copies the page of a study beside its folders and returns its path; None without a page.
+    """Copies the page of a study beside its folders; returns the path of the copy.
 
-    Links to files of the study are changed to lead there from the copy.
+    Links are changed so that they lead from the copy to the same files. Without a page, it returns
+    None.
     """
     report = folder / PAGE
     page = folder / PAGE.name
@@ -215,7 +217,7 @@ def copy_own_page(folder: Path) -> Path | None:
 
 
 def own_headlines(folder: Path, name: str) -> list[str]:
-    """Returns the titles of the leading answers of a scene's study, as of `headlines`.
+    """Returns the titles of the answers that lead the page of a scene's study.
 
     The list is empty if the study has no answer yet.
 

@@ -1,7 +1,7 @@
 """The study of one scene: `bearingwear study mine.yaml` writes its configuration into a folder.
 
-The first line of each file says so and holds a hash of the rest, so that what somebody edited
-there is never replaced.
+The first line of each file names that command and holds a hash of the rest, so that an edited file
+is never replaced.
 """
 
 from __future__ import annotations
@@ -119,12 +119,12 @@ def _sample_size(scene: Scene) -> int:
 def _cage_configuration(scene: Scene, name: str) -> dict[str, Any]:
     """Returns the data of cage.yaml for a map of cages around that of the scene.
 
-    A cage on the balls has no land, so its clearance there does not vary.
+    A cage on the balls has no land, so its clearance there does not vary. Frictions are rounded to
+    three digits, and at most 1.
     """
     cage = scene.cage
     assert cage is not None
-    has_land = cage.guiding_race != "ball"
-    factors = LANDS if has_land else LANDS[-1:]
+    factors = (1.0,) if cage.guiding_race == "ball" else LANDS
     clearances = {cage.guide_clearance_mm * factor for factor in factors}
     frictions = {
         float(f"{min(factor * scene.friction.cage, 1.0):.3g}") for factor in CAGE_FRICTIONS
@@ -170,9 +170,9 @@ def _grid_frictions(scene: Scene, source: str) -> list[float]:
 def _grid_losses(scene: Scene) -> list[float]:
     """Returns losses of ball diameter [um], rising evenly from 0 to the end of the scene's life.
 
-    They have two decimals. If its life with its own preload method is not solved, the last loss is
-    that at the end of the life with the other. If a preload method has no state there, the last
-    loss is the smaller of the two at the ends. Without any life, the list is [0.0].
+    They have two decimals. If the life with the scene's own preload method is not solved, the other
+    method decides the last loss. If a preload method has no state there, the last loss is the
+    smaller of those at the two ends of life. Without any life, the list is [0.0].
     """
     from bearingwear.scene.arrangement import with_method
     from bearingwear.solvers.compose import solver_of
@@ -210,7 +210,8 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> str:
     file: of the scene.
     folder: new, empty, or of an earlier call for this scene.
     limits: requirements on the recommended preload.
-    UsageError: another folder, an edited file in it, or a scene's name that is not allowed.
+    UsageError: a folder with other files, an edited file, or a name of the scene that is not
+        allowed.
     SceneError: as of `study_files`, or a scene that is not valid or has no life.
 
     Returns the `requirements_in_words` of the earlier call; "" without one.
@@ -242,7 +243,7 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> str:
         _check_unedited(path, heading, folder)
     earlier = requirements_in_words(folder, name)
     for path, text in texts.items():
-        if _text(path) != text:
+        if _file_text(path) != text:
             write_text(path, text)
     return earlier
 
@@ -252,7 +253,7 @@ def requirements_in_words(folder: Path, name: str) -> str:
 
     They are `none` without any, and "" where the folder has no study of that scene.
     """
-    design = yaml.safe_load(_text(folder / "config" / "design.yaml") or "") or {}
+    design = yaml.safe_load(_file_text(folder / "config" / "design.yaml") or "") or {}
     scene = design.get("scenes", {}).get(name)
     if scene is None:
         return ""
@@ -274,7 +275,7 @@ def _check_folder(folder: Path, heading: str) -> None:
     """
     try:
         has_files = folder.exists() and any(path.name != ".snakemake" for path in folder.iterdir())
-        config_text = _text(folder / "config" / "config.yaml") or ""
+        config_text = _file_text(folder / "config" / "config.yaml") or ""
     except OSError as error:
         raise UsageError(f"{folder}: cannot be used ({reason(error)})") from None
     if has_files and not config_text.startswith(heading):
@@ -289,8 +290,9 @@ def _check_unedited(path: Path, heading: str, folder: Path) -> None:
     """Raises a UsageError for a file that this program did not write, or that was edited since.
 
     heading: begins the first line of a file that was written, which also holds a hash of the rest.
+    folder: of the study, for the error.
     """
-    text = _text(path)
+    text = _file_text(path)
     if text is not None:
         first_line, _, body = text.partition("\n")
         if not first_line.startswith(heading) or _hash(body) not in first_line:
@@ -300,7 +302,7 @@ def _check_unedited(path: Path, heading: str, folder: Path) -> None:
             )
 
 
-def _text(path: Path) -> str | None:
+def _file_text(path: Path) -> str | None:
     """Returns the contents of a file; None if it does not exist.
 
     Bytes that are not UTF-8 are replaced, so that an edited file can be compared, too.

@@ -6,7 +6,7 @@ import itertools
 import json
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -86,13 +86,14 @@ class SweepPoints:
         return json.dumps(asdict(self))
 
     def __iter__(self) -> Iterator[ScenePoint]:
-        """Returns the points scene by scene, each with its rows, or with the product of the axes.
+        """Yields the points scene by scene, each with all rows, or with the product of the axes.
 
         The last axis varies fastest.
         """
         columns = self.columns.values()
         rows = zip(*columns, strict=True) if self.in_rows else itertools.product(*columns)
-        return itertools.starmap(ScenePoint, itertools.product(range(len(self.names)), rows))
+        for scene, values in itertools.product(range(len(self.names)), rows):
+            yield ScenePoint(scene, values)
 
     def __len__(self) -> int:
         """Returns the number of points of all scenes."""
@@ -135,11 +136,11 @@ class SweepPoints:
         return coordinates
 
 
-def names_of_keys(keys: Iterable[str], used_names: Iterable[str]) -> dict[str, str]:
-    """Returns the name of each dotted key in a dataset.
+def names_of_keys(keys: Iterable[str], used_names: Collection[str]) -> dict[str, str]:
+    """Returns the name of each dotted key in a dataset, by the key.
 
-    It is the name in studies (`friction` for `friction.ball_race`), else the last part of the key,
-    else, where that name is used, all parts with `_` between them.
+    It is the name in studies (`friction` for `friction.ball_race`), else the last part of the key.
+    Where that name is used or two keys have it, all parts are joined by `_`.
     """
     study_names = {key: name for name, key in GRID_KEYS.items() if name not in used_names}
     short_names = {key: study_names.get(key, key.rpartition(".")[2]) for key in keys}
@@ -151,7 +152,7 @@ def names_of_keys(keys: Iterable[str], used_names: Iterable[str]) -> dict[str, s
 
 
 def _plain_values(key: str, values: Any) -> list[Any]:
-    """Returns a list or an array of values of a key as plain data.
+    """Returns the plain data of a list or an array of values of a key.
 
     SceneError: no list, or an empty one.
     """
@@ -206,8 +207,8 @@ def _check_axis(key: str, values: Sequence[Any]) -> None:
         if not fits(value, field):
             problem = misfit_words(value, field, key.rpartition(".")[2])
             raise SceneError("", problem, source=key)
-    countable = [value for value in values if not isinstance(value, dict | list)]  # by their hash
-    if repeated := _repeated(countable):
+    hashable_values = [value for value in values if not isinstance(value, dict | list)]
+    if repeated := _repeated(hashable_values):
         problem = f"got {shown(repeated[0])} twice, expected each value once"
         raise SceneError("", problem, source=key)
 

@@ -16,7 +16,7 @@ from typing import Any
 from bearingwear.console import UsageError
 
 _NAMED = re.compile(r"([a-z]\w*)=(.*)", re.DOTALL)
-_OURS = ("bearingwear.", "workflow.")
+_OUR_PACKAGES = ("bearingwear.", "workflow.")
 
 
 class NotSolved(Exception):
@@ -56,7 +56,7 @@ def _function(name: str) -> Any:
     StepError: a name outside of the program, or of no function.
     """
     module, _, function = name.rpartition(".")
-    if not module.startswith(_OURS):
+    if not module.startswith(_OUR_PACKAGES):
         raise StepError(f"step: got {name}, expected bearingwear.MODULE.FUNCTION")
     try:
         return getattr(importlib.import_module(module), function)
@@ -86,11 +86,13 @@ def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, A
         texts[name] += [word] if word else []
     values_by_name: dict[str, Any] = {}
     for name, values in texts.items():
-        kind = str(getattr(signature.parameters.get(name), "annotation", ""))
+        parameter = signature.parameters.get(name)
+        annotation = str(parameter.annotation) if parameter else ""
         parsed: list[Any] = [
-            Path(text) if "Path" in kind else _typed_value(text, kind) for text in values
+            Path(text) if "Path" in annotation else _typed_value(text, annotation)
+            for text in values
         ]
-        if kind.partition("[")[0].endswith(("Sequence", "Iterable")):
+        if annotation.partition("[")[0].endswith(("Sequence", "Iterable")):
             is_written_as_list = len(parsed) == 1 and isinstance(parsed[0], list)
             values_by_name[name] = parsed[0] if is_written_as_list else parsed
         elif len(parsed) > 1:
@@ -103,9 +105,9 @@ def arguments(signature: inspect.Signature, words: Sequence[str]) -> dict[str, A
 def _typed_value(text: str, annotation: str) -> Any:
     """Returns the value that a word of a command stands for: a text, or data written in Python.
 
-    annotation: of the parameter; that of a text keeps the word as it is.
+    annotation: of the parameter, as text or as `str` prints it; `str` keeps the word as it is.
     """
-    if annotation.startswith("str"):
+    if annotation.startswith(("str", "<class 'str'>")):
         return text
     try:
         return ast.literal_eval(text)
@@ -142,7 +144,7 @@ def _save(figure: Any, paths: Sequence[Path]) -> None:
 
 
 def _is_a(result: Any, name: str) -> bool:
-    """Whether an object is an instance of a class by its name, which need not be imported."""
+    """Whether a result is an instance of the class of this name; nothing is imported."""
     return any(kind.__name__ == name for kind in type(result).__mro__)
 
 

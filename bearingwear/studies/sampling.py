@@ -63,9 +63,9 @@ DIAMETER = "ball_diameter_mm"
 def scene_with_values(scene: Scene, values: Mapping[str, float]) -> Scene | None:
     """Returns the scene with other values under keys of `UNCERTAIN`, also in its cases.
 
-    Groove factors and contact angle are those of nominal balls. A ball diameter then changes only
-    the balls, like a batch out of tolerance: grooves and their centres keep their places
-    (theory.md Eq. 54).
+    The groove factors and contact angle of the scene apply to nominal balls. Another ball diameter
+    changes only the balls, like a batch out of tolerance: grooves and their centres keep their
+    places (theory.md Eq. 54).
 
     values: in the units of the keys. A wear coefficient or a hardness is that of the races; those
         of the balls and of films change in proportion.
@@ -93,7 +93,10 @@ def scene_with_values(scene: Scene, values: Mapping[str, float]) -> Scene | None
 
 
 def _changed_blocks(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
-    """Returns the blocks of a scene in which values other than of wear and balls are replaced."""
+    """Returns the blocks of a scene that have new values, by name.
+
+    values: by keys of `UNCERTAIN`; wear coefficients, hardness and ball diameter are ignored.
+    """
     new_values: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
         if name in WORN or name == DIAMETER:

@@ -96,6 +96,7 @@ def life_scene(scene: Source, settings: Sequence[str] = (), films: bool = False)
     films: whether solid films and running-in are allowed.
     SceneError: a scene that is not valid or has no end of life, a film that is not allowed, or a
     life that requires another model.
+    NotAvailable: phases of a duty that no single steady model solves.
     """
     from bearingwear.solvers.effects.choice import choice_for_life
 
@@ -112,7 +113,7 @@ def life_scene(scene: Source, settings: Sequence[str] = (), films: bool = False)
     if scene.duty is not None:
         from bearingwear.lives.duty.result import choices_of_phases
 
-        choices_of_phases(scene)
+        choices_of_phases(scene)  # raises NotAvailable
     fidelity = choice_for_life(scene).fidelity
     if fidelity != "steady":
         raise SceneError(

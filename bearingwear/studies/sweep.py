@@ -188,7 +188,7 @@ class Sweep:
         kept = KeptVariables.of(keep, "function" if callable(what) else what)
         question = SceneQuestion(
             scenes=scenes,
-            keys=(*all_points.columns,),
+            keys=tuple(all_points.columns),
             what=what,
             fidelity=fidelity,
             kept=kept,
@@ -222,7 +222,7 @@ class Sweep:
     def _answers(
         self, points: Sequence[ScenePoint], workers: int | None, progress: bool | Tell
     ) -> list[Answer]:
-        """Returns the answers at points, in their order; they are computed in an even order.
+        """Returns the answers at points, in their order; they are computed as of `_even_order`.
 
         workers, progress: as of the function `sweep`.
         """
@@ -288,7 +288,7 @@ class Sweep:
 
 
 def _even_order(count: int, block_size: int = 1) -> list[int]:
-    """Returns the numbers from 0 to below a count in an order whose first few are spread evenly.
+    """Returns the numbers from 0 to `count` - 1 in an order whose first few are spread evenly.
 
     The time left is then estimated well from the points that are solved.
 
@@ -314,9 +314,9 @@ def _numbers_of_part(part: tuple[int, int], count: int) -> range:
 
 
 def check_can_be_sent(what: Callable[..., Any]) -> None:
-    """Raises a SceneError for a function that cannot be pickled, and so not sent to a process.
+    """Raises a SceneError for a function that cannot be pickled and sent to a process.
 
-    what: the function, such as a lambda, which cannot be.
+    what: function that a sweep computes. A lambda, for example, cannot be pickled.
     """
     try:
         pickle.dumps(what)

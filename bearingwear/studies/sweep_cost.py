@@ -12,7 +12,7 @@ from bearingwear.studies.sweep import Sweep
 from bearingwear.studies.sweep_dataset import points_dataset
 
 _MOST_TIMED = 5
-"""Number of timed points. A point before them, which is not counted, loads the kernels."""
+"""Largest number of timed points, without the first point of all, which loads the kernels."""
 
 _LONGEST = 20.0
 """Time [s] after which no further point is timed."""
@@ -52,8 +52,8 @@ def cost_lines(sweep: Sweep, workers: int | None = None, parts: int = 1) -> list
 def _timed_answers(sweep: Sweep, points: Sequence[ScenePoint]) -> tuple[list[Answer], list[float]]:
     """Returns the answers of a sweep at its first points, and the CPU time [s] of the timed ones.
 
-    The first point, which loads the kernels, is timed only if it took so long that it stayed the
-    only one; otherwise there is one time less than answers.
+    The first point, which loads the kernels, is timed only if it stays the only one; otherwise
+    there is one time less than answers. Further points are solved for up to `_LONGEST`.
     """
     answers, seconds = [], []
     start = time.monotonic()

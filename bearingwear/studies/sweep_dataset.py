@@ -31,6 +31,8 @@ NUMBERED = "point"
 """Dimension of the points of a part; its coordinate holds their numbers."""
 
 KEEP_STUDY = "study"
+"""Choice of a sweep that keeps the variables of a case that `study.nc` has."""
+
 _OF_EXTREMES = ("life", "loss_at_end", "end_criterion")
 """Variables of a life that are kept beside the worst values."""
 
@@ -79,27 +81,28 @@ class KeptVariables:
             raise TypeError(
                 f"what: got a function that returns {kind}, expected a mapping of names"
             )
-        return {"status": OK} | {name: value for name, value in values.items() if self._has(name)}
+        return {"status": OK} | {name: value for name, value in values.items() if self._keeps(name)}
 
     def of_result(self, scene: Scene, result: Result) -> Answer:
         """Returns what a dataset of the sweep needs of a solve or a life.
 
-        The keys are `values` (the kept ones, by name), `attrs` (those that differ between points),
-        `scene` (the blocks that decide the layout of a file) and `worst` (`WORST_VALUES`, if kept).
+        The keys `values` and `attrs` have the kept values, and the attributes that differ between
+        points. `scene` has the blocks that decide the layout of a file, and `worst` the values of
+        `WORST_VALUES`, if kept.
         """
-        values = {name: value for name, value in result.values.items() if self._has(name)}
+        values = {name: value for name, value in result.values.items() if self._keeps(name)}
         names = ("fidelity", "warnings", "phases")
         attrs = {name: result.attrs[name] for name in names if name in result.attrs}
         layout = {  # the part of the scene that decides the layout of a file
-            "arrangement": scene.arrangement and {"kind": scene.arrangement.kind},
+            "arrangement": {"kind": scene.arrangement.kind} if scene.arrangement else None,
             "model": {"strips": scene.model.strips},
             "bearing": {"ball_count": scene.bearing.ball_count},
         }
         worst = worst_values(scene, result.values) if self.with_worst else {}
         return {"values": values, "attrs": attrs, "scene": layout, "worst": worst}
 
-    def _has(self, name: str) -> bool:
-        """Whether the choice keeps a variable of a name, or a dataset needs it in any case."""
+    def _keeps(self, name: str) -> bool:
+        """Whether the choice keeps the variable of a name, or every dataset needs it."""
         return self.names is None or name in (*self.names, "status", "end_criterion")
 
 
@@ -171,9 +174,9 @@ def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Datas
     from bearingwear.solvers.result import Result
     from bearingwear.studies.dataset import stacked_dataset
 
-    refused: dict[str, Any] = {"status": REFUSED}
+    refused_values: dict[str, Any] = {"status": REFUSED}
     if kept.what == "life":
-        refused["end_criterion"] = NO_CRITERION
+        refused_values["end_criterion"] = NO_CRITERION
     first_layout = next(answer["scene"] for answer in answers if "scene" in answer)
     phases = {answer["attrs"].get("phases") for answer in answers if "attrs" in answer}
     shared_phases = phases.pop() if len(phases) == 1 else None
@@ -183,7 +186,7 @@ def _results_dataset(kept: KeptVariables, answers: Sequence[Answer]) -> xr.Datas
         attrs.pop("phases", None)
         if shared_phases:
             attrs["phases"] = shared_phases
-        result = Result(answer.get("values", refused), attrs)
+        result = Result(answer.get("values", refused_values), attrs)
         result.scene = answer.get("scene", first_layout)
         results.append(result)
     lengths = {NUMBERED: len(results)}
@@ -249,7 +252,7 @@ def whole_sweep(results: xr.Dataset, points: SweepPoints) -> xr.Dataset:
     changed_keys = {name: key for key, name in points.key_names(used_names).items()}
     over_axes.attrs = dict(results.attrs) | {
         "changed_keys": json.dumps(changed_keys),
-        "message": _message(over_axes, results.attrs["problem"]),
+        "message": _solved_message(over_axes, results.attrs["problem"]),
     }
     for name in ("problem", "points", "part"):
         over_axes.attrs.pop(name, None)
@@ -271,7 +274,7 @@ def part_of_sweep(
     from bearingwear.results.labels import labelled
 
     labelled_part = labelled(results).assign_coords({NUMBERED: np.array(numbers, dtype="i4")})
-    message = _message(labelled_part, results.attrs["problem"])
+    message = _solved_message(labelled_part, results.attrs["problem"])
     part_name = f"{part[0]}/{part[1]}"
     return labelled_part.assign_attrs(points=points.json, part=part_name, message=message)
 
@@ -295,6 +298,7 @@ def sweep_attributes(scenes: Sequence[Scene], points: SweepPoints, what: str) ->
 def gathered_parts(paths: Iterable[str | Path]) -> xr.Dataset:
     """Returns the dataset of a whole sweep from the files of its parts, in any order.
 
+    paths: at least one.
     CaseFileError: a file that is no part, a part of another sweep, a repeated or a missing part.
     """
     from bearingwear.studies.dataset import stacked_dataset
@@ -347,7 +351,7 @@ def _part_datasets(paths: Iterable[str | Path]) -> list[xr.Dataset]:
 
 
 def sweep_warnings(results: xr.Dataset) -> list[str]:
-    """Returns a line on the unsolved points of a sweep, then one for each warning of the others.
+    """Returns a line on the unsolved points of a sweep, then a line for each of its warnings.
 
     The list is empty if all points were solved without a warning.
 
@@ -359,8 +363,8 @@ def sweep_warnings(results: xr.Dataset) -> list[str]:
     return lines
 
 
-def _message(results: xr.Dataset, problem: str) -> str:
-    """Returns a line on how many points were not solved, by status, or that all were.
+def _solved_message(results: xr.Dataset, problem: str) -> str:
+    """Returns a line on how many points were not solved, by status, or that all were solved.
 
     results: with names for codes.
     problem: of the first refused point, empty without one.

@@ -18,19 +18,19 @@ MOST_ON_AN_AXIS = 100_000
 
 
 def typed_points(axes: Sequence[str], rows: Path | None) -> Any:
-    """Returns the points of a sweep from options.
+    """Returns the points of a sweep from the options `--axis` or `--rows`.
 
-    They are a dict with the list of values of each key for axes, or a list with a dict for each row
-    of a table, with a value for each key.
+    Axes give a dict with the list of values of each key. A table gives a list of rows, each of
+    which is a dict with a value for each key.
 
     axes: texts `KEY=VALUES`.
     rows: path of a table, if there are no axes.
-    UsageError: both or neither of them.
+    UsageError: both options or neither.
     SceneError: a text or a table that cannot be read.
     """
     if (rows is None) == (not axes):
-        got = "both --axis and --rows" if axes else "neither --axis nor --rows"
-        raise UsageError(f"sweep: got {got}, expected one of them")
+        options = "both --axis and --rows" if axes else "neither --axis nor --rows"
+        raise UsageError(f"sweep: got {options}, expected one of them")
     if rows is not None:
         return _table_rows(rows)
     texts = []
@@ -51,9 +51,10 @@ def _yaml_list(key: str, text: str) -> str:
 
     text: values with commas between them, or LOW:HIGH:COUNT for evenly spaced numbers from LOW to
         HIGH, both included.
-    SceneError: numbers with colons between them that are not LOW:HIGH:COUNT, or with hyphens.
+    SceneError: numbers with colons between them that are not LOW:HIGH:COUNT, or with hyphens
+        between them, as in 5-9.
     """
-    # numbers between colons, or hyphens as in 5-9; that of 1e-5 is no separator
+    # numbers with colons or hyphens between them; the hyphen of 1e-5 does not separate numbers
     if not re.fullmatch(r"[-+.eE\d]+(?:(?::|(?<![eE])-)[-+.eE\d]+)+", text):
         return f"[{text}]"
     try:
@@ -73,8 +74,8 @@ def _table_rows(path: Path) -> list[dict[str, Any]]:
 
     Empty lines are left out.
 
-    SceneError: a file that cannot be read, without a header of different keys or without a row, or
-    a line that has too few or too many values or one that is not YAML.
+    SceneError: a file that cannot be read, or has no header of different keys or no row.
+    SceneError: a line with too few or too many values, or a value that is not YAML.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
@@ -86,8 +87,10 @@ def _table_rows(path: Path) -> list[dict[str, Any]]:
     if not header or len(set(header)) < len(header):
         raise SceneError("", "got no header of different keys, expected one", source=str(path))
     rows = []
-    for number, cells in enumerate(filter(None, lines), 2):
-        source = f"{path}: line {number}"
+    for cells in lines:
+        if not cells:
+            continue
+        source = f"{path}: line {lines.line_num}"
         if len(cells) != len(header):
             problem = f"got {len(cells)} values, expected {len(header)}"
             raise SceneError("", problem, source=source)
@@ -99,7 +102,11 @@ def _table_rows(path: Path) -> list[dict[str, Any]]:
 
 
 def _cell_value(cell: str, source: str) -> Any:
-    """Returns the number in a cell of a table, or what its text means in YAML."""
+    """Returns the number in a cell of a table, or what its text means in YAML.
+
+    source: file and line, for errors.
+    SceneError: a text that is not YAML.
+    """
     try:
         return float(cell)  # a hundred times as fast as YAML
     except ValueError:

@@ -48,7 +48,7 @@ def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
     """Returns the number of cases and lives in files, and a line for each unsolved one.
 
     The line names the file and the reason. A case is named by a file of its own beside the study,
-    even where several cases share a file. A life that no criterion ends counts as solved.
+    even if several cases share a file. A life that no criterion ends counts as solved.
 
     paths: study files and files of wear life.
     CaseFileError: a file of another kind.
@@ -57,12 +57,12 @@ def unsolved_lines(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
     unsolved = []
     for path in map(Path, paths):
         dataset = load(path)
-        if not {"preload_method", "friction"} <= set(dataset["status"].dims):
+        status = dataset.get("status")
+        if status is None or not {"preload_method", "friction"} <= set(status.dims):
             raise CaseFileError(f"{path}: not a study")
         is_study = "ball_diameter_loss" in dataset.dims
         good_statuses = {OK} if is_study else {OK, CRITERION_NOT_REACHED}
         folder = "dynamic" if dataset.attrs.get("fidelity") == "dynamic" else "cases"
-        status = dataset["status"]
         checked += status.size
         for index in np.ndindex(status.shape):
             code = int(status[index])

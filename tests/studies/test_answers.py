@@ -1,4 +1,4 @@
-"""Functions asked at many points by several processes."""
+"""Functions that several processes evaluate at many points."""
 
 import os
 import signal
@@ -10,7 +10,7 @@ from support import numbers_in, only_line, scene_file
 
 from bearingwear.cli import main
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.studies import answers as module
+from bearingwear.studies import answers as answers_module
 from bearingwear.studies.answers import PROBLEM, REFUSED, Workers, answers_at
 
 
@@ -46,7 +46,7 @@ def sleep(seconds):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_answers_stand_in_the_order_of_their_points(workers):
-    """Of no point, one, and many, in a list or an array."""
+    """There are no points, one, or many, in a list or an array."""
     with Workers(workers, progress=False) as pool:
         for points in ([], [3], list(range(50)), np.arange(5.0)):
             squares = [answer["square"] for answer in pool.answers_at(square, points)]
@@ -54,9 +54,9 @@ def test_answers_stand_in_the_order_of_their_points(workers):
 
 
 def test_rounds_share_their_processes():
-    """Four rounds by two workers use at most two processes beside this one.
+    """Four rounds by two workers use at most two processes beside the process of the test.
 
-    This one evaluates the first point of the first round, before the others are forked from it.
+    That process evaluates the first point, before the others are forked from it.
     """
     with Workers(2, progress=False) as pool:
         rounds = [list(pool.answers_at(square, range(20))) for _ in range(4)]
@@ -90,12 +90,12 @@ def test_a_process_that_is_killed_is_named():
 
 
 def test_a_command_says_in_one_line_that_a_process_ended(monkeypatch, capsys):
-    """With status 3. A function whose worker is killed stands in for that of the command."""
+    """The exit status is 3. A function whose worker is killed stands in for that of the command."""
 
-    def ended(args):
+    def uncertainty(args):
         list(answers_at(killed_at_one, [0, 1, 2], 2, "uncertainty", progress=False))
 
-    monkeypatch.setattr("bearingwear.results.kinds.imported_function", lambda name: ended)
+    monkeypatch.setattr("bearingwear.results.kinds.imported_function", lambda name: uncertainty)
     assert main(["uncertainty", str(scene_file("gyro_s1"))]) == 3
     assert only_line(capsys).startswith("uncertainty: a process ended unexpectedly")
 
@@ -104,9 +104,9 @@ def test_closing_early_does_not_wait_for_running_processes():
     """Two of four answers are taken; the others would take 60 s."""
     answers = answers_at(sleep, [0.0, 0.0, 60.0, 60.0], 2, progress=False)
     assert [next(answers), next(answers)] == [{"seconds": 0.0}] * 2
-    started = time.monotonic()
+    start = time.monotonic()
     answers.close()
-    assert time.monotonic() - started < 20.0  # s
+    assert time.monotonic() - start < 20.0  # s
 
 
 def test_workers_are_at_least_one():
@@ -115,19 +115,19 @@ def test_workers_are_at_least_one():
 
 
 def test_progress_has_a_line_every_few_seconds(monkeypatch):
-    """Of five points that take 2 s each: after 4 s and 8 s, with the seconds that are left.
+    """Five points of 2 s each have lines after 4 s and 8 s, with the seconds that are left.
 
     The first answer, after 2 s, comes before a line is due; the last ends the progress.
     """
     clock, lines = [0.0], []
-    monkeypatch.setattr(module.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(answers_module.time, "monotonic", lambda: clock[0])
 
     def every_2_seconds():
         for point in range(5):
             clock[0] += 2.0
             yield {"point": point}
 
-    answers = list(module.with_progress(every_2_seconds(), 5, "sweep", lines.append))
+    answers = list(answers_module.with_progress(every_2_seconds(), 5, "sweep", lines.append))
     assert [answer["point"] for answer in answers] == [0, 1, 2, 3, 4]
     assert all(line.startswith("sweep: ") for line in lines)
     assert [numbers_in(line) for line in lines] == [[2, 5, 6], [4, 5, 2]]  # points, all, s left

@@ -121,7 +121,7 @@ def test_a_faulty_configuration_is_refused_in_one_line(keys, value, problem):
     ],
 )
 def test_configurations_against_the_schema_are_refused_in_one_line(keys, value, problem, tmp_path):
-    """An unknown key, a number in place of a list, a scene that is a path; before other checks."""
+    """The faults are an unknown key, a number in place of a list, and a scene that is a path."""
     path = tmp_path / "config.yaml"
     path.write_text(yaml.safe_dump(faulty(keys, value)), encoding="utf-8")
     with pytest.raises(UsageError, match="^[^\n]*$") as error:
@@ -130,16 +130,16 @@ def test_configurations_against_the_schema_are_refused_in_one_line(keys, value, 
 
 
 def test_the_configurations_of_the_project_pass_their_checks():
-    """The files of design, lives and uncertainty; of one that is not there, nothing is read.
+    """They are the files of design, lives and uncertainty; a missing file is read as empty.
 
-    `set` and `limits` may be left out in a file, for which a plan has empty ones.
+    `set` and `limits` may be left out in a file; the schema then adds empty ones.
     """
-    read = {name: configuration.read_config(f"config/{name}.yaml") for name in ("design", "lives")}
-    configuration.check_lives(
-        {"lives": {name: {"set": {}, **life} for name, life in read["lives"]["lives"].items()}}
-    )
-    design = {name: {"limits": {}, **scene} for name, scene in read["design"]["scenes"].items()}
-    configuration.check_design({"scenes": design})
+    lives = configuration.read_config("config/lives.yaml")["lives"]
+    lives = {name: {"set": {}, **life} for name, life in lives.items()}
+    configuration.check_lives({"lives": lives})
+    scenes = configuration.read_config("config/design.yaml")["scenes"]
+    scenes = {name: {"limits": {}, **scene} for name, scene in scenes.items()}
+    configuration.check_design({"scenes": scenes})
     configuration.check_sampled(configuration.read_config("config/uncertainty.yaml"))
     assert configuration.read_config("config/none.yaml") == {}
 
@@ -153,7 +153,7 @@ def test_the_configurations_of_the_project_pass_their_checks():
     ],
 )
 def test_a_faulty_life_is_named_in_one_line(life, problem):
-    """An unknown key, a life without an end, and a scene that is not there."""
+    """The faults are an unknown key, a life without an end, and a scene that is not there."""
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         configuration.check_lives({"lives": {"a": life}})
     assert problem in str(error.value)
@@ -170,8 +170,8 @@ def test_limits_of_the_schema_are_those_of_the_measures():
     """The schema of config/design.yaml has all keys of `DesignLimits`, measures among them."""
     schema = yaml.safe_load((ROOT / "workflow/schemas/design.schema.yaml").read_text())
     scene = schema["properties"]["scenes"]["additionalProperties"]
-    own = file_part(DesignLimits).below
-    assert set(scene["properties"]["limits"]["properties"]) == set(own) >= set(LIMITED)
+    keys = set(file_part(DesignLimits).below)
+    assert set(scene["properties"]["limits"]["properties"]) == keys >= set(LIMITED)
 
 
 # axes of a map, as in config/design.yaml
@@ -207,7 +207,7 @@ CHANGES = (
 
 @pytest.mark.parametrize(("key", "value", "jobs"), CHANGES)
 def test_a_change_of_a_scene_concerns_only_the_jobs_that_read_it(key, value, jobs, tmp_path):
-    """By hashes of what is read by a case, by sampled lives, and by a job of the dynamic model.
+    """It changes the hashes of a case, of sampled lives, or of a job of the dynamic model.
 
     Friction does not count for a case, since it is an axis of the grid.
     """
@@ -217,7 +217,7 @@ def test_a_change_of_a_scene_concerns_only_the_jobs_that_read_it(key, value, job
         path = str(tmp_path / f"{name}.yaml")
         (tmp_path / f"{name}.yaml").write_text(yaml_of(scene.to_dict()), encoding="utf-8")
         return {
-            # keys that a grid overrides; whether the cage is read; whether uncertainty is
+            # keys that a grid overrides, whether the cage and the uncertain values are read
             "solve": configuration.scene_hash(path, tuple(GRID_KEYS.values()), False, False),
             "spread": configuration.scene_hash(path, (), False, True),
             "dynamic": configuration.scene_hash(path, (), True, False),
@@ -229,7 +229,7 @@ def test_a_change_of_a_scene_concerns_only_the_jobs_that_read_it(key, value, job
 
 
 def test_a_cage_is_read_where_its_results_or_the_dynamic_model_are_required():
-    """Of scenes as plain data; a cage that is only described is not read."""
+    """A cage that a scene (plain data) only describes is not read."""
     assert reads_cage({"model": {"cage_results": True}})
     assert reads_cage({"model": {"fidelity": "dynamic"}})
     assert not reads_cage({"cage": {}, "model": None})

@@ -36,7 +36,7 @@ def with_friction(scene, mu):
 
 
 def test_the_grid_of_cases_is_around_the_scene(scene):
-    """Both preload methods, and four frictions from half to twice its 0.08."""
+    """It has both preload methods, and four frictions from half to twice the scene's 0.08."""
     config, _ = plans(scene)
     (block,) = config["studies"]
     assert block["scenes"] == config["uncertain_lives"]["scenes"] == ["mine"]
@@ -46,7 +46,7 @@ def test_the_grid_of_cases_is_around_the_scene(scene):
 
 
 def test_the_states_of_wear_go_to_the_end_of_the_scene_s_own_life(scene):
-    """Nine losses of ball diameter from zero, rounded up to hundredths of a micrometre."""
+    """They are nine losses of ball diameter; the last is rounded up to a hundredth of a um."""
     config, _ = plans(scene)
     losses = config["studies"][0]["ball_diameter_loss_um"]
     end = 1e6 * float(life(scene).values["loss_at_end"])
@@ -55,7 +55,7 @@ def test_the_states_of_wear_go_to_the_end_of_the_scene_s_own_life(scene):
 
 
 def test_the_map_of_preloads_is_around_the_scene(scene):
-    """From an eighth to 32 times its 7 N, with its own speed, friction and limits.
+    """It goes from an eighth to 32 times the 7 N of the scene, with its speed, friction and limits.
 
     The configuration is plain data, which YAML reads back as it was.
     """
@@ -69,7 +69,7 @@ def test_the_map_of_preloads_is_around_the_scene(scene):
 
 
 def test_the_states_of_wear_of_a_pair_go_to_the_end_of_its_life(scene):
-    """To the loss of the bearing that loses more, rounded up to a hundredth of a micrometre."""
+    """The last is the loss of the bearing that loses more, rounded up to a hundredth of a um."""
     pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
     config, _ = plans(pair)
     (block,) = config["studies"]
@@ -83,10 +83,10 @@ def test_the_preload_method_of_a_pair_decides_its_kind(scene):
     A kind that contradicts the method is refused.
     """
     pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
-    held = pair.with_({"operation.preload_method": "fixed_position"})
-    assert held.arrangement.kind == "rigid_pair"
+    rigid = pair.with_({"operation.preload_method": "fixed_position"})
+    assert rigid.arrangement.kind == "rigid_pair"
     with pytest.raises(SceneError, match="arrangement.kind"):
-        held.with_(
+        rigid.with_(
             {"operation.preload_method": "fixed_position", "arrangement.kind": "spring_pair"}
         )
 
@@ -108,13 +108,13 @@ def test_fewer_bearings_are_sampled_over_a_duty(scene, phases, samples):
 
 
 def test_a_duty_is_studied_at_its_own_friction(scene):
-    """Phases may have friction of their own, so a grid of it means little and costs four times."""
+    """Phases may have their own friction, so a grid of it would mean little and cost four times."""
     config, design = plans(scene.with_({"duty.phases": {"nominal": {"hours": 1.0}}}))
     assert config["studies"][0]["friction"] == design["small_map"]["friction"] == [0.08]
 
 
 def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
-    """Its friction is not a single coefficient: the map has zero for it (`NO_FRICTION`)."""
+    """A film has no single friction coefficient: the map has zero for it (`NO_FRICTION`)."""
     film = {"shear_strength_MPa": 30.0, "thickness_um": 1.0, "wear_coefficient": 1e-7}
     inputs = {f"friction.film.{key}": value for key, value in film.items()}
     config, design = plans(scene.with_({"friction.ball_race": None, "uncertainty": None} | inputs))
@@ -126,7 +126,7 @@ def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
     "mu, frictions", [(0.001, [0.001, 0.002]), (0.064, [0.032, 0.064, 0.096, 0.128])]
 )
 def test_own_friction_is_among_those_studied(scene, mu, frictions):
-    """Half, 1.5 times and twice of it beside it, rounded to thousandths; none twice or zero."""
+    """The others are 0.5, 1.5 and 2 times it, rounded to thousandths; none is repeated or zero."""
     config, _ = plans(with_friction(scene, mu))
     assert config["studies"][0]["friction"] == frictions
 
@@ -183,12 +183,12 @@ def contents(folder):
 
 
 def test_folder_holds_all_that_the_study_needs(mine, tmp_path):
-    """Two plans and copies of both scenes, each with a first line about the command."""
+    """It has two plans and copies of both scenes, each with a first line about the command."""
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     names = {path.relative_to(folder).as_posix() for path in contents(folder)}
-    plans = {"config/config.yaml", "config/design.yaml"}
-    assert names == plans | {"config/scenes/base.yaml", "config/scenes/mine.yaml"}
+    plan_names = {"config/config.yaml", "config/design.yaml"}
+    assert names == plan_names | {"config/scenes/base.yaml", "config/scenes/mine.yaml"}
     assert load_scene(folder / "config/scenes/mine.yaml") == load_scene(mine)
     for text in contents(folder).values():
         assert text.startswith(b"# Written by `bearingwear study mine.yaml`")
@@ -210,8 +210,8 @@ def test_same_command_writes_nothing_and_an_edit_of_the_scene_renews_the_copy(mi
     assert base.read_bytes() == before[base]
 
 
-def test_other_requirements_than_before_are_known(mine, tmp_path):
-    """So that a page with requirements is not replaced by one without them in silence."""
+def test_the_requirements_of_the_earlier_call_are_returned(mine, tmp_path):
+    """A page with requirements can then not be replaced silently by one without them."""
     folder = tmp_path / "study"
     assert write_study(mine, folder, LIMITS) == ""
     assert write_study(mine, folder, DesignLimits()) == "axial_stiffness_N_um 3"
@@ -220,7 +220,7 @@ def test_other_requirements_than_before_are_known(mine, tmp_path):
 
 @pytest.mark.parametrize("name", ["scenes/mine.yaml", "scenes/base.yaml", "design.yaml"])
 def test_an_edited_file_of_a_study_is_not_replaced(mine, tmp_path, name):
-    """Though the scene and the limits have changed as well; the error names the file."""
+    """The scene and the limits have changed as well; the error names the edited file."""
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     edited = folder / "config" / name
@@ -241,7 +241,7 @@ def test_a_folder_with_other_files_is_refused(mine, tmp_path):
 
 
 def test_the_folder_of_another_scene_is_refused(mine, tmp_path):
-    """Even of one with the same contents; the error has the command for a folder of its own."""
+    """It is refused although both have the same contents; the error names the command."""
     write_study(mine, tmp_path / "study", LIMITS)
     other = mine.with_name("other.yaml")
     other.write_bytes(mine.read_bytes())
@@ -250,7 +250,7 @@ def test_the_folder_of_another_scene_is_refused(mine, tmp_path):
 
 
 def test_a_file_in_place_of_the_folder_is_refused(mine):
-    """Here the scene itself."""
+    """The file is the scene itself."""
     with pytest.raises(UsageError, match="cannot be used"):
         write_study(mine, mine, LIMITS)
 

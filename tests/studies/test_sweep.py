@@ -1,4 +1,4 @@
-"""`bearingwear.sweep`: values of a scene side by side."""
+"""`bearingwear.sweep`: its datasets, warnings and errors, and sweeps in parts."""
 
 import json
 import subprocess
@@ -66,7 +66,7 @@ def test_axes_of_a_sweep_have_names_and_units(coarse):
 
 
 def test_a_sweep_by_two_processes_is_that_by_one(coarse):
-    """Of six lives by both methods; a fixed position warns of its temperature."""
+    """Six lives have both methods; a fixed position warns of its temperature."""
     changes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 6, 7]}
     results = []
     for workers in (1, 2):
@@ -83,7 +83,7 @@ def test_a_sweep_by_two_processes_is_that_by_one(coarse):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_warnings_of_a_sweep_are_counted(coarse, workers):
-    """One warning is issued in this file, with the count of cases, at the largest loss of them."""
+    """One warning is issued in this file, with the count of cases and their largest loss."""
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
     with pytest.warns(UserWarning, match="2 cases, .* 0.7 um") as caught:
         dataset = bearingwear.sweep(coarse, losses, workers=workers)
@@ -197,14 +197,15 @@ def test_points_that_are_refused(coarse, points, problem):
 
 
 def test_several_scenes_lie_side_by_side(coarse):
-    """Along a dimension of their names, which must differ; an attribute has their plain data."""
+    """The dimension `scene` has their names, which must differ; an attribute has their data."""
     other = coarse.with_({"name": "faster", "operation.shaft_speed_rpm": 40000})
     dataset = bearingwear.sweep([coarse, other], {PRELOAD: [5, 7]}, workers=1)
     assert dataset.total_qv.dims == ("scene", "preload_N")
     assert dataset["scene"].values.tolist() == ["gyro_s1", "faster"]
     alone = bearingwear.solve(other.with_({PRELOAD: 7}))
     assert dataset.total_qv.sel(scene="faster", preload_N=7) == alone.total_qv
-    assert [item["name"] for item in json.loads(dataset.attrs["scenes"])] == ["gyro_s1", "faster"]
+    scenes = json.loads(dataset.attrs["scenes"])
+    assert [scene["name"] for scene in scenes] == ["gyro_s1", "faster"]
     with pytest.raises(SceneError, match="name: got two scenes named gyro_s1"):
         bearingwear.sweep([coarse, coarse], {PRELOAD: [5, 7]}, workers=1)
 
@@ -225,9 +226,9 @@ def as_many_as_newtons(scene):
 
 
 def test_values_of_another_shape_are_refused(coarse):
-    """A point whose values have not the shape of the first has none; the others stay.
+    """A point whose values differ in shape from those of the first has none; the others stay.
 
-    A function that returns no values by name is an error.
+    A function that returns no mapping raises a TypeError.
     """
     with pytest.warns(UserWarning, match=r"none 1 \(values: got shape \(4,\), expected \(3,\)"):
         dataset = bearingwear.sweep(coarse, {PRELOAD: [3, 4, 3.5]}, as_many_as_newtons, workers=1)
@@ -243,7 +244,7 @@ def test_a_function_that_other_processes_cannot_import_is_refused(coarse):
 
 
 def test_only_what_is_kept_is_in_the_dataset(coarse):
-    """And the status; what is kept is identical to that of the whole dataset."""
+    """It also has the status. What is kept is identical to that of the whole dataset."""
     axes = {PRELOAD: [5, 7]}
     whole = bearingwear.sweep(coarse, axes, workers=1)
     kept = bearingwear.sweep(coarse, axes, workers=1, keep=["total_qv", "contact_load"])
@@ -260,14 +261,14 @@ def test_only_what_is_kept_is_in_the_dataset(coarse):
     ],
 )
 def test_what_a_case_has_not_cannot_be_kept(coarse, keep, problem):
-    """A misspelt name, and extremes, which only a life has."""
+    """One name is misspelt; extremes are only of a life."""
     with pytest.raises(SceneError, match=problem):
         bearingwear.sweep(coarse, {PRELOAD: [5, 7]}, workers=1, keep=keep)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_extremes_are_the_worst_values_along_a_life(coarse):
-    """Of the histories of a life: largest, least, or largest magnitude; no history is kept.
+    """They are the largest, least, or largest absolute values of histories, which are not kept.
 
     preload_kept is the least preload over the initial 7 N.
     """
@@ -323,7 +324,7 @@ def part_files(scene, what, folder):
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("what", ["solve", "life", product_of_numbers])
 def test_parts_in_any_order_make_the_whole(coarse, what, tmp_path):
-    """Of cases, lives, and values of a function; some points are not solved."""
+    """The parts have cases, lives, or values of a function; some points are not solved."""
     files = part_files(coarse, what, tmp_path)
     whole = bearingwear.sweep(coarse, TWELVE_POINTS, what, workers=1)
     xr.testing.assert_identical(gathered_parts([files[2], files[1], files[3]]), whole)
@@ -345,7 +346,7 @@ def test_parts_that_a_sweep_has_not_are_refused(coarse, part):
 
 
 @pytest.mark.parametrize(
-    ("keys", "taken", "names"),  # taken: names of results
+    ("keys", "used_names", "names"),  # used_names: of results
     [
         ([PRELOAD, FRICTION], set(), ["preload_N", "friction"]),
         (["wear.counts"], {"counts"}, ["wear_counts"]),
@@ -356,8 +357,8 @@ def test_parts_that_a_sweep_has_not_are_refused(coarse, part):
         ),
     ],
 )
-def test_dimensions_have_the_shortest_names_that_tell_them_apart(keys, taken, names):
-    assert list(names_of_keys(keys, taken).values()) == names
+def test_dimensions_have_the_shortest_names_that_tell_them_apart(keys, used_names, names):
+    assert list(names_of_keys(keys, used_names).values()) == names
 
 
 # a script of a user; `guard` adds what starts it
@@ -384,8 +385,8 @@ def run_script(folder, text):
 @pytest.mark.long
 def test_a_sweep_works_with_spawned_processes(tmp_path):
     guard = "if __name__ == '__main__':\n    multiprocessing.set_start_method('spawn')\n    main()"
-    done = run_script(tmp_path, SCRIPT + guard)
-    assert done.stdout == "ok ok ok ok\n", done.stderr
+    completed = run_script(tmp_path, SCRIPT + guard)
+    assert completed.stdout == "ok ok ok ok\n", completed.stderr
 
 
 # a script that each spawned process would run again
@@ -400,17 +401,17 @@ list(answers_at(len, [[], []], 2))
 
 def test_a_script_without_main_guard_is_refused(tmp_path):
     """The last line of its error names the guard."""
-    done = run_script(tmp_path, UNGUARDED)
-    last = done.stderr.rstrip().splitlines()[-1]
-    assert "ProcessEnded: sweep: " in last and "if __name__ == '__main__':" in last
+    completed = run_script(tmp_path, UNGUARDED)
+    last_line = completed.stderr.rstrip().splitlines()[-1]
+    assert "ProcessEnded: sweep: " in last_line and "if __name__ == '__main__':" in last_line
 
 
 def test_profiles_of_unlike_length_have_no_places():
     """Points with 10 and 20 strips share no coordinate of strips; points with 50 each do."""
     dataset = bearingwear.sweep(bearingwear.example(), {"model.strips": [10, 20]}, workers=1)
     assert "strip_position" not in dataset.coords
-    same = bearingwear.sweep(bearingwear.example(), {"friction.ball_race": [0.05, 0.08]}, workers=1)
-    assert same["strip_position"].dims == ("strip",)
+    alike = bearingwear.sweep(bearingwear.example(), {FRICTION: [0.05, 0.08]}, workers=1)
+    assert alike["strip_position"].dims == ("strip",)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
@@ -430,7 +431,7 @@ def test_a_sweep_of_pairs_has_a_column_for_each_bearing(coarse):
 
 @pytest.mark.parametrize("kinds", [["single", "spring_pair"], ["spring_pair", "single"]])
 def test_pairs_and_single_bearings_do_not_mix(coarse, kinds, monkeypatch):
-    """In either order, before anything is solved."""
+    """They are refused in either order, before anything is solved."""
     monkeypatch.setattr("bearingwear.studies.sweep._result", fail_if_solved)
     with pytest.raises(SceneError, match="arrangement.kind: got .*single"):
         bearingwear.sweep(coarse, {"arrangement.kind": kinds}, workers=1)

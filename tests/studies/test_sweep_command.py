@@ -11,7 +11,7 @@ import bearingwear
 from bearingwear.cli import main
 from bearingwear.studies.typed_points import typed_points
 
-SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
+SCENE = scene_file("gyro_s1")
 # options and axes of the commands
 COARSE = ["--set", "model.strips=8", "--set", "model.tolerance=1.0e-3"]
 PRELOADS, FRICTIONS = "operation.preload_N=5,7,9", "friction.ball_race=0.05:0.09:3"
@@ -29,13 +29,13 @@ def coarse():
 
 
 def test_axes_of_the_command_make_the_dataset_of_python(coarse, tmp_path):
-    """A list of values, and `first:last:count`; identical but for the attribute `message`."""
+    """One axis is a list, the other `first:last:count`. Files lack the attribute `message`."""
     axes = {"operation.preload_N": [5, 7, 9], "friction.ball_race": np.linspace(0.05, 0.09, 3)}
     options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
     assert sweep(*options, "-o", tmp_path / "axes.nc") == 0
     dataset = bearingwear.load(tmp_path / "axes.nc")
     expected = bearingwear.sweep(coarse, axes, workers=1)
-    del expected.attrs["message"]  # which files do not have
+    del expected.attrs["message"]
     xr.testing.assert_identical(dataset, expected)
 
 
@@ -55,7 +55,7 @@ def test_rows_of_a_table_are_points_of_their_own(coarse, tmp_path):
 
 
 def test_gather_joins_parts_byte_for_byte(tmp_path, capsys):
-    """To the file of the whole sweep; a part that is missing is named, with status 2."""
+    """They become the file of the whole sweep. A missing part is named, with exit status 2."""
     options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
     parts = [tmp_path / f"{k}.nc" for k in (1, 2)]
     for k, path in enumerate(parts, 1):
@@ -67,14 +67,14 @@ def test_gather_joins_parts_byte_for_byte(tmp_path, capsys):
     assert capsys.readouterr().err.endswith("2.nc: got 1 of 2 parts, expected also 1/2\n")
 
 
-def test_show_has_the_numbers_of_a_sweep(tmp_path, capsys):
+def test_show_prints_a_variable_of_a_sweep(tmp_path, capsys):
     assert sweep(*COARSE, "--axis", PRELOADS, "-j", 1, "-o", tmp_path / "sweep.nc") == 0
     assert main(["show", str(tmp_path / "sweep.nc")]) == 0
     assert "total_qv" in capsys.readouterr().out
 
 
 def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, monkeypatch):
-    """Four lines: points and axes, time by cores, the part, and the size of the file."""
+    """Its four lines state points and axes, time by cores, the part, and the size of the file."""
     monkeypatch.chdir(tmp_path)
     axes = ["--axis", "operation.preload_N=4:20:100", "--axis", "friction.ball_race=0.04:0.12:1000"]
     assert sweep(*COARSE, *axes, "-n", "-j", 2, "--part", "1/20") == 0
@@ -86,9 +86,9 @@ def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, m
 
 
 def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
-    """A friction of zero leaves spin undetermined. Exit status 3 only if no point is solved.
+    """A friction of zero leaves spin undetermined; the exit status is 3 if no point is solved.
 
-    With `--record-failures` it is 0 even then.
+    With `--record-failures`, it is 0 even then.
     """
     options = [*COARSE, "-j", 1, "-o", tmp_path / "x.nc"]
     assert sweep(*options, "--axis", "friction.ball_race=0,0.08") == 0
@@ -127,14 +127,14 @@ def test_a_single_number_with_a_negative_exponent_is_an_axis(number):
         (["-n", "--axis", PRELOADS, "--keep", "extremes"], "keep: got extremes of solve, expected"),
         (["-o", "x.nc", "--axis", PRELOADS, "--part", "4/3"], "part: got 4/3, expected K/N with"),
         (["-n", "--rows", "missing.csv"], "missing.csv: got a file that cannot be read (No such"),
-        (["-n", "--rows", "short.csv"], "short.csv: line 3: got 1 values, expected 2"),
+        (["-n", "--rows", "short.csv"], "short.csv: line 4: got 1 values, expected 2"),
         (["-n", "--rows", "twice.csv"], "twice.csv: got no header of different keys, expected one"),
     ],
 )
 def test_wrong_axes_and_rows_are_refused_in_one_line(words, line, tmp_path, monkeypatch, capsys):
-    """With exit status 2; the line begins as stated."""
+    """The exit status is 2, and the line begins with `line`. Empty lines of a table count."""
     monkeypatch.chdir(tmp_path)
-    Path("short.csv").write_text("operation.preload_N,friction.ball_race\n5,0.05\n7\n")
+    Path("short.csv").write_text("operation.preload_N,friction.ball_race\n5,0.05\n\n7\n")
     Path("twice.csv").write_text("operation.preload_N,operation.preload_N\n5,6\n")
     assert sweep(*words) == 2
     err = capsys.readouterr().err
@@ -143,13 +143,13 @@ def test_wrong_axes_and_rows_are_refused_in_one_line(words, line, tmp_path, monk
 
 @pytest.mark.parametrize("words", [["--part", "3"], ["--part", "a/b"], ["-j", "0"], ["-j", "-1"]])
 def test_options_that_are_no_numbers_are_refused(words, capsys):
-    """Nor numbers of cores below one."""
+    """Numbers of cores below one are refused, too."""
     assert sweep("-n", "--axis", PRELOADS, *words) == 2
     assert "expected" in capsys.readouterr().err
 
 
 def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, monkeypatch, capsys):
-    """Without `-o`, in the present folder; a line of standard error names it."""
+    """Without `-o`, it is in the present folder; a line of standard error names it."""
     (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
     options = ["sweep", "mine.yaml", "--axis", "operation.preload_N=6,7", "-j", "1"]
@@ -159,7 +159,7 @@ def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, mon
 
 
 def test_the_file_of_an_export_is_named_after_the_scene(tmp_path, monkeypatch, capsys):
-    """Without `-o`; a line of standard output names it."""
+    """Without `-o`, a line of standard output names it."""
     (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
     assert main(["export", "mine.yaml", "--speeds", "20000,30000"]) == 0

@@ -1,6 +1,6 @@
 """A small study in a copy of the project, solved once and handed to each test as a copy of its own.
 
-The copies take the compiled kernels of the project itself, which are found by their contents.
+The copies use the compiled kernels of the project itself, which are found by their contents.
 """
 
 import atexit
@@ -52,7 +52,7 @@ CONFIG = {
 
 @functools.cache
 def planner() -> subprocess.Popen:
-    """Starts the process that runs Snakemake for the tests of this one, and returns it."""
+    """Starts the process that runs Snakemake for the tests of this process, and returns it."""
     process = subprocess.Popen(
         [sys.executable, str(Path(__file__).with_name("planner.py"))],
         stdin=subprocess.PIPE,
@@ -82,11 +82,11 @@ class Project:
     @property
     def environment(self) -> dict[str, str]:
         """Returns the variables of a run, which finds the package in the present folder."""
-        kept = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-        return kept | {"NUMBA_CACHE_DIR": str(Path(PROJECT.code_folder).parent)}
+        variables = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+        return variables | {"NUMBA_CACHE_DIR": str(Path(PROJECT.code_folder).parent)}
 
     def command(self, *arguments: str, jobs: int | None = 2) -> list[str]:
-        """Returns the words of a command that runs Snakemake; jobs: at once."""
+        """Returns the words of a command that runs Snakemake, with `jobs` at once."""
         return [sys.executable, "-P", "-m", "snakemake", *_options(jobs), *arguments]
 
     def run(self, *arguments: str, jobs: int | None = 2, prefix: Sequence[str] = ()) -> "Run":
@@ -103,9 +103,11 @@ class Project:
         return Run(0, max(self._logs()).read_text(encoding="utf-8")).jobs
 
     def _logs(self) -> set[Path]:
+        """Returns the paths of the logs of Snakemake itself."""
         return set((self.root / ".snakemake/log").glob("*.log"))
 
     def _run(self, arguments: Sequence[str], jobs: int | None, prefix: Sequence[str]) -> "Run":
+        """Runs Snakemake as `run` does; the table of jobs is that of its output, if any."""
         if not prefix:
             return self._planned([*_options(jobs), *arguments])
         completed = subprocess.run(

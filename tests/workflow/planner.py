@@ -20,7 +20,10 @@ get_argument_parser()  # which loads its plugins
 def run(arguments, folder, environment, output):
     """Runs Snakemake in this process, which ends with its exit status.
 
-    arguments: of Snakemake. output: file of both standard streams.
+    arguments: of Snakemake.
+    folder: in which it runs.
+    environment: all variables of its environment.
+    output: file of both standard streams.
     """
     status = 1
     try:
@@ -34,10 +37,10 @@ def run(arguments, folder, environment, output):
         os.dup2(descriptor, 2)
         main(arguments)
         status = 0
-    except SystemExit as stop:
-        status = stop.code if isinstance(stop.code, int) else int(stop.code is not None)
-        if isinstance(stop.code, str):
-            print(stop.code, file=sys.stderr)
+    except SystemExit as end:
+        status = end.code if isinstance(end.code, int) else int(end.code is not None)
+        if isinstance(end.code, str):
+            print(end.code, file=sys.stderr)
     finally:
         sys.stdout.flush()
         sys.stderr.flush()
@@ -49,5 +52,5 @@ for line in sys.stdin:
     child = os.fork()
     if child == 0:
         run(**request)
-    _, ended = os.waitpid(child, 0)
-    print(os.waitstatus_to_exitcode(ended), flush=True)
+    _, wait_status = os.waitpid(child, 0)
+    print(os.waitstatus_to_exitcode(wait_status), flush=True)

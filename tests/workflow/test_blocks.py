@@ -21,15 +21,15 @@ from support import ROOT
 
 from bearingwear.cli import main
 
-OURS = re.compile(r"bearingwear (?!study)[^|<>&;$*]*( \|\| test \$\? = \d+)?")
-"""A line that needs no shell."""
+OUR_COMMAND = re.compile(r"bearingwear (?!study)[^|<>&;$*]*( \|\| test \$\? = \d+)?")
+"""A line that calls only `bearingwear`, and needs no shell."""
 
 STATEMENT = re.compile(r"^.*<<'END'\n(?:.*\n)*?END\n|^(?:.*\\\n)*.*\n", re.M)
 """A command with the lines that continue it, or the document that follows it."""
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 PAGES = sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("*.md"), ROOT / "config/README.md"])
-SAID_BEFORE = {"README.md": "docs/quickstart.md"}
+REPEATED_PAGES = {"README.md": "docs/quickstart.md"}
 """Pages whose lines stand in another page as well, which is run."""
 
 SHOWN = {
@@ -148,7 +148,7 @@ def run(tmp_path, monkeypatch):
 
     def by_shell(statement):
         lines = lines_of(statement)
-        if all(OURS.fullmatch(line) for line in lines):
+        if all(OUR_COMMAND.fullmatch(line) for line in lines):
             return "".join(printed(run_command, line) for line in lines)
         completed = subprocess.run(
             ["bash", "-eu", "-c", statement],
@@ -218,7 +218,7 @@ def with_marks(pages):
 
 def holding(*languages):
     """Returns the pages that are run and have a block in one of these languages."""
-    pages = (page for page in PAGES if named(page) not in SAID_BEFORE)
+    pages = (page for page in PAGES if named(page) not in REPEATED_PAGES)
     return [page for page in pages if any(name in languages for name, _ in blocks(page))]
 
 
@@ -258,7 +258,7 @@ def shown_lines(page):
     return {line for text in texts for line in text.split("\n")}
 
 
-@pytest.mark.parametrize("page, run_page", SAID_BEFORE.items())
+@pytest.mark.parametrize("page, run_page", REPEATED_PAGES.items())
 def test_the_lines_of_a_page_that_is_not_run_are_those_of_one_that_is(page, run_page):
     """Its commands stand in the other page in the same order, and what they print as well."""
     here, there = commands(ROOT / page), commands(ROOT / run_page)
@@ -267,7 +267,7 @@ def test_the_lines_of_a_page_that_is_not_run_are_those_of_one_that_is(page, run_
 
 
 def test_documented_commands_write_different_files():
-    """No file is written twice on a page, by option `-o`."""
+    """The option `-o` names no file twice on a page."""
     for page in PAGES:
         outputs = re.findall(r" -o (\S+)", "\n".join(commands(page)))
         assert len(outputs) == len(set(outputs)), page
@@ -278,19 +278,19 @@ def test_every_line_that_is_only_shown_is_run_by_a_test():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for page in PAGES:
         for line in commands(page, ("console",)):
-            (where,) = {SHOWN[p] for p in SHOWN if re.match(p, line)} or {None}
-            assert where, f"{named(page)}: {line}"
+            (runner,) = {SHOWN[p] for p in SHOWN if re.match(p, line)} or {None}
+            assert runner, f"{named(page)}: {line}"
             # without a number of jobs Snakemake runs none
             assert not re.match("snakemake", line) or re.search(
                 r" (-j\d|-n|--list|--unlock|--report|--workflow-profile)\b", line
             ), line
-            if where == "Makefile":
+            if runner == "Makefile":
                 assert re.search(rf"^{line.split()[1]}:", makefile, re.M), line
-            elif where == "benchmarks":
+            elif runner == "benchmarks":
                 assert (ROOT / line.split()[1]).exists(), line
             else:
-                file, _, name = where.partition("::")
-                assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), where
+                file, _, name = runner.partition("::")
+                assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), runner
 
 
 def test_commands_are_in_blocks_with_a_language():

@@ -40,7 +40,7 @@ WITHOUT_PRIVILEGES = ("setpriv", "--bounding-set=-all", "--inh-caps=-all")
 @pytest.fixture(scope="session")
 def undisturbed(new_project):
     """Returns a project whose tiny study was run without a fault; no test may change it."""
-    project = tiny(new_project())
+    project = with_tiny_study(new_project())
     run = project.run()
     assert run.status == 0, run.text
     return project
@@ -49,10 +49,10 @@ def undisturbed(new_project):
 @pytest.fixture
 def project(new_project):
     """Returns a project with the tiny study, not yet run."""
-    return tiny(new_project())
+    return with_tiny_study(new_project())
 
 
-def tiny(project):
+def with_tiny_study(project):
     """Configures a project for TINY, and returns it.
 
     It has no map of preloads, which would take longer than all the rest.
@@ -116,13 +116,14 @@ def whole_lines(paths):
     return {path for path in paths if path.stem.rpartition("-")[0] in whole}
 
 
-def resumes(project, before, undisturbed, *arguments, ran_on=0):
+def check_resumes(project, before, undisturbed, *arguments, ran_on=0):
     """Runs a study again; checks that it ends as if nothing had happened.
 
-    It must solve no finished line again, and leave the files of those.
+    It must solve no finished line again, and leave the files of finished lines.
 
-    before: of `finished` after the fault. ran_on: jobs that ran on when Snakemake was gone. It may
-    not have marked them as begun: what they finish then counts as finished, but not in `before`.
+    before: of `finished` after the fault.
+    ran_on: number of jobs that ran on when Snakemake was gone. It may not have marked them as
+    begun: what they finish then counts as finished, but not in `before`.
     """
     run = project.run(*arguments)
     assert run.status == 0, run.text
@@ -132,7 +133,8 @@ def resumes(project, before, undisturbed, *arguments, ran_on=0):
     after = finished(project)
     assert {path: after[path] for path in kept} == {path: before[path] for path in kept}
     # a process that is killed while it writes leaves a file .part
-    results = {name: data for name, data in project.results().items() if name[-5:] != ".part"}
+    results = project.results()
+    results = {name: results[name] for name in results if not name.endswith(".part")}
     assert results == undisturbed.results()
 
 
@@ -148,7 +150,7 @@ def test_a_study_goes_on_after_a_job_is_killed(project, undisturbed):
     assert process.wait(timeout=120) != 0
     before = finished(project)
     assert 1 <= len(before) < len(CASES)
-    resumes(project, before, undisturbed)
+    check_resumes(project, before, undisturbed)
 
 
 @pytest.mark.faults
@@ -158,10 +160,10 @@ def test_a_study_goes_on_after_snakemake_alone_is_killed(project, undisturbed):
     After `--unlock`, one with `--rerun-incomplete` goes on.
     """
     process = project.start()
-    left = wait(lambda: finished(project) and solver_processes(process))
+    solvers = wait(lambda: finished(project) and solver_processes(process))
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
-    psutil.wait_procs(left, timeout=60)
+    psutil.wait_procs(solvers, timeout=60)
     before = finished(project)
     assert 1 <= len(before) < len(CASES)
     refused = project.run()
@@ -169,24 +171,24 @@ def test_a_study_goes_on_after_snakemake_alone_is_killed(project, undisturbed):
     assert refused.status == 1
     assert "--rerun-incomplete" in refused.text or "--unlock" in refused.text
     assert project.run("--unlock").status == 0
-    resumes(project, before, undisturbed, "--rerun-incomplete", ran_on=len(left))
+    check_resumes(project, before, undisturbed, "--rerun-incomplete", ran_on=len(solvers))
 
 
 @pytest.mark.faults
 def test_a_study_goes_on_after_all_its_processes_are_killed(project, undisturbed):
-    """By `--unlock`, and a run with `--rerun-incomplete`."""
+    """It goes on by `--unlock`, and a run with `--rerun-incomplete`."""
     process = project.start()
     wait(lambda: finished(project) and solver_processes(process))
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     before = finished(project)
     assert project.run("--unlock").status == 0
-    resumes(project, before, undisturbed, "--rerun-incomplete")
+    check_resumes(project, before, undisturbed, "--rerun-incomplete")
 
 
 @pytest.mark.faults
 def test_a_second_run_at_once_is_refused(project, undisturbed):
-    """By the lock of the first, which ends with the same results as if alone."""
+    """The lock of the first run refuses it; the first ends with the same results as if alone."""
     first = project.start()
     wait(lambda: list((project.root / ".snakemake/locks").glob("*")))
     second = project.run()
@@ -268,7 +270,7 @@ def test_a_study_goes_on_after_its_results_filled_the_disk(project, undisturbed,
 
 @pytest.mark.faults
 def test_a_study_on_a_full_disk_goes_on_with_more_room(tmp_path, undisturbed):
-    """Configuration, logs and notes of Snakemake lie there, too; each run has more room.
+    """Configuration, logs and notes of Snakemake are on the disk, too; each run has more room.
 
     Runs that fail say so without a traceback, and leave whole files. The first fails, the last
     succeeds. Pages are not compared.
@@ -348,7 +350,7 @@ def test_the_log_says_why_the_process_of_a_job_ended(project, death):
 @pytest.mark.faults
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="elsewhere jobs have no server")
 def test_a_killed_command_ends_all_that_it_started(tmp_path, request):
-    """By four signals, each at three moments: as Snakemake starts, in the map, in the samples.
+    """Four signals kill it at three moments: as Snakemake starts, in the map, in the samples.
 
     All processes that were below it end within a minute.
     """
@@ -383,9 +385,9 @@ def test_a_killed_command_ends_all_that_it_started(tmp_path, request):
 
 @pytest.mark.faults
 def test_results_that_cannot_be_written_are_told_in_one_line(solved_tiny_study, undisturbed):
-    """In the log of a line whose cases were removed, from a folder without write permission.
+    """The folder has no write permission; the line is in the log of cases that were removed.
 
-    Once it is writable, the study goes on.
+    Once the folder is writable, the study goes on.
     """
     unprivileged = () if os.geteuid() else WITHOUT_PRIVILEGES
     if unprivileged and shutil.which(unprivileged[0]) is None:
@@ -401,7 +403,7 @@ def test_results_that_cannot_be_written_are_told_in_one_line(solved_tiny_study, 
     name = first_case.relative_to(solved_tiny_study.root)
     log = (solved_tiny_study.root / f"logs/solve/gyro_s1/{LINES[0]}.log").read_text()
     assert log == f"{name}: cannot be written (Permission denied)\n"
-    resumes(solved_tiny_study, before, undisturbed)
+    check_resumes(solved_tiny_study, before, undisturbed)
 
 
 @pytest.mark.faults
@@ -418,8 +420,7 @@ def test_unsolved_cases_are_solved_once_the_solver_is_mended(solved_tiny_study, 
         )
     run = solved_tiny_study.run()
     assert run.status == 1
-    says = "no_steady_state"
-    assert all(f"{case}.nc: {says}: " in run.text for case in CASES), run.text
+    assert all(f"{case}.nc: no_steady_state: " in run.text for case in CASES), run.text
     results = solved_tiny_study.results()
     assert set(results) == set(undisturbed.results()) - {"verdict.txt"}
     assert results["gyro_s1/tables/summary.md"].decode().count(": no steady state\n") == len(CASES)
@@ -435,7 +436,7 @@ def test_unsolved_cases_are_solved_once_the_solver_is_mended(solved_tiny_study, 
 
 @pytest.mark.faults
 def test_one_job_at_a_time_gives_the_same_bytes(project, undisturbed):
-    """As two jobs at a time, by which the undisturbed study was solved."""
+    """The undisturbed study was solved by two jobs at a time."""
     run = project.run(jobs=1)
     assert run.status == 0, run.text
     assert project.results() == undisturbed.results()

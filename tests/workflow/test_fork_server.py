@@ -17,7 +17,7 @@ from bearingwear.studies import fork_server
 def test_a_client_that_is_killed_before_it_asks_holds_up_no_job(tmp_path, monkeypatch):
     """A client connects and is closed without a word; the next job is served all the same.
 
-    `sleep` stands in for Snakemake: the server ends when it does, of itself.
+    `sleep` stands in for Snakemake: when it ends, the server ends by itself.
     """
     monkeypatch.chdir(tmp_path)  # the address of a socket must be short
     snakemake = subprocess.Popen(["sleep", "60"])

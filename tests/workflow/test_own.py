@@ -125,7 +125,7 @@ def in_a_folder(tmp_path):
 
 
 def test_an_interrupt_ends_the_command_and_all_that_it_started(in_a_folder):
-    """Snakemake and its jobs, after 4 s; the exit status is 130, and the last line says so."""
+    """It comes after 4 s; the exit status is 130, and the last line names the interrupt."""
     run = subprocess.Popen(STUDY, **in_a_folder)
     time.sleep(4.0)  # by then Snakemake runs its first jobs
     below = psutil.Process(run.pid).children(recursive=True)
@@ -134,7 +134,7 @@ def test_an_interrupt_ends_the_command_and_all_that_it_started(in_a_folder):
     assert run.returncode == 130 and output.endswith("interrupted\n") and "Traceback" not in output
     _, left = psutil.wait_procs(below, timeout=30)
     # one that ended may stay in the table of processes where nobody asks for its status
-    assert not [item for item in left if item.status() != psutil.STATUS_ZOMBIE]
+    assert not [process for process in left if process.status() != psutil.STATUS_ZOMBIE]
 
 
 @pytest.mark.long
@@ -170,7 +170,7 @@ def test_a_closed_pipe_ends_the_study(in_a_folder):
     ],
 )
 def test_wrong_arguments_of_study_are_refused_in_one_line(study, arguments, expected, tmp_path):
-    """With status 2; without arguments of its own, the fault is a file in the folder."""
+    """The exit status is 2. Without further arguments, the fault is a file in the folder."""
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "notes.txt").touch()
     status, printed = study(*arguments)
@@ -184,7 +184,7 @@ def test_wrong_arguments_of_study_are_refused_in_one_line(study, arguments, expe
     ids=["limits without a scene", "missing scene", "folder without a configuration"],
 )
 def test_a_study_of_nothing_is_refused(arguments, tmp_path, monkeypatch):
-    """With status 2, and no file is made."""
+    """The exit status is 2, and no file is made."""
     monkeypatch.chdir(tmp_path)
     assert main(["study", *arguments]) == 2
     assert not list(tmp_path.iterdir())
@@ -192,7 +192,7 @@ def test_a_study_of_nothing_is_refused(arguments, tmp_path, monkeypatch):
 
 @pytest.mark.long
 def test_a_pair_is_studied_as_a_bearing_is(study, tmp_path):
-    """Spring pair against rigid pair: map, states of wear, lives and their spread.
+    """A spring pair is compared with a rigid pair in map, states of wear, lives and their spread.
 
     Headline and tables name pairs; figures name bearings, as a force of 1 N wears them unlike.
     """
@@ -205,10 +205,8 @@ def test_a_pair_is_studied_as_a_bearing_is(study, tmp_path):
     log = (folder / "logs/small_map/mine.log").read_text(encoding="utf-8")
     assert any(line.startswith("mine: ") for line in log.splitlines())
     page = text_of(folder / "index.html")
-    assert (
-        re.search("<h1>.*(spring|rigid) pair .* [0-9.]+ N", page)
-        and "L10 of the median batch" in page
-    )
+    assert re.search("<h1>.*(spring|rigid) pair .* [0-9.]+ N", page)
+    assert "L10 of the median batch" in page
     assert "gyro_s1, first bearing: " in page and "gyro_s1, second bearing: " in page
     assert (folder / "results/verdict.txt").read_text() == "all 8 solved and verified\n"
     text = (folder / "results/mine/preload/tables/design.md").read_text(encoding="utf-8")

@@ -21,7 +21,7 @@ STEPS = {name: line for name, line in SHELL_LINES.items() if "bearingwear step "
 
 
 def test_every_rule_has_a_name_and_no_rule_is_made_in_a_loop():
-    """As many rules are found by their names as the word `rule` begins lines: more than 30."""
+    """The number of named rules, above 30, is that of lines that begin with the word `rule`."""
     assert len(RULES) == len(re.findall(r"^ *rule\b", TEXT, re.M)) > 30
 
 
@@ -52,12 +52,12 @@ def test_the_table_of_rules_is_up_to_date():
 
 
 def test_the_code_common_to_the_rules_is_short():
-    """Less than 60 lines, as code has its place and its tests in the package."""
+    """It has less than 60 lines, as code has its place and its tests in the package."""
     assert len((ROOT / "workflow/rules/common.smk").read_text().splitlines()) < 60
 
 
 def test_the_workflow_uses_nothing_private_of_snakemake():
-    """Rules, Snakefile and package name none of its internals, and import public modules only."""
+    """Rules, Snakefile and package name no internals of Snakemake, and import public modules."""
     text = TEXT + (ROOT / "Snakefile").read_text(encoding="utf-8")
     text += "".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
     private = r"workflow\.(dag|get_rule|register|_)|logger\.handlers"
@@ -73,8 +73,8 @@ def test_every_step_has_the_arguments_of_its_function_and_depends_on_its_source(
         dotted, arguments = re.search(r"bearingwear step (\S+) (.*?) -o ", text).groups()
         module, _, function = dotted.rpartition(".")
         signature = inspect.signature(getattr(importlib.import_module(module), function))
-        matches = re.findall(r"(?:^| )([a-z]\w*)=", arguments)
-        signature.bind(**dict.fromkeys(matches))  # a TypeError where they do not fit
+        names = re.findall(r"(?:^| )([a-z]\w*)=", arguments)
+        signature.bind(**dict.fromkeys(names))  # a TypeError where they do not fit
         # an edit of the function makes its results anew
         hashed = re.search(r'code=sources\(\s*"([\w.]+)"', RULES[name])
         if name != "verdict":  # which is called each time
@@ -83,19 +83,19 @@ def test_every_step_has_the_arguments_of_its_function_and_depends_on_its_source(
 
 
 def test_the_files_of_the_workflow_are_installed():
-    """As data of the package, for studies outside a clone."""
+    """They are data of the package, for studies outside a clone."""
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     for pattern in ("workflow/rules/*.smk", "workflow/schemas/*.yaml", "workflow/report/*.rst"):
         assert f'"{pattern}"' in project and list(ROOT.glob(pattern))
 
 
 def test_the_image_is_made_by_commands_and_of_folders_that_are_there():
-    """No test builds it."""
+    """The Dockerfile is only read; no test builds the image."""
     text = (ROOT / "Dockerfile").read_text(encoding="utf-8")
     for line in re.findall(r"^COPY (.+) \S+$", text, re.M):
         assert all((ROOT / name).exists() for name in line.split()), line
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     packages = project["tool"]["setuptools"]["packages"]["find"]["include"]
     assert {name.rstrip("*") for name in packages} <= set(re.findall(r"^COPY (\w+) ", text, re.M))
-    run = re.findall(r"^RUN (?:.*&& )?bearingwear (\w+)", text, re.M)
-    assert run and all(hasattr(commands, name) for name in run)
+    command_names = re.findall(r"^RUN (?:.*&& )?bearingwear (\w+)", text, re.M)
+    assert command_names and all(hasattr(commands, name) for name in command_names)

@@ -160,7 +160,7 @@ def study_on_slurm(cluster, new_project):
 
 
 def test_a_study_on_slurm_has_the_same_bytes(study_on_slurm, new_project):
-    """As a study without a cluster. Afterwards nothing is left to do."""
+    """A study without a cluster has the same results. Afterwards nothing is left to do."""
     project, run = study_on_slurm
     assert run.status == 0, run.text
     assert run.jobs["solve"] == 4 and run.jobs["wear_life"] == 1
@@ -183,7 +183,7 @@ def test_the_lines_of_a_study_are_one_job_of_the_cluster_and_its_lives_another(s
 
 
 def test_a_map_on_slurm_has_the_same_bytes(cluster, new_project):
-    """As without a cluster. Its two parts are one job, of four minutes for each."""
+    """A map without a cluster has them, too. Its two parts are one job, of four minutes each."""
     target, contents = "results/gyro_s1/design/design.nc", []
     axes = {"preload_method": ["constant_force", "fixed_position"], "friction": [0.08]}
     axes |= {"shaft_speed_rpm": [30000], "preload_N": [2.0, 4.0, 6.0]}
@@ -220,7 +220,7 @@ def test_a_cancelled_group_of_jobs_leaves_no_outdated_case(study_on_slurm):
         assert run.wait(120) == 1
     finally:
         run.send_signal(signal.SIGINT)
-    rest = project.run()
-    assert rest.status == 0 and rest.jobs["solve"] == 4, rest.text
+    next_run = project.run()
+    assert next_run.status == 0 and next_run.jobs["solve"] == 4, next_run.text
     after = {path: path.read_bytes() for path in project.cases()}
     assert after.keys() == before.keys() and not after.items() & before.items()

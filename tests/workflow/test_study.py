@@ -50,7 +50,7 @@ def number(path, name):
         return float(case[name][...].item())
 
 
-def is_solved_in_time(scene):
+def has_dynamic_model(scene):
     """Returns whether this version has the dynamic model for a scene."""
     try:
         return choice(load_scene(scene_file(scene)), "dynamic").fidelity == "dynamic"
@@ -59,7 +59,7 @@ def is_solved_in_time(scene):
 
 
 def test_every_study_is_planned(repository):
-    """Targets of the command `study`, by a dry run of the project's own studies."""
+    """A dry run of the project's own studies plans all targets of the command `study`."""
     run = repository.run("-n", "--forceall", *STUDIES)
     assert run.status == 0, run.text
     assert set(STUDIES) - {"all"} <= run.jobs.keys()
@@ -88,7 +88,7 @@ def test_options_that_run_no_job_need_no_jobs(repository, option):
 
 
 def test_a_run_makes_everything_and_then_nothing(first_run, solved_study):
-    """Studies, lives, tables, figures, the page with its links, and the verdict.
+    """The run makes studies, lives, tables, figures, the page with its links, and the verdict.
 
     A copy of the project in another folder has nothing left to do.
     """
@@ -101,8 +101,8 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved_study):
         assert expected <= set(results)
     for folder, names in FIGURES_OF_THE_SMALL_STUDY.items():
         for suffix in ("svg", "png"):
-            there = {path.name for path in (project.root / "results" / folder).glob(f"*.{suffix}")}
-            assert there == {f"{name}.{suffix}" for name in names}
+            drawn = {path.name for path in (project.root / "results" / folder).glob(f"*.{suffix}")}
+            assert drawn == {f"{name}.{suffix}" for name in names}
     page = results["report/index.html"].decode()
     figures = sum(map(len, FIGURES_OF_THE_SMALL_STUDY.values()))
     # and the map of preloads, which is a chart on the page
@@ -118,7 +118,7 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved_study):
 
 
 def test_the_notebook_runs_on_a_study_and_draws_the_figures(solved_study):
-    """Every cell, as plain Python; Snakemake has nothing to make there.
+    """Every cell is run as plain Python; Snakemake has nothing to make there.
 
     Its variable `preload_left` has the share of the preload at a loss of 0.5 um, by method: all of
     it under a spring, and at a fixed position 0.40 in the paper, here 0.2 to 0.6.
@@ -163,7 +163,7 @@ def test_a_result_is_made_again_by_the_command_study(solved_study):
 
 
 def test_the_report_of_snakemake_has_every_figure(solved_study):
-    """With categories, captions and labels of ours, and a first page that names the scenes."""
+    """It has our categories, captions and labels, and a first page that names the scenes."""
     run = solved_study.run("--report", "report.html", jobs=None)
     assert run.status == 0, run.text
     report = (solved_study.root / "report.html").read_text(encoding="utf-8")
@@ -197,7 +197,7 @@ def test_captions_find_the_files_that_they_name():
 
 
 def test_the_page_shows_large_maps_if_the_configuration_says_so(solved_study):
-    """Never because such a map lies there: the inputs of the page follow from the configuration."""
+    """A map that is merely present is not shown: the configuration decides what the page has."""
     path = solved_study.root / "config/design.yaml"
     design = yaml.safe_load(path.read_text(encoding="utf-8"))
     axes = {"preload_method": ["constant_force"], "friction": [0.02, 0.08]}
@@ -249,7 +249,7 @@ def test_chunks_of_several_lines_give_the_bytes_of_single_lines(first_run, solve
 
 
 def test_edits_without_effect_run_no_job(solved_study):
-    """Dates, comments, texts of help, order and digits of a configuration, values no job reads."""
+    """Dates, comments, help texts, digits of a configuration and values no job reads are edited."""
     scene = "config/scenes/gyro_s1.yaml"
     with (solved_study.root / scene).open("a") as file:
         file.write("# said again\n")
@@ -289,7 +289,7 @@ def test_an_edited_figure_runs_the_jobs_of_its_study_alone(solved_study):
 
 
 def test_a_file_that_no_rule_makes_is_refused_by_name(solved_study):
-    """studies.nc in place of study.nc; without a traceback."""
+    """The file is studies.nc in place of study.nc; there is no traceback."""
     run = solved_study.run("-n", "results/gyro_s1/studies.nc")
     assert run.status == 1 and "results/gyro_s1/studies.nc" in run.text
     assert "Traceback" not in run.text
@@ -308,7 +308,7 @@ def test_an_edited_source_of_the_study_gathers_again_and_solves_nothing(solved_s
 
 @pytest.mark.long
 def test_an_edited_friction_solves_its_lines_alone(solved_study):
-    """0.081 in place of 0.08: a line for each preload method, and the study of one scene."""
+    """It is 0.081 in place of 0.08: a line of each preload method is solved, a study gathered."""
     config = solved_study.config
     config["studies"][0]["friction"] = [0.02, 0.081]
     config["figures"].update(friction=[0.02, 0.081], wear_columns=[])
@@ -318,7 +318,7 @@ def test_an_edited_friction_solves_its_lines_alone(solved_study):
 
 
 def test_edits_that_no_case_reads_solve_none(solved_study):
-    """Friction of the scene, which the study varies; its description; a text of the page.
+    """Edits are of the friction, which the study varies, the description, and a text of the page.
 
     Only the page is made again, and the verdict, which always is.
     """
@@ -357,7 +357,7 @@ def test_an_edited_scene_solves_its_cases_alone(solved_study):
 
 
 def test_a_broken_configuration_is_refused_in_one_line(new_project):
-    """Other faults: tests/studies/test_configuration.py."""
+    """The key `friction` is misspelt. Other faults: tests/studies/test_configuration.py."""
     project = new_project()
     config = copy.deepcopy(project.config)
     config["studies"][0]["frictoin"] = [0.1]
@@ -381,7 +381,7 @@ def test_a_broken_scene_stops_with_one_line(new_project):
 
 @pytest.mark.long
 def test_a_given_configuration_replaces_that_of_the_folder(first_run):
-    """By `--configfile`: only its one case is planned, and nothing of config/config.yaml."""
+    """With `--configfile`, only its one case is planned, and nothing of config/config.yaml."""
     project, _ = first_run
     study = {**ONE_CASE, "friction": [0.03]}
     other = project.root.parent / "other.yaml"
@@ -392,9 +392,9 @@ def test_a_given_configuration_replaces_that_of_the_folder(first_run):
 
 
 @pytest.mark.long
-@pytest.mark.skipif(not is_solved_in_time("gyro_s1"), reason="no dynamic model in this version")
+@pytest.mark.skipif(not has_dynamic_model("gyro_s1"), reason="no dynamic model in this version")
 def test_dynamic_cases_are_solved_and_drawn_with_the_study(new_project):
-    """One case of four strips, for half a turn, beside the steady one, with figures and a table.
+    """A case of four strips lasts half a turn; it has figures and a table beside the steady one.
 
     Another number of turns is planned to be solved again, and no steady case.
     """

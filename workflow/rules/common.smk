@@ -10,8 +10,8 @@ from bearingwear.process import set_environment
 from bearingwear.provenance import kernels_hash
 from bearingwear.provenance import result_hash as sources
 from bearingwear.studies import configuration
-from bearingwear.studies.axis import GRID_KEYS
-from bearingwear.studies.configuration import loss_name, mu_name, scene_values, settings
+from bearingwear.studies.axis import GRID_KEYS, loss_name, mu_name
+from bearingwear.studies.configuration import scene_values, settings
 
 set_environment()  # for all jobs
 logging.raiseExceptions = (

@@ -66,7 +66,7 @@ class MethodLife(NamedTuple):
     worn: bool = False  # whether it was computed with worn grooves
     spread: Spread | None = None
     loss: float = math.nan  # at the end [um]
-    route_difference: float = math.nan  # of the interpolated life from this one, relative
+    route_difference: float = math.nan  # interpolated life over this one, less 1
 
 
 def lives_of(dataset: xr.Dataset, uncertainties: Sequence[xr.Dataset] = ()) -> list[MethodLife]:
@@ -205,7 +205,7 @@ def _comparison(pair: Sequence[MethodLife]) -> _Comparison:
     """Returns the comparison of two lives of a scene at the same friction coefficient.
 
     The longer one wins if it exceeds the shorter by more than the sum of their relative numerical
-    errors, where an unknown error counts as 0. The ratio is infinite if the shorter life is 0.
+    errors. An unknown error counts as 0. The ratio is infinite if the shorter life is 0.
     """
     shorter, longer = sorted(pair, key=lambda life: life.hours)
     ratio = longer.hours / shorter.hours if shorter.hours > 0.0 else math.inf
@@ -256,7 +256,7 @@ def _grooves_sentence(lives: Sequence[MethodLife]) -> str:
 
 
 def _frictions_by_text(pairs: Iterable[tuple[str, float]]) -> dict[str, str]:
-    """Returns words for the friction coefficients at which each text applies.
+    """Returns words for the friction coefficients at which each text applies, by the text.
 
     Neighbours among all coefficients become a range, such as "friction 0.05 to 0.1".
 
@@ -279,7 +279,9 @@ def _comparison_sentences(comparisons: Sequence[_Comparison]) -> list[str]:
     comparisons: of the lives of the answer.
     """
     sentences = []
-    frictions_by_winner = _frictions_by_text((c.winner, c.friction) for c in comparisons)
+    frictions_by_winner = _frictions_by_text(
+        (comparison.winner, comparison.friction) for comparison in comparisons
+    )
     for winner in dict.fromkeys(comparison.winner for comparison in comparisons):
         frictions = frictions_by_winner[winner]
         if winner == _EQUAL:
@@ -358,7 +360,7 @@ def _table_note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
 
 
 def _end_sentences(lives: Sequence[MethodLife]) -> list[str]:
-    """Returns sentences on what ends the lives, one for all methods with the same ends."""
+    """Returns a sentence on what ends the lives for each group of methods with the same ends."""
     methods_by_text: dict[str, list[str]] = {}
     for method in dict.fromkeys(life.method for life in lives):
         ends = _frictions_by_text(
@@ -416,10 +418,10 @@ def lives_block(title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any
 def detailed_lives_block(
     title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any]
 ) -> Block:
-    """Returns the table of `lives_block`, with further columns.
+    """Returns the table of `lives_block`, with two more columns.
 
-    They are the total wear depth at the end, and the difference of the life that was interpolated
-    from the study, relative to this one.
+    They are the total wear depth at the end, and the relative difference of the interpolated life
+    from the computed one.
     """
     block = lives_block(title, lives, scene)
     lives = sorted(lives, key=lambda life: life.friction)

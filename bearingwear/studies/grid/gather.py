@@ -60,7 +60,7 @@ def gathered_study(paths: Iterable[str | Path]) -> xr.Dataset:
 
 @dataclass
 class _CaseReader:
-    """Reads files of cases, and checks that each belongs to those that it has read before."""
+    """Reads files of cases, and checks that each belongs to the files before it."""
 
     files: dict[Case, Path] = field(default_factory=dict)  # the file of each case, as read
     # attributes of the first file; its `scene` has the values that all cases share
@@ -83,7 +83,8 @@ class _CaseReader:
                 if case in self.files:
                     raise CaseFileError(f"{path}: contains the same case as {self.files[case]}")
                 self.files[case] = path
-            self.first = self.first or dataset.attrs | content.shared
+            if not self.first:
+                self.first = dataset.attrs | content.shared
             self._check_shared(content.shared, path)
             self.warnings = merged_warnings([{"warnings": self.warnings}, dataset.attrs])
             yield _sweep_along_cases(dataset, len(content.cases)) if is_sweep else dataset
@@ -195,6 +196,7 @@ def _sweep_content(dataset: xr.Dataset, path: Path) -> _FileContent:
         raise CaseFileError(f"{path}: {problem}")
     scene = plain_scene(dataset)
     base_values = vars(_take_case(scene))
+    # the fields of a case are in the order of the keys
     field_by_key = dict(zip(GRID_KEYS.values(), base_values, strict=True))
     fields = [field_by_key[key] for key in key_by_dim.values()]
     cases = []
@@ -244,11 +246,10 @@ def _sweep_along_cases(sweep: xr.Dataset, count: int) -> xr.Dataset:
 def _comparable_attribute(value: Any) -> Any:
     """Returns an attribute in the form in which all cases must have it.
 
-    A scene, which is JSON, is reduced to its decisive keys. That of a pair is without its kind and
-    spring, which the preload method determines. Other attributes are returned unchanged.
+    A scene, which is JSON, is reduced to its decisive keys. Kind and spring of a pair, which the
+    preload method determines, do not count. Other attributes are returned unchanged.
     """
-    is_json = isinstance(value, str) and value.startswith("{")
-    if not is_json:
+    if not isinstance(value, str) or not value.startswith("{"):
         return value
     scene = decisive_data(json.loads(value))
     if is_pair(scene):

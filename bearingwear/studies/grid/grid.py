@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.studies.axis import GRID_KEYS, MOST_DECIMALS, in_name
+from bearingwear.studies.axis import GRID_KEYS, MOST_DECIMALS, loss_name, mu_name
 
 GRID_AXES = ("preload_method", "friction", "ball_diameter_loss_um")
 """Keys of a grid in a configuration."""
@@ -32,12 +32,12 @@ class Case:
     @property
     def loss_id(self) -> str:
         """Returns the part of the name that states the wear, such as loss1.00."""
-        return f"loss{self._loss}"
+        return f"loss{loss_name(self.ball_diameter_loss_um)}"
 
     @property
     def line_id(self) -> str:
         """Returns the part of the name that cases of the same line of the grid share."""
-        return f"{self.preload_method}-mu{self._friction}"
+        return f"{self.preload_method}-mu{mu_name(self.friction)}"
 
     @property
     def changes(self) -> dict[str, Any]:
@@ -49,17 +49,8 @@ class Case:
     def label(self) -> str:
         """Returns the case in words, such as "constant force, mu 0.050, loss 1.00 um"."""
         method = self.preload_method.replace("_", " ")
-        return f"{method}, mu {self._friction}, loss {self._loss} um"
-
-    @property
-    def _friction(self) -> str:
-        """Returns the friction coefficient as in names of files."""
-        return in_name(self.friction, 3)
-
-    @property
-    def _loss(self) -> str:
-        """Returns the loss as in names of files."""
-        return in_name(self.ball_diameter_loss_um, 2)
+        loss = loss_name(self.ball_diameter_loss_um)
+        return f"{method}, mu {mu_name(self.friction)}, loss {loss} um"
 
 
 @dataclass(frozen=True)
@@ -112,19 +103,20 @@ class Grid:
     @property
     def friction_names(self) -> list[str]:
         """Returns the friction coefficients as in the names of files."""
-        return [in_name(mu, 3) for mu in self.friction]
+        return [mu_name(mu) for mu in self.friction]
 
     @property
     def loss_names(self) -> list[str]:
         """Returns the losses of ball diameter as in the names of files."""
-        return [in_name(loss, 2) for loss in self.ball_diameter_loss_um]
+        return [loss_name(loss) for loss in self.ball_diameter_loss_um]
 
     def chunks(self, points: int | None) -> list[str]:
         """Returns the names of files that contain several whole lines of the grid each.
 
-        The list is empty if a file would contain one line or less: each point then has a file.
+        A line has the cases of all losses at one preload method and friction. The list is empty if
+        a file would contain one line or less: each point then has a file.
 
-        points: wanted in a file; None for one.
+        points: number wanted in a file; None for one.
         """
         lines_per_file = (points or 0) // len(self.ball_diameter_loss_um)
         if lines_per_file < 2:

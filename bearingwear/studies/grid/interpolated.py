@@ -60,6 +60,7 @@ def interpolated_life(lines: Sequence[Line], criteria: Mapping[str, float]) -> x
         worn, times and preloads are NaN, too.
     """
     losses = lines[0].cases["ball_diameter_loss"].values
+    # cases before the first unsolved one of any condition
     usable = min(int(np.cumprod(line.cases["status"].values == OK).sum()) for line in lines)
     steps = POINTS_PER_INTERVAL * (len(losses) - 1) + 1
     loss = np.linspace(losses[0], losses[max(usable, 1) - 1], steps)
@@ -73,6 +74,7 @@ def interpolated_life(lines: Sequence[Line], criteria: Mapping[str, float]) -> x
             rate += line.share * fine["ball_diameter_loss_rate"].values
             if line.preload_N is not None:
                 ends.append(_line_end(fine, usable_criteria, line.preload_N, loss))
+        # a condition whose criteria are not met comes last
         end = min(ends, key=lambda line_end: (np.isnan(line_end.loss), line_end.loss))
         time = _running_time(loss, rate)
     life = np.interp(end.loss, loss, time)
@@ -176,8 +178,8 @@ def _margins(
     It is the distance of the worst value from the limit, over the limit: positive within it, <= 0
     where the criterion is met.
 
-    criteria: limits by name.
     fine: cases interpolated along `ball_diameter_loss` [m].
+    criteria: limits by name.
     preload_N: of new bearings.
     """
     margins = {}
@@ -191,6 +193,7 @@ def _critical_values(fine: xr.Dataset, measure: Measure, preload_N: float) -> np
     """Returns the worst value (n,) of a measure at each loss [SI]; missing variables are NaN.
 
     fine: cases interpolated along `ball_diameter_loss` [m].
+    preload_N: of new bearings.
     """
     columns = {name: fine[name].values for name in measure.variables if name in fine}
 
@@ -227,5 +230,5 @@ def _first_met(loss: np.ndarray, margins: dict[str, np.ndarray]) -> tuple[float,
             end_losses[name] = float(end_loss)
     if not end_losses:
         return np.nan, "none"
-    first = min(end_losses, key=end_losses.__getitem__)
+    first = min(end_losses, key=lambda name: end_losses[name])
     return end_losses[first], first

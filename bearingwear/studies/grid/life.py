@@ -48,9 +48,8 @@ def study_life(scene: Path, study: Path) -> xr.Dataset:
 def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     """Returns the wear life for each preload method and friction coefficient of a study.
 
-    study: cases of `gathered_study`.
-
     scene_path: file of the scene of the study; its lives start from new.
+    study: cases of `gathered_study`.
 
     Returns: the variables of a life file over `preload_method` and `friction`, those of
         `interpolated_life`, and `life_route_difference`: the interpolated life over that by the
@@ -91,10 +90,9 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
 
 
 def _interpolated_lives(base: Scene, grid: Grid, study: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
-    """Returns interpolated lives over `preload_method` and `friction`, and criteria that are not.
+    """Returns interpolated lives over `preload_method` and `friction`, and names of criteria.
 
-    The names of criteria that the cases of the study do not contain, and that end no interpolated
-    life, are the second result.
+    These criteria end no interpolated life, because the cases of the study do not contain them.
 
     base: scene of the study, without wear.
     """
@@ -192,8 +190,8 @@ def _cases_at(losses: xr.DataArray, scene: Scene) -> xr.Dataset:
 def _is_comparable(lives: xr.Dataset, not_interpolated: Collection[str]) -> xr.DataArray:
     """Returns whether each life by the solver could be interpolated between the cases.
 
-    It could not be if it was computed with worn grooves, as the cases have Hertzian ones, or if its
-    end is a criterion that the cases do not contain.
+    A life with worn grooves could not, as the cases have Hertzian ones. Nor could a life that ends
+    by a criterion that the cases do not contain.
 
     not_interpolated: names of the criteria that the cases do not contain.
     """

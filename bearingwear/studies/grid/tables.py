@@ -13,17 +13,13 @@ from bearingwear.document.table import dataset_csv, dataset_table
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.quantiles import (
-    load_quantiles,
-)
-from bearingwear.results.units import display
+from bearingwear.results.quantiles import load_quantiles
 from bearingwear.results.variables import of_all_balls
 from bearingwear.results.words import datasets_by_bearing, methods, name_in_words, plain_scene
 from bearingwear.studies.dataset import load_with_axes
 from bearingwear.studies.grid.answer import detailed_lives_block, lives_of
 from bearingwear.studies.grid.interpolated import NOT_INTERPOLATED
 
-_LOSS = display("m")
 AXES = {
     "preload_method": "preload_method",
     "friction": "friction",
@@ -62,7 +58,7 @@ def cases_csv(study: xr.Dataset) -> str:
 def over_all_balls(dataset: xr.Dataset) -> xr.Dataset:
     """Returns a dataset without the dimension `ball`: means or extremes, and flags of ball 1.
 
-    Variables of extremes, such as the maximum pressure, become that over all balls.
+    A variable of an extreme, such as the maximum pressure, becomes the extreme over all balls.
     """
 
     def without_balls(variable: xr.DataArray) -> xr.DataArray:
@@ -81,7 +77,7 @@ def study_summary(
 ) -> str:
     """Returns the effect of wear, the wear lives, and the unsolved cases, as Markdown.
 
-    The page, not the summary, has the description of the scene: a change of it requires no new one.
+    The description of the scene is only on the page: a change of it leaves the summary valid.
 
     uncertainties: datasets of the study of uncertainty.
     """

@@ -14,7 +14,7 @@ from bearingwear.results.words import plain_scene
 
 
 def duty_figure(life: xr.Dataset) -> Figure:
-    """Returns the figure of a life over a duty, of a bearing.
+    """Returns the figure of a bearing's life over a duty.
 
     Its panels are the residual preload in each phase over time, and the worn volumes, stacked by
     phase. A dashed line is at the preload that would end the life, if the scene has that criterion.

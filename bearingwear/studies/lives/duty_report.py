@@ -29,22 +29,24 @@ from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.lives.duty_figure import duty_figure, duty_message
 
 FOLDED = "worst in each phase"
-"""First block of the sheet that is folded away on the page, as are those after it."""
+"""Title of the first block of the sheet that is folded away on the page, as are all after it."""
 
 
 class _Preload(NamedTuple):
     """The preload at which the page shows the duty."""
 
     scene: Scene
-    kind: str  # `recommended preload`
+    kind: str  # such as `recommended preload`
     note: str = ""  # why it is no recommended one
 
 
 def duty_report(scene: Path, recommendation: Path | None = None) -> tuple[xr.Dataset, str, Figure]:
     """Step: returns the life of a scene over its duty, its answer for the page, and its figure.
 
-    The preload is the recommended one if there is a recommendation with one. The figure of a pair
-    is that of its first bearing.
+    Without a recommendation, the preload is that of the scene. The figure of a pair is that of its
+    first bearing.
+
+    recommendation: file of `bearingwear recommend`, from which the preload is chosen.
     """
     base = load_scene(scene)
     preload = _Preload(base, "input preload")

@@ -102,7 +102,7 @@ def ended_by(life: xr.Dataset) -> str:
 
 
 def _steady_life_ended_by(life: xr.Dataset) -> str:
-    """Returns the criterion that ended the steady life in words; a dash without such a life."""
+    """Returns in words the criterion that ended the steady life; a dash without a steady life."""
     return _criterion_words(life, "steady_end_criterion") if "steady_life" in life else "–"
 
 

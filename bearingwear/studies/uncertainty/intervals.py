@@ -28,6 +28,7 @@ def life_quantile(lives: np.ndarray, factors: np.ndarray, p: float) -> Quantile:
     """Returns the quantile at a probability of the lives of independent bearings.
 
     It is NaN without a solved life, and so is an end of the interval that the sample cannot give.
+    If all lives are equal, so that only wear varies, the interval has no width.
 
     The share of bearings below the quantile is known as well as by an effective number of bearings,
     whose binomial interval (Clopper and Pearson 1934; Korn and Graubard 1998) is carried over to
@@ -95,9 +96,9 @@ def sobol_indices(lives: np.ndarray, seed: int) -> dict[str, np.ndarray]:
     """Returns Sobol indices of log lives, and half-widths of their intervals (outputs, values).
 
     The arrays have the names `first_index`, `total_index`, and these with `_error`. The indices are
-    those of `scipy.stats.sobol_indices` (Saltelli et al. 2010), which takes a power of two of base
-    samples: the first of those of which every life is above zero. With fewer than two of these,
-    all arrays are NaN. Half-widths come from a bootstrap of the base samples.
+    those of `scipy.stats.sobol_indices` (Saltelli et al. 2010), which requires a power of two of
+    base samples. They are the first ones whose lives are all above zero; with fewer than two such
+    samples, all arrays are NaN. Half-widths come from a bootstrap of the base samples.
 
     lives: at A, at B, and at A with each value from B; NaN where not solved (values + 2, outputs,
         n).

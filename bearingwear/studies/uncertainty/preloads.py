@@ -34,7 +34,7 @@ def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
     """Returns the scene with a preload method and a preload [N].
 
     A distribution of the preload keeps its shape: its mean, spread and ends change in proportion to
-    the preload. One by a factor about the preload of the scene needs no change.
+    the preload. A factor about the preload of the scene needs no change.
 
     scene: with a preload above 0 if that is uncertain.
     """

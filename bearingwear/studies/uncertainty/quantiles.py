@@ -59,7 +59,7 @@ from bearingwear.studies.uncertainty.variables import (
 )
 
 MEMBERS = 512
-"""Lives by which a file gives their distribution."""
+"""Number of lives in a file that represent their distribution."""
 
 
 class MethodLives(NamedTuple):
@@ -83,9 +83,10 @@ def uncertain_lives(
 ) -> xr.Dataset:
     """Returns quantiles of the life at a scene's own preload [h], as a dataset.
 
-    Its variables are those of `ANALYSED` but Sobol indices, over friction, preload method, choice
-    of preload, inputs that vary, and probability. Where the scene has no `uncertainty`, usual
-    distributions are assumed, and the attribute `ASSUMED_SPREAD` describes them.
+    Its variables are those of `ANALYSED` without the effects of single values, over friction,
+    preload method, choice of preload, inputs that vary, and probability. Where the scene has no
+    `uncertainty`, usual distributions are assumed, and the attribute `ASSUMED_SPREAD` describes
+    them.
 
     frictions: coefficients of ball and race [1], which replace that of the scene. Without any, the
         dataset has no dimension `friction`.
@@ -95,8 +96,8 @@ def uncertain_lives(
     workers: processes that solve lives.
     tell: takes lines of progress, and a line on distributions that are assumed.
 
-    SceneError: as `uncertain_scene`; or `samples` or `seed` is invalid. NotAvailable: no life could
-    be solved by any model.
+    SceneError: as `uncertain_scene`; or `samples` or `seed` is invalid.
+    NotAvailable: no life could be solved by any model.
     """
     plan = sampling_of(samples, seed)
     assumptions: list[str] = []
@@ -256,8 +257,8 @@ def _rows_at_preloads(
 def _method_lives(scene: Scene, plan: Sampling, pool: Workers, tell: Tell | None) -> MethodLives:
     """Returns lives at the scene's preload, with the row of their quantiles and statuses.
 
-    The quantiles (inputs, probabilities) are those of all bearings, of all bearings with the wear
-    coefficient and hardness of the scene, within a batch, and over batches.
+    The first two rows of quantiles (inputs, probabilities) have all values varied, and all but the
+    wear coefficient and hardness. The other two are those within a batch, and over batches.
     """
     if tell:
         tell(
@@ -326,8 +327,8 @@ def _medians(scene: Scene) -> list[float]:
 def _effects_of_values(scene: Scene, plan: Sampling, pool: Workers) -> dict[str, Any]:
     """Returns how much each uncertain value changes the life, by the names of `ANALYSED`.
 
-    These are Sobol indices of the lives with their errors (inputs, values), the share of base
-    samples that they use, and the lives [h] with one value at its 10 or 90 % quantile and the
+    These are Sobol indices of the lives with their errors (inputs, values), and the share of base
+    samples that they use. Further lives [h] have one value at its 10 or 90 % quantile, and the
     others at their medians (values, 2). Indices are NaN for inputs that vary within a batch or over
     batches alone.
     """

@@ -23,8 +23,8 @@ from bearingwear.studies.answers import PROBLEM, Workers
 from bearingwear.studies.sampling import Sampling, scene_with_values, wear_factor
 
 POOLED = 2**15
-"""Least number of lives from which a quantile is taken, if wear varies: that of the lives solved,
-each of them with many wear factors."""
+"""Least number of lives from which a quantile is taken if wear varies: each solved life is scaled
+by several wear factors."""
 
 
 class SampledLives(NamedTuple):

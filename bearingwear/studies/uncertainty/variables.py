@@ -32,8 +32,9 @@ UNCERTAINTY_AXES = table(
 
 LONGEST_SHARE = ("longest_share", "longest_share_low", "longest_share_high")
 QUANTILE = ("life_quantile", "life_quantile_low", "life_quantile_high")
+"""Variables of a share or a quantile, and of the two ends of its confidence interval."""
 
-_QUANTILE, _INDEX = (UNCERTAIN_INPUTS, "probability"), (UNCERTAIN_INPUTS, "quantity")
+_QUANTILE_DIMS, _INDEX_DIMS = (UNCERTAIN_INPUTS, "probability"), (UNCERTAIN_INPUTS, "quantity")
 ANALYSED = table(
     Variable("preload", (), "N", "initial axial preload, median of its distribution"),
     Variable("evaluations", (), "1", "number of lives solved", dtype="i8",
@@ -44,12 +45,12 @@ ANALYSED = table(
         dtype="i8"),
     Variable("index_share", (), "1", "share of the base samples used for the indices"),
     Variable("nominal_life", (), "h", "life with every value at its median"),
-    Variable("life_quantile", _QUANTILE, "h", "quantile of life",
+    Variable("life_quantile", _QUANTILE_DIMS, "h", "quantile of life",
         comment="90 % of bearings lie between probabilities 0.05 and 0.95; what does not vary is "
         "at its median, but wear coefficient and hardness as in the scene for all_but_wear"),
-    Variable("life_quantile_low", _QUANTILE, "h",
+    Variable("life_quantile_low", _QUANTILE_DIMS, "h",
         "lower end of the confidence interval of life_quantile, due to the size of the sample"),
-    Variable("life_quantile_high", _QUANTILE, "h",
+    Variable("life_quantile_high", _QUANTILE_DIMS, "h",
         "upper end of the confidence interval of life_quantile, due to the size of the sample"),
     Variable("longest_share", (), "1",
         "share of sampled bearings for which this method gives the longest life",
@@ -60,13 +61,13 @@ ANALYSED = table(
         "upper end of the confidence interval of longest_share"),
     Variable("life_one_at_a_time", ("quantity", "end"), "h",
         "life with one value at its 10 % and 90 % quantiles and the others at their medians"),
-    Variable("first_index", _INDEX, "1", "first-order Sobol index of log life",
+    Variable("first_index", _INDEX_DIMS, "1", "first-order Sobol index of log life",
         comment="of the samples all and all_but_wear"),
-    Variable("first_index_error", _INDEX, "1",
+    Variable("first_index_error", _INDEX_DIMS, "1",
         "half-width of the confidence interval of first_index"),
-    Variable("total_index", _INDEX, "1", "total Sobol index of log life",
+    Variable("total_index", _INDEX_DIMS, "1", "total Sobol index of log life",
         comment="of the samples all and all_but_wear"),
-    Variable("total_index_error", _INDEX, "1",
+    Variable("total_index_error", _INDEX_DIMS, "1",
         "half-width of the confidence interval of total_index"),
     Variable("life_sample", (UNCERTAIN_INPUTS, "member"), "h",
         "sorted lives of independent bearings, at evenly spaced probabilities"),

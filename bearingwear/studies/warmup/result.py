@@ -72,7 +72,7 @@ _SUMMARY = table(
         )
     ),
     *(
-        Variable(f"end_{name}", (), units, f"{words.replace('largest', 'last')}")
+        Variable(f"end_{name}", (), units, words.replace("largest", "last"))
         for name, (units, words) in PEAKS.items()
     ),
     Variable("error_estimate", (), "1", "numerical error of the peaks, relative",
@@ -180,7 +180,7 @@ def _peaks(times: Sequence[float], rows: Sequence[Mapping[str, Any]]) -> dict[st
 
 
 def _error_of_peaks(peaks: Mapping[str, float], coarse_peaks: Mapping[str, float]) -> float:
-    """Returns the largest magnitude of the relative differences of peaks from the coarse ones.
+    """Returns the largest relative difference of a peak between two warm-ups, in magnitude.
 
     The differences of the spring are relative to the larger of its compression and extension. Peaks
     of 0 are left out.
@@ -224,9 +224,9 @@ def _time_to_share(times: np.ndarray, T: np.ndarray, share: float) -> float:
     outside = np.flatnonzero((distance > allowed).any(axis=1))
     if not outside.size:
         return 0.0
-    k = min(int(outside[-1]) + 1, len(times) - 1)
+    k = int(outside[-1]) + 1
     # linear between the last instant outside and the first inside
     before, after = distance[k - 1], distance[k]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        part = np.where(before > allowed, (before - allowed) / (before - after), 0.0)
-    return float(times[k - 1] + np.nanmax(part) * (times[k] - times[k - 1]))
+    late = before > allowed
+    part = (before - allowed)[late] / (before - after)[late]
+    return float(times[k - 1] + part.max() * (times[k] - times[k - 1]))

@@ -20,13 +20,13 @@ from bearingwear.solvers.thermal import LOW_MARGIN
 from bearingwear.studies.warmup.result import ENDINGS, PEAKS
 
 PART_WORDS = ("inner ring", "balls", "outer ring")
-_COLOURS = ("C3", "C1", "C0")
+_COLOURS = ("C3", "C1", "C0")  # of the parts
 _LINE_STYLES = ("-", "--")  # of two bearings
 _LINEAR = 1.0  # s: the axis of time is linear at least up to here
 
 
 def warm_up_sheet(file: Any) -> Document:
-    """Returns the sheet of a warm-up: how it ends, its peaks with their times, thermal margin.
+    """Returns the sheet of a warm-up: its end, peaks with their times, and thermal margin.
 
     file: open netCDF file of `warm_up_dataset`.
     """

@@ -53,7 +53,7 @@ def limits_hold(
 ) -> bool:
     """Whether all limits hold from rest to the steady temperatures at speed.
 
-    They do not if the bearings have no state at the start or on the way, as when they run away. A
+    They do not hold if the bearings have no state at the start or on the way, as in a runaway. A
     peak may equal its limit.
 
     seconds: duration of the ramp to speed [s].
@@ -77,17 +77,17 @@ def shortest_ramp(scene: Scene, limits: Mapping[str, float]) -> ShortestRamp | N
     """Returns the shortest time from rest to speed that keeps all limits; None without one.
 
     It is zero where they hold without a ramp. All of `RAMPS` are tried, as a longer ramp need not
-    have lower peaks: it may meet a shaft that is warm in a housing that is not. Between the first
-    of them that keeps the limits and the one before, a longer ramp is taken to have lower peaks.
-    The answer keeps them with the steps of `bearingwear warmup`.
+    have lower peaks: it may meet a warm shaft in a cold housing. Only between the first of `RAMPS`
+    that keeps the limits and the one before it are longer ramps assumed to have lower peaks. The
+    answer keeps the limits with the time steps of `bearingwear warmup`.
 
     limits: values in the units of `LIMITS`, by its names.
     """
-    holds = [limits_hold(scene, seconds, limits) for seconds in RAMPS]
-    for k, ramp_holds in enumerate(holds):
-        seconds = _fine_ramp(scene, limits, k) if ramp_holds else None
+    are_kept = [limits_hold(scene, seconds, limits) for seconds in RAMPS]
+    for k, kept in enumerate(are_kept):
+        seconds = _fine_ramp(scene, limits, k) if kept else None
         if seconds is not None:
-            broken_by = (RAMPS[m] for m in range(k, len(RAMPS)) if not holds[m])
+            broken_by = (RAMPS[m] for m in range(k, len(RAMPS)) if not are_kept[m])
             return ShortestRamp(seconds, tuple(broken_by))
     return None
 
@@ -100,7 +100,7 @@ def _fine_ramp(scene: Scene, limits: Mapping[str, float], k: int) -> float | Non
 
     limits: values in the units of `LIMITS`, by its names.
     """
-    # up to the shortest ramp but none, there is no range of a ratio to bisect
+    # the first two are no ramp and 1 s; zero has no logarithm to bisect
     seconds = _bisected_ramp(scene, limits, k) if k > 1 else RAMPS[k]
     while not limits_hold(scene, seconds, limits, STEP_TOLERANCE):
         seconds = float(f"{(1.0 + RAMP_TOLERANCE) * seconds:.3g}")

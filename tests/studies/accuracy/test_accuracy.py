@@ -1,6 +1,6 @@
-"""The study of accuracy: its plan, errors, front, table and docs, with numbers made up here.
+"""The study of accuracy: its plan, errors, figures, tables and docs, with numbers made up here.
 
-What gathers and draws a whole study takes 40 s of a core: `make test-long`.
+Tests that gather and draw a whole study take 40 s of a core: `make test-long` runs them.
 """
 
 import json
@@ -56,10 +56,11 @@ def plan():
 def invented_sweep(plan, scene, name, failed=()):
     """Returns a sweep of the plan on a scene, whose k-th point has relative errors of +0.1^k.
 
-    The QV of the inner contact has errors of -3 times that. Points whose labels are in `failed`
-    have a status and no numbers. The first point of a reference is exact, and took 1 ms.
+    The QV of the inner contact has errors of -3 times that. The first point of a reference is
+    exact, and took 1 ms.
 
     name: of a sweep, or of a reference: `steady`, or `short` or `long` runs, which have no life.
+    failed: labels of points that have a status and no numbers.
     """
     points = sweep_points(plan, name)
     n = len(points)
@@ -123,7 +124,7 @@ def files(plan, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def trade(files, tmp_path_factory):
-    """Returns the path of the file that gathers them."""
+    """Returns the path of the file that gathers all sweeps and references."""
     path = tmp_path_factory.mktemp("trade") / "accuracy.nc"
     assert step("gather.gathered_sweeps", path, paths=files) == 0
     return path
@@ -132,8 +133,8 @@ def trade(files, tmp_path_factory):
 # the plan
 
 
-def test_the_plan_reads_and_every_scene_of_it_is_valid(plan):
-    """With the settings of the first and the last point of each sweep."""
+def test_every_scene_of_the_plan_is_valid(plan):
+    """It is so with the settings of the first and the last point of each sweep."""
     for scene, sweep in sweep_jobs(plan):
         points = sweep_points(plan, sweep)
         for point in points[:: max(1, len(points) - 1)]:  # first and last
@@ -143,7 +144,7 @@ def test_the_plan_reads_and_every_scene_of_it_is_valid(plan):
 
 
 def test_a_scene_has_the_sweeps_of_its_references(plan):
-    """bearing218 has a steady reference and none of long runs; turbine has the other way round."""
+    """bearing218 has a steady reference and none of long runs; for turbine, it is the reverse."""
     jobs = sweep_jobs(plan)
     assert ("bearing218", "strips") in jobs and ("bearing218", "turns") not in jobs
     assert ("turbine", "strips") not in jobs and ("turbine", "hertz") in jobs
@@ -175,12 +176,12 @@ def test_a_broken_plan_is_refused_in_one_line(change, problem, tmp_path):
     assert problem in str(error.value) and "\n" not in str(error.value)
 
 
-# errors and front
+# errors
 
 
 @pytest.mark.long
 def test_errors_are_against_the_reference_of_the_scene(trade, plan):
-    """Signed and relative; of both contacts, `error_contact_qv` is the larger magnitude.
+    """They are signed and relative; `error_contact_qv` is the larger magnitude of both contacts.
 
     The errors are those of `invented_sweep`: 0.1^k for the k-th point of `gauss`, -3 times that at
     the inner contact. Its first point failed: it keeps its status and has no errors.
@@ -203,10 +204,10 @@ def test_errors_are_against_the_reference_of_the_scene(trade, plan):
 
 @pytest.mark.long
 def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
-    """Sweeps without their reference, files of different sources, and no file."""
-    without = [path for path in files if path.name != "turbine-long.nc"]
+    """Faults are a missing reference of a sweep, files of different sources, and no file."""
+    without_reference = [path for path in files if path.name != "turbine-long.nc"]
     with pytest.raises(CaseFileError, match="turbine, .*: the reference long is missing"):
-        gathered_sweeps(without)
+        gathered_sweeps(without_reference)
     other = load(files[0]).assign_attrs(source_hash="2")
     write_dataset(other, tmp_path / "other.nc")
     with pytest.raises(CaseFileError, match="other.nc: source_hash differs"):
@@ -246,18 +247,18 @@ def test_a_figure_is_the_same_bytes_twice(trade, tmp_path):
 
 @pytest.fixture(scope="module")
 def cages(plan, tmp_path_factory):
-    """Returns the path of gathered ensembles of runs, each with 0.9 times the wear of that before.
+    """Returns the path of gathered ensembles of runs, each with 0.9 times the work of that before.
 
     Work of the k-th run of the first is 1 + 0.1 k, times 1e-4 J; pockets have 0.8 of it, the land
     0.2. In the k-th ensemble the first k runs move in another way (1) than the rest (0).
     """
     folder = tmp_path_factory.mktemp("cages")
-    paths, work = [], 1e-4 * (1.0 + 0.1 * np.arange(plan["cages"]["runs"]))
+    paths, first_work = [], 1e-4 * (1.0 + 0.1 * np.arange(plan["cages"]["runs"]))
     for k, (name, row) in enumerate(plan["cages"]["ensembles"].items()):
-        file = 0.9**k * work
-        parts = {"work": file, "pocket_work": 0.8 * file, "land_work": 0.2 * file}
-        motion = (np.arange(file.size) < k).astype(np.int8)
-        parts |= {"turns": np.full(file.size, float(row["least_turns"])), "motion": motion}
+        work = 0.9**k * first_work
+        parts = {"work": work, "pocket_work": 0.8 * work, "land_work": 0.2 * work}
+        motion = (np.arange(work.size) < k).astype(np.int8)
+        parts |= {"turns": np.full(work.size, float(row["least_turns"])), "motion": motion}
         data = {part: ("run", values) for part, values in parts.items()}
         paths.append(folder / f"{name}.nc")
         write_dataset(xr.Dataset(data, attrs=common_attributes()), paths[-1])
@@ -269,8 +270,8 @@ def cages(plan, tmp_path_factory):
 def test_ensembles_are_relative_to_the_first(cages, plan):
     """A row has turns, work of cage, pockets and land, each over that of the first ensemble.
 
-    Then the half-width of the 90 % interval of the work, and the share of runs in the same motion.
-    There are six ensembles of 20 runs.
+    The last two cells are the half-width of the 90 % interval of the work, and the share of runs in
+    the same motion. There are six ensembles of 20 runs.
     """
     _, table = cages_part(load(cages), plan)
     first, second, *_, last = (row[1:] for row in table.rows)
@@ -284,7 +285,7 @@ def test_ensembles_are_relative_to_the_first(cages, plan):
 
 
 def test_the_table_of_ensembles_is_written_into_the_docs(cages, plan, tmp_path):
-    """Between two marks: before, each line of the table is missing; afterwards nothing differs."""
+    """It is between two marks: before, each of its lines is missing; then nothing differs."""
     _, table = cages_part(load(cages), plan)
     docs = tmp_path / "accuracy.md"
     docs.write_text("<!-- cages: begin -->\n<!-- cages: end -->\n", encoding="utf-8")
@@ -350,7 +351,7 @@ def docs_text(trade, cages, tmp_path_factory):
 
 @pytest.mark.long
 def test_docs_without_their_parts_do_not_pass_the_check(trade, cages, tmp_path):
-    """Status 2: the marks of parts other than two are missing."""
+    """The marks of all parts but two are missing: the exit status is 2."""
     docs = tmp_path / "accuracy.md"
     docs.write_text(EMPTY_DOCS, encoding="utf-8")
     assert checked_status(docs, trade, cages) == 2
@@ -398,7 +399,7 @@ def test_parts_are_written_into_the_docs(trade, cages, tables, docs_text, tmp_pa
 def test_a_number_of_the_docs_beyond_its_tolerance_is_named(
     trade, cages, docs_text, old, new, difference, tmp_path, capsys
 ):
-    """In a line with the number of the docs and that of the run; a second line counts one."""
+    """A line has the number of the docs and that of the run; a second line counts one."""
     docs = tmp_path / "accuracy.md"
     assert old in docs_text
     docs.write_text(docs_text.replace(old, new, 1), encoding="utf-8")
@@ -412,7 +413,7 @@ def test_a_number_of_the_docs_beyond_its_tolerance_is_named(
 def test_a_number_of_the_docs_within_its_tolerance_passes(
     trade, cages, docs_text, tmp_path, capsys
 ):
-    """0.019 in place of 0.01, within the factor of errors."""
+    """The number is 0.019 in place of 0.01, within the factor that the plan allows for errors."""
     docs, old = tmp_path / "accuracy.md", "| 50 equal strips | 5 | 0.01 "
     assert old in docs_text
     docs.write_text(docs_text.replace(old, old.replace("0.01", "0.019"), 1), encoding="utf-8")
@@ -448,7 +449,7 @@ def test_cells_agree_within_their_tolerance_either_way(agreement, old, new, is_m
 
 
 def test_the_docs_hold_every_row_of_the_plan(plan):
-    """By section and text of the row, with eight cells beside them."""
+    """A row is found by its section and text, and has eight cells."""
     cells = table_cells((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
     rows = {(SECTIONS[row_section(plan, row)], row["text"]) for row in plan["table"]}
     assert rows <= set(cells)
@@ -465,7 +466,7 @@ def test_the_docs_hold_every_row_of_a_run(trade, cages, part):
 
 
 def test_table_cells_have_only_significant_digits():
-    """Three digits of a number, two of a `Rough` one; below 0.001 % only that; a dash for NaN.
+    """A number has three digits, a `Rough` one two, NaN a dash; below 0.001 %, the cell says so.
 
     The first two items of the row are its axes, which are no cells.
     """

@@ -1,4 +1,4 @@
-"""The reduced and the approximate models of the trade study against the full ones."""
+"""The reduced and the approximate models of the study of accuracy against the full ones."""
 
 import math
 from dataclasses import replace
@@ -29,14 +29,14 @@ MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
 
 @pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0, 20.0, 60.0])
 def test_the_fit_is_within_the_percents_its_authors_state(ratio):
-    """Brewe and Hamrock: ellipticity and integrals each within 3 to 4 %, over 1 to 100.
+    """Brewe and Hamrock: ellipticity and integrals are each within 3 to 4 %, over 1 to 100.
 
     The stiffness takes K^-3/2 E^1/2 kappa of them, so at a round contact, where all are at their
     worst, it is 8.7 % off. Here K is the stiffness, c_a and c_b scale the half-axes of the ellipse.
 
-    ratio: of the curvatures, in 1/m; E_star is the contact modulus of steel [Pa].
+    ratio: of the curvatures.
     """
-    A, E_star = 20.0, 1.1e11
+    A, E_star = 20.0, 1.1e11  # smaller curvature [1/m], contact modulus of steel [Pa]
     exact = point_contact(A, ratio * A, E_star, math.nan)
     K, c_a, c_b = fitted_contact(A, ratio * A, E_star)
     assert_allclose(c_a / c_b, exact.c_a / exact.c_b, rtol=0.04)
@@ -46,7 +46,7 @@ def test_the_fit_is_within_the_percents_its_authors_state(ratio):
 
 
 def test_static_displacement_with_the_fit_is_within_2_percent(scene):
-    """The axial displacement of gyro_s1 under its preload of 7 N."""
+    """It is the axial displacement of gyro_s1 under its preload of 7 N."""
     g = parameters.geometry(scene("gyro_s1"))
     exact = static_displacement(g, 7.0)
     assert_allclose(fitted_displacement(g, 7.0), exact, rtol=0.02)
@@ -59,16 +59,15 @@ def test_under_thrust_three_balls_stand_for_all(scene, method):
     Sums over balls are scaled to nine; the steady state has the same QV at each ball.
     """
     s = scene("gyro_s1", MODEL | {"operation.preload_method": method})
-    few, values = three_balls(s), solve(s, "steady").values
-    for name in ("total_qv", "residual_preload"):
-        assert_allclose(few[name], values[name], rtol=1e-6)
-    assert_allclose(few["qv"].mean(axis=0), values["qv"][0], rtol=1e-6)
-    assert_allclose(few["ball_diameter_loss_rate"], values["ball_diameter_loss_rate"], rtol=1e-6)
+    reduced, full = three_balls(s), solve(s, "steady").values
+    for name in ("total_qv", "residual_preload", "ball_diameter_loss_rate"):
+        assert_allclose(reduced[name], full[name], rtol=1e-6)
+    assert_allclose(reduced["qv"].mean(axis=0), full["qv"][0], rtol=1e-6)
 
 
 @pytest.mark.parametrize("start", ["race_control", "kinematic"])
 def test_runs_from_other_starts_end_in_the_steady_state(scene, start):
-    """After 12 turns, to 1e-4 of QV. The kinematic start rolls as by outer race control."""
+    """QV agrees to 1e-4 after 12 turns. The kinematic start rolls as by outer race control."""
     s = replace(scene("gyro_s1", MODEL | {"model.simulated_turns": 12}), cage=None)
     steady = solve(s, "steady").values["total_qv"]
     assert_allclose(dynamic_values(s, start, False)["total_qv"], steady, rtol=1e-4)
@@ -82,7 +81,7 @@ def test_the_kinematic_start_is_not_the_steady_state(scene):
 
 
 def test_the_fit_changes_qv_by_less_than_3_percent(scene):
-    """But by more than 1e-5, as it is used; under a constant force the preload stays."""
+    """It changes QV by more than 1e-5, as it is used; a constant force keeps the preload."""
     s = replace(scene("gyro_s1", MODEL | {"model.simulated_turns": 12}), cage=None)
     exact, fit = dynamic_values(s, "steady", False), dynamic_values(s, "steady", True)
     assert fit["status"] == 0
@@ -92,28 +91,28 @@ def test_the_fit_changes_qv_by_less_than_3_percent(scene):
 
 @pytest.mark.parametrize("method", ["fixed_position", "constant_force"])
 def test_scenes_of_each_machine_on_the_rotor(scene, method):
-    """One bearing; a symmetric pair; a pair pushed by half of its preload; a pair, one worn.
+    """They are a bearing; a symmetric pair; a pair pushed by half of its preload; a pair, one worn.
 
     The preload is 7 N; the second bearing has lost 0.04 um of ball diameter.
     """
-    held = scene("gyro_s1", {"operation.preload_method": method})
-    alone, alike, pushed, unlike = (scene_on_rotor(held, machine) for machine in MACHINES)
-    assert alone is held and alike.pair.is_symmetric and pushed.pair.external_axial_N == 0.5 * 7.0
+    base = scene("gyro_s1", {"operation.preload_method": method})
+    alone, alike, pushed, unlike = (scene_on_rotor(base, machine) for machine in MACHINES)
+    assert alone is base and alike.pair.is_symmetric and pushed.pair.external_axial_N == 0.5 * 7.0
     assert unlike.sides[1].wear.ball_diameter_loss_um == pytest.approx((0.04,))
 
 
 @pytest.mark.parametrize("method", ["fixed_position", "constant_force"])
 def test_loads_and_unequal_wear_shorten_the_life_on_the_rotor(scene, method):
-    """A push of half the preload by a fifth or more; unequal wear by any amount.
+    """A push of half the preload shortens it by a fifth or more, unequal wear by any amount.
 
     A symmetric pair has QV and life of the bearing alone, as they are given for one bearing.
     """
-    held = scene("gyro_s1", {"operation.preload_method": method})
+    base = scene("gyro_s1", {"operation.preload_method": method})
 
     def values(machine):
         point = SweepPoint(label=machine, value=0.0, fidelity="steady", machine=machine,
                            settings=(), text=machine)  # fmt: skip
-        return point_values(held, point, 1, 1.0)  # one repeat: times do not matter here
+        return point_values(base, point, 1, 1.0)  # one repeat: times do not matter here
 
     alone, alike, pushed, unlike = map(values, MACHINES)
     assert alike["total_qv"] == alone["total_qv"] and alike["life"] == alone["life"]
@@ -122,16 +121,16 @@ def test_loads_and_unequal_wear_shorten_the_life_on_the_rotor(scene, method):
 
 
 def test_each_kind_of_growth_raises_the_preload(scene):
-    """By speed alone; by more with a ring that is 5 K warmer.
+    """Speed alone raises it; with a ring that is 5 K warmer, it rises by more.
 
-    By a thermal network that hardly warms, it is that of speed alone to 0.1 N.
+    With a thermal network that hardly warms, it is that of speed alone to 0.1 N.
     """
-    held = scene("gyro_s1", {"operation.preload_method": "fixed_position"})
-    mounted, turning, warm, network = (scene_with_growth(held, warmth) for warmth in WARMTHS)
-    assert mounted is held and turning.bearing.bore_mm == pytest.approx(4.0)
+    base = scene("gyro_s1", {"operation.preload_method": "fixed_position"})
+    mounted, turning, warm, network = (scene_with_growth(base, warmth) for warmth in WARMTHS)
+    assert mounted is base and turning.bearing.bore_mm == pytest.approx(4.0)
     assert warm.temperature.inner_ring_C == 25.0 and network.thermal is not None
     of_mounted, of_turning, of_warm, of_network = (
-        solve(item).values["residual_preload"] for item in (mounted, turning, warm, network)
+        solve(grown).values["residual_preload"] for grown in (mounted, turning, warm, network)
     )
     assert of_mounted < of_turning < of_warm and abs(of_network - of_turning) < 0.1  # N
 

@@ -83,7 +83,7 @@ def test_the_headline_names_the_better_method_and_a_sentence_by_how_much(
 
 @pytest.mark.parametrize("lives", [lives for lives, *_ in HEADLINES])
 def test_the_table_has_a_row_for_each_life_of_the_scene_and_no_nan(lives):
-    """Lives of another scene have none; nor do sentences say NaN."""
+    """Lives of another scene have none; neither the table nor a sentence has NaN."""
     document = answer(lives, SCENE)
     rows = table_block(document).table[1]
     assert len(rows) == len([life for life in lives if life.scene == "a"])
@@ -156,19 +156,19 @@ def table_block(document):
 def answer_of(lives, spread=()):
     """Writes the answer by its step, and returns it. lives: a path; spread: paths."""
     path = lives.parent / "answer.json"
-    run = "studies.grid.answer.lives_answer"
-    assert step(run, path, lives=[lives], uncertainty=spread) == 0
+    inputs = {"lives": [lives], "uncertainty": spread}
+    assert step("studies.grid.answer.lives_answer", path, **inputs) == 0
     return load_document(path)
 
 
-def test_the_answer_is_that_of_the_file(small_project):
-    """Of the small study (tests/small_study.py): ratio of lives, end, and cells of the table.
+def test_the_answer_has_the_lives_of_the_file(small_project):
+    """The small study (tests/small_study.py) has a ratio of lives, ends, and a table.
 
-    Its first sentence compares the methods at the friction 0.02. It has no spread.
+    The first sentence compares the methods at the friction 0.02. There is no spread.
     """
     lives = lives_of(load(small_project / FOLDER / "wear_life.nc"))
-    low = {life.method: life.hours for life in lives if life.friction == 0.02}
-    ratio = low["constant_force"] / low["fixed_position"]
+    hours_at_002 = {life.method: life.hours for life in lives if life.friction == 0.02}
+    ratio = hours_at_002["constant_force"] / hours_at_002["fixed_position"]
     document = load_document(small_project / LIVES_ANSWER)
     blocks = sentence_blocks(document)
     sentences = with_spaces(" ".join(text for _, texts in blocks for text in texts))
@@ -185,7 +185,7 @@ def test_the_answer_is_that_of_the_file(small_project):
 
 
 def test_the_summary_has_lives_with_their_spread(small_project, lives_and_spread):
-    """90 % of bearings at the scene's own friction, 0.08, the only one of the spread.
+    """It has the interval of 90 % of bearings at the scene's own friction, 0.08.
 
     Lives at another friction have a dash, and the text names the command that samples them.
     """
@@ -204,7 +204,7 @@ def test_the_summary_has_lives_with_their_spread(small_project, lives_and_spread
 
 
 def test_the_answer_has_lives_with_their_spread(lives_and_spread):
-    """Of the invented quantiles in h: 10 and 50 % of the median batch, 5 to 95 % of the others.
+    """Expected are the invented quantiles [h], at 10 and 50 % of the median batch, else 5 to 95 %.
 
     A life without a spread has a dash.
     """

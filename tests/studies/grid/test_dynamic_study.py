@@ -57,48 +57,45 @@ def invented_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **ch
     is_dynamic = fidelity == "dynamic"
     plain = variant(scene_file(scene), case.changes).to_dict()
     n = plain["bearing"]["ball_count"] if is_dynamic else 1
-    held = case.preload_method == "fixed_position"
-    left = 1.0 - (1.2 * case.ball_diameter_loss_um if held else 0.0)
-    size = (1.0 + 0.01 * is_dynamic) * left * (0.9 + case.friction)
-    alone = {"units": "W"}, {"units": "m3 s-1"}  # attributes of powers and of wear rates
+    is_rigid = case.preload_method == "fixed_position"
+    preload_share = 1.0 - (1.2 * case.ball_diameter_loss_um if is_rigid else 0.0)
+    scale = (1.0 + 0.01 * is_dynamic) * preload_share * (0.9 + case.friction)
+    power, wear_rate = {"units": "W"}, {"units": "m3 s-1"}  # attributes
     values = {
         "status": flag("status", (), status),
-        "total_qv": ((), 1.4 * size, alone[0]),
-        "qv": (("ball", "race"), np.full((n, 2), 0.07 * size), alone[0]),
-        "residual_preload": ((), 7.0 * left, {"units": "N"}),
-        "ball_wear_rate": (("ball",), np.full(n, 1e-17 * size), alone[1]),
-        "race_wear_rate": (("race",), np.array([2e-16, 3e-16]) * size, alone[1]),
+        "total_qv": ((), 1.4 * scale, power),
+        "qv": (("ball", "race"), np.full((n, 2), 0.07 * scale), power),
+        "residual_preload": ((), 7.0 * preload_share, {"units": "N"}),
+        "ball_wear_rate": (("ball",), np.full(n, 1e-17 * scale), wear_rate),
+        "race_wear_rate": (("race",), np.array([2e-16, 3e-16]) * scale, wear_rate),
     }
     coords = {"ball": np.arange(n), "race": flag("race", ("race",), [0, 1])}
     if is_dynamic:
-        per_turn = {"qv_drift_per_turn": 1e-4, "wear_rate_drift_per_turn": 0.02 * held}
+        per_turn = {"qv_drift_per_turn": 1e-4, "wear_rate_drift_per_turn": 0.02 * is_rigid}
         counts = {"simulated_turns": 20.0, "evaluated_turns": 10.0}
         numbers = {name: ((), value, {"units": "1"}) for name, value in (per_turn | counts).items()}
-        numbers["cage_wear_rate"] = ((), 4e-15 * size, alone[1])
-        numbers["cage_land_wear_rate"] = ((), 5e-17 * size, alone[1])
+        numbers["cage_wear_rate"] = ((), 4e-15 * scale, wear_rate)
+        numbers["cage_land_wear_rate"] = ((), 5e-17 * scale, wear_rate)
         numbers["steps_accepted"] = ((), np.int32(1000), {"units": "1"})
         numbers["final_state"] = (("state",), np.arange(7.0), {"units": "1"})
         numbers["final_time"] = ((), 0.04, {"units": "s"})
         time = np.linspace(1e-4, 0.04, 400)
         settling = 1.0 + 2.0 * np.exp(-time / 0.004) + 0.3 * np.sin(3e3 * time)
         for name, mean in (("cage_pocket", 4e-15), ("cage_land", 5e-17)):
-            rate = (mean * size * settling).astype("f4")
-            numbers[f"history_{name}_wear_rate"] = (("time",), rate, alone[1])
-        rate = np.repeat((1e-17 * size * settling)[:, None], n, axis=1).astype("f4")
-        numbers["history_ball_wear_rate"] = (("time", "ball"), rate, alone[1])
+            rate = (mean * scale * settling).astype("f4")
+            numbers[f"history_{name}_wear_rate"] = (("time",), rate, wear_rate)
+        rate = np.repeat((1e-17 * scale * settling)[:, None], n, axis=1).astype("f4")
+        numbers["history_ball_wear_rate"] = (("time", "ball"), rate, wear_rate)
         land = np.zeros((400, 2), dtype="f4")
         numbers["history_land_force"] = (("time", "edge"), land, {"units": "N"})
         values |= numbers
         coords |= {"time": ("time", time, {"units": "s"}), "edge": flag("edge", ("edge",), [0, 1])}
-    if status:  # as the solver leaves it: what it always writes is missing, the rest not there
-        always = {"total_qv", "qv", "residual_preload", "ball_wear_rate", "race_wear_rate"}
-        values = {
-            name: value
-            if name == "status"
-            else (value[0], np.full_like(value[1], np.nan), value[2])
-            for name, value in values.items()
-            if name in always | {"status"}
-        }
+    if status:  # as the solver leaves it: what it always writes is NaN, the rest not there
+        nan_values = {"status": values["status"]}
+        for name in ("total_qv", "qv", "residual_preload", "ball_wear_rate", "race_wear_rate"):
+            dims, numbers, attrs = values[name]
+            nan_values[name] = (dims, np.full_like(numbers, np.nan), attrs)
+        values = nan_values
         coords = {name: coords[name] for name in ("ball", "race")}
     attrs = {name: "1" for name in ("source_hash", "package_version", "numpy_version")}
     attrs |= {"scene": json.dumps(plain), "fidelity": fidelity, "numba_version": "1"}
@@ -150,7 +147,7 @@ def steady_and_dynamic(folder):
 
 
 def test_a_study_of_dynamic_cases_holds_their_means_without_histories(folder):
-    """For each of nine balls; dimensions and variables of a run in time are left out.
+    """It has nine balls; dimensions and variables of a run in time are left out.
 
     Cases that were not solved have NaN.
     """
@@ -237,17 +234,15 @@ def test_a_case_that_is_not_solved_or_without_a_cage_is_drawn_and_tabulated(
 
 
 def test_files_that_do_not_belong_together_are_refused_in_one_line(folder, tmp_path, capsys):
-    """Steady cases in place of dynamic ones, other frictions, another scene, and no dynamic case.
+    """Faults are steady cases, other frictions, another scene, and a file of no dynamic case.
 
     Nothing is drawn.
     """
     steady, dynamic = steady_and_dynamic(folder).values()
     output = tmp_path / "a.svg"
     assert step(COMPARED, output, study=steady, dynamic=steady) == 2
-    assert (
-        capsys.readouterr().err
-        == f"{steady}: got cases that were not solved dynamically, expected dynamic cases\n"
-    )
+    problem = "got cases that were not solved dynamically, expected dynamic cases"
+    assert capsys.readouterr().err == f"{steady}: {problem}\n"
     paths = write_cases(tmp_path / "few", Grid.from_lists(PRELOAD_METHODS, [0.02], [0.0]), "steady")
     assert step(GATHER, tmp_path / "few.nc", paths=paths) == 0
     assert step(COMPARED, output, study=tmp_path / "few.nc", dynamic=dynamic) == 2
@@ -273,7 +268,7 @@ def test_the_mean_so_far_is_that_of_the_intervals_up_to_each_time():
 
 @pytest.mark.filterwarnings("error")
 def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path):
-    """The file of the project has no values, so that the figure has no reference beside its parts.
+    """The file of the project has no values, so that the legend has no reference.
 
     With a file of two values, that of a ball lies on the axes of balls.
     """
@@ -301,7 +296,7 @@ def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path
     ],
 )
 def test_a_broken_reference_is_refused(folder, text, problem, tmp_path, capsys):
-    """In one line that names the file; so is one that is not there."""
+    """One line names the file. A missing file is refused, too."""
     file = tmp_path / "values.csv"
     file.write_text(text)
     inputs = {"case": folder / "dynamic" / f"{FAILED[0]}.nc", "reference": file}

@@ -9,7 +9,7 @@ from bearingwear.studies.grid.grid import Case, Grid
 
 
 def test_id_of_a_case():
-    """At least three decimals of the friction and two of the loss [um], more where they count."""
+    """It has at least three decimals of the friction and two of the loss [um], more if needed."""
     assert Case("constant_force", 0.0125, 0.005).id == "constant_force-mu0.0125-loss0.005"
     case = Case("fixed_position", 0.08, 0.5)
     assert case.id == "fixed_position-mu0.080-loss0.50"
@@ -25,7 +25,7 @@ def test_id_of_a_case():
     losses=st.lists(st.integers(0, 5000), min_size=1, max_size=5, unique=True),
 )
 def test_case_ids_are_unique_and_contain_the_values(mus, losses):
-    """Cases are as many as the combinations of values, by id; each of them has its own values.
+    """There is an id for each combination of values; a case has the values of its combination.
 
     Frictions are multiples of 1e-4 up to 0.2, losses of 1e-3 um up to 5 um.
     """
@@ -50,17 +50,17 @@ def test_case_ids_are_unique_and_contain_the_values(mus, losses):
     ],
 )
 def test_grids_that_are_refused(methods, mus, losses, problem):
-    """In one line: too many decimals, values below zero or NaN, twice, none, no method."""
+    """Faults are too many decimals, values below zero, NaN, repeated or missing, and no method."""
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         Grid.from_lists(methods, mus, losses)
     assert problem in str(error.value)
 
 
 def test_chunks_of_a_grid():
-    """A chunk has whole lines; its name has the first and the last friction.
+    """A chunk has whole lines, here of three losses; its name has the first and last friction.
 
-    The argument is the number of points in a chunk at most; a line has three losses. Chunks of one
-    line or less are not used: the list is empty.
+    The argument is the largest number of points in a chunk. Chunks of one line or less are not
+    used: the list is empty.
     """
     grid = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08, 0.11], [0.0, 0.1, 0.5])
     assert grid.chunks(None) == grid.chunks(5) == []  # of no size, or of one line

@@ -54,8 +54,8 @@ def folder(tmp_path_factory):
         write_result(solve(scene), folder / "cases" / f"{case_id}.nc")
     cases = [folder / "cases" / f"{case_id}.nc" for case_id in GRID.cases()]
     assert step(GATHER, folder / "study.nc", paths=cases) == 0
-    made_from = {"scene": scene_file("gyro_s1"), "study": folder / "study.nc"}
-    assert step(LIFE, folder / "wear_life.nc", **made_from) == 0
+    inputs = {"scene": scene_file("gyro_s1"), "study": folder / "study.nc"}
+    assert step(LIFE, folder / "wear_life.nc", **inputs) == 0
     return folder
 
 
@@ -67,7 +67,7 @@ def cases(folder, tmp_path):
 
 
 def test_study_holds_every_case(folder):
-    """At its place on the grid, with the numbers and attributes of its file."""
+    """A case has its place on the grid, and the numbers and attributes of its file."""
     gathered = load(folder / "study.nc")
     assert list(gathered["total_qv"].dims) == ["preload_method", "friction", "ball_diameter_loss"]
     assert gathered["ball_diameter_loss"].attrs["units"] == "um"
@@ -86,13 +86,13 @@ def test_study_holds_every_case(folder):
 
 
 def test_warnings_are_gathered_once_with_the_cases_counted(folder):
-    """Worn grooves of six solved cases less the two that are new, named by the largest loss.
+    """Four of the six solved cases have worn grooves; the warning has the largest loss of them.
 
-    Of lives, those that are solved have the warning. No warning stands twice.
+    Both solved lives have the warning. No warning occurs twice.
     """
     cases, lives = (load(folder / name) for name in ("study.nc", "wear_life.nc"))
     warnings = warnings_in(cases.attrs)
-    worn = next(item for item in warnings if item["id"] == "groove_worn")
+    (worn,) = (warning for warning in warnings if warning["id"] == "groove_worn")
     solved = cases["status"] == OK
     assert len({warning["id"] for warning in warnings}) == len(warnings)
     assert worn["cases"] == int((solved & (cases["ball_diameter_loss"] > 0.0)).sum())
@@ -111,7 +111,7 @@ def test_failed_cases_are_missing_numbers_with_a_status(folder):
 
 
 def test_flags_stay_whole_numbers_in_the_file(folder):
-    """Of one byte, also where a case was not solved; coordinates have no fill value."""
+    """They have one byte even where a case was not solved; coordinates have no fill value."""
     with xr.open_dataset(folder / "study.nc", mask_and_scale=False) as raw:
         assert raw["status"].dtype == raw["steady_state_branch"].dtype == np.int8
         assert all("_FillValue" not in raw[name].attrs for name in raw.coords)
@@ -123,7 +123,7 @@ def test_gathering_twice_gives_the_same_bytes(folder, cases, tmp_path):
 
 
 def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
-    """One sweep for each preload method; either order of the axes gives the same file."""
+    """There is one sweep for each preload method, with the axes in either order."""
     frictions, losses = (
         ("friction.ball_race", "0,0.08"),
         ("wear.ball_diameter_loss_um", "0,0.35,0.7"),
@@ -148,7 +148,7 @@ def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
     ],
 )
 def test_sweeps_that_are_no_grid_of_cases_are_refused(words, tmp_path, monkeypatch, capsys):
-    """An axis that a grid has not, lives in place of cases, and rows in place of axes."""
+    """One has an axis that a grid has not, one has lives, and one has rows in place of axes."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rows.csv").write_text("friction.ball_race,wear.ball_diameter_loss_um\n0.08,0\n")
     assert main(["sweep", str(scene_file("gyro_s1")), *words, "--jobs", "1", "-o", "x.nc"]) == 0
@@ -206,7 +206,7 @@ def of_another_solver(paths):
     ],
 )  # fmt: skip
 def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
-    """In one line with the file at fault; nothing is written."""
+    """One line names the file at fault; nothing is written."""
     paths, culprit = damage(cases)
     output = tmp_path / "study.nc"
     assert step(GATHER, output, paths=paths) == 2
@@ -224,17 +224,17 @@ def line_of(losses, rate, preload, share=0.0, skid=0.0, status=None):
     all of them scalars or (n,). status: zeros if omitted.
     """
     n = len(losses)
-    full = np.broadcast_to
+    broadcast = np.broadcast_to
     return xr.Dataset(
         {
             "status": ("ball_diameter_loss", np.zeros(n, int) if status is None else status),
-            "ball_diameter_loss_rate": ("ball_diameter_loss", full(rate, n)),
-            "residual_preload": ("ball_diameter_loss", full(preload, n)),
-            "skid_ratio": ("ball_diameter_loss", full(skid, n)),
+            "ball_diameter_loss_rate": ("ball_diameter_loss", broadcast(rate, n)),
+            "residual_preload": ("ball_diameter_loss", broadcast(preload, n)),
+            "skid_ratio": ("ball_diameter_loss", broadcast(skid, n)),
             "gyroscopic_slip_share": (
                 ("ball_diameter_loss", "ball", "race"),
                 # one ball; the inner race does not slip
-                np.stack([np.zeros(n), full(share, n)], axis=1)[:, None, :],
+                np.stack([np.zeros(n), broadcast(share, n)], axis=1)[:, None, :],
             ),
         },
         {"ball_diameter_loss": losses},
@@ -251,7 +251,7 @@ def ending(life) -> str:
 
 
 def test_a_life_at_a_constant_rate_is_loss_over_rate():
-    """0.7 um at 1e-12 m/s; the preload stays at 7 N."""
+    """The loss is 0.7 um, its rate 1e-12 m/s; the preload stays at 7 N."""
     interpolated = interpolated_life(
         [Line(line_of(LOSSES, 1e-12, 7.0), 7.0)],
         {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7},
@@ -276,19 +276,19 @@ def test_life_at_a_falling_rate_ends_where_the_preload_does():
     assert_allclose(interpolated["interpolated_loss_at_end"], x * 1e-6, rtol=1e-9)
     exact = (x + 0.5 * x * x) * 1e-6 / 1e-12 / HOUR
     assert_allclose(interpolated["interpolated_life"], exact, rtol=1e-3)
-    left = interpolated["interpolated_history_residual_preload"][-1]
-    assert_allclose(left, 0.4 * 7.0, rtol=1e-9)
+    end_preload = interpolated["interpolated_history_residual_preload"][-1]
+    assert_allclose(end_preload, 0.4 * 7.0, rtol=1e-9)
 
 
 def test_the_first_criterion_ends_the_life():
-    """Of four, whose losses are known; the skid ratio counts without its sign."""
+    """Four criteria are met at known losses; the sign of the skid ratio is ignored."""
     criteria = {
         "preload_fraction": 0.4,
         "gyroscopic_slip_share": 0.5,
         "skid_ratio": 0.1,
         "ball_diameter_loss_um": 0.65,
     }
-    # skid is met at 0.4, the slip share at 0.5, and the preload at 0.6 um
+    # skid is met at 0.4, the slip share at 0.5, the preload at 0.6, and the loss at 0.65 um
     line = line_of(LOSSES, 1e-12, 7.0 * (1.0 - LOSSES), share=LOSSES, skid=-LOSSES / 4.0)
     interpolated = interpolated_life([Line(line, 7.0)], criteria)
     assert ending(interpolated) == "skid_ratio"
@@ -323,9 +323,9 @@ def test_no_life_where_the_study_does_not_reach(line, criteria):
 
 
 def test_interpolated_lives_agree_with_followed_ones(folder):
-    """Under a constant force to 1e-6, as the rate hardly changes; else, by three states, to 3 %.
+    """They agree to 1e-6 under a constant force, where the rate hardly changes, else to 3 %.
 
-    `life_route_difference` is the relative difference of both lives.
+    `life_route_difference` is the relative difference of both lives, interpolated by three states.
     """
     lives = load(folder / "wear_life.nc")
     solved = lives.sel(friction=0.08)
@@ -361,7 +361,7 @@ def lives_between_cases(scene, losses, folder):
     ids=["single", "pair", "balls"],
 )
 def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path):
-    """To 0.2 %, of the grid of 0.1 um; criterion and preload at the end are the same.
+    """Lives agree to 0.2 %, by the grid of 0.1 um; criterion and preload at the end agree, too.
 
     The preload is that of the phase that ends the life, and not of the nominal one. The duty
     changes lives by 10 % or more; a duty of the nominal phase alone changes nothing.
@@ -386,9 +386,9 @@ def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path)
     lives = lives_between_cases(over_duty, losses, tmp_path)
     assert np.all(abs(lives["life_route_difference"]) < 2e-3)
     assert np.all(lives["interpolated_end_criterion"] == lives["end_criterion"])
-    ends = lives["interpolated_history_residual_preload"].isel(interpolated_step=-1)
-    left = lives["history_residual_preload"].isel(preload_method=1)
-    assert_allclose(ends.isel(preload_method=1), left.min(), rtol=1e-2)
+    end_preloads = lives["interpolated_history_residual_preload"].isel(interpolated_step=-1)
+    followed_preload = lives["history_residual_preload"].isel(preload_method=1)
+    assert_allclose(end_preloads.isel(preload_method=1), followed_preload.min(), rtol=1e-2)
     without_duty = lives_between_cases(alone, losses, tmp_path)
     ratio = lives["interpolated_life"] / without_duty["interpolated_life"]
     assert np.all(abs(ratio - 1.0) > 0.1)
@@ -447,7 +447,7 @@ def figure_words(path, bearing):
 
 
 def test_alike_bearings_of_a_pair_have_interpolated_lives_and_one_figure(alike_pair_study):
-    """Titles and summary name no bearing, and pairs in place of preload methods.
+    """Titles and summary name no bearing; they name pairs in place of preload methods.
 
     Three losses interpolate lives to 3 %. The table of cases has columns of both bearings.
     """
@@ -482,7 +482,7 @@ def test_unlike_bearings_of_a_pair_have_figures_of_their_own(unlike_pair_study):
 
 
 def test_the_verdict_fails_with_the_cases_and_lives_that_are_not_solved(folder, tmp_path, capsys):
-    """Half of 12 cases and of 4 lives, those without friction: status 3, and no file."""
+    """Half of 12 cases and of 4 lives have no friction: the exit status is 3, with no file."""
     files = [str(folder / name) for name in ("study.nc", "wear_life.nc")]
     checked, unsolved = unsolved_lines(files)
     assert checked == 12 + 4 and len(unsolved) == 6 + 2
@@ -502,9 +502,14 @@ def test_the_verdict_warns_where_the_study_says_so(folder, tmp_path, capsys):
 
 
 def test_a_case_has_no_verdict(cases, capsys):
-    """Its file is refused by name; a verdict is of studies and lives."""
+    """Its file is refused by name, as is a file without a status: a verdict is of studies."""
     assert step(VERDICT, "verdict.txt", paths=cases[:1]) == 2
-    assert capsys.readouterr().err.startswith(str(cases[0]))
+    assert capsys.readouterr().err == f"{cases[0]}: not a study\n"
+    dataset = load(cases[0]).drop_vars("status")
+    cases[0].unlink()
+    write_dataset(dataset, cases[0])
+    assert step(VERDICT, "verdict.txt", paths=cases[:1]) == 2
+    assert capsys.readouterr().err == f"{cases[0]}: not a study\n"
 
 
 def test_the_tables_have_every_case_and_the_status_of_those_not_solved(folder, tmp_path):
@@ -554,8 +559,8 @@ FIGURES = {
 def inside(folder, inputs):
     """Returns inputs of a step, files or lists of files, as paths in a folder."""
     return {
-        name: folder / value if isinstance(value, str) else [folder / item for item in value]
-        for name, value in inputs.items()
+        name: folder / file if isinstance(file, str) else [folder / part for part in file]
+        for name, file in inputs.items()
     }
 
 
@@ -571,7 +576,7 @@ def draw(name, *outputs, folder) -> int:
 
 
 def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
-    """As SVG and as PNG."""
+    """It is so as SVG and as PNG."""
     for copy in ("a", "b"):
         outputs = [tmp_path / f"{copy}.{suffix}" for suffix in ("svg", "png")]
         assert draw("friction", *outputs, folder=folder) == 0
@@ -580,7 +585,7 @@ def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
 
 
 def test_failed_cases_are_marked_by_crosses(folder):
-    """At the friction zero, one for each preload method, and with an entry of the legend."""
+    """They are at zero friction, one for each preload method; the legend has an entry of them."""
     drawn = quasistatic.friction_figure(load(folder / "study.nc"), 0.7)
     texts = [text.get_text() for text in drawn.legends[0].get_texts()]
     assert "not solved" in texts
@@ -644,13 +649,14 @@ def unsolved_folder(folder, tmp_path_factory):
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    ("name", "where"), [*((name, "unsolved_folder") for name in FIGURES), ("wear", "folder")]
+    ("name", "fixture"), [*((name, "unsolved_folder") for name in FIGURES), ("wear", "folder")]
 )
-def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_path, monkeypatch):
+def test_figures_show_failed_cases_and_names_as_text(name, fixture, request, tmp_path, monkeypatch):
     """A scene named HOSTILE, which only a file from elsewhere can have, makes no script of an SVG.
 
-    Every figure is drawn without a warning from cases none of which is solved; one, too, from a
-    study of which some are.
+    Every figure is drawn without a warning from unsolved cases, and one from a partly solved study.
+
+    fixture: name of the fixture that returns the folder of the study.
     """
 
     def renamed(path, **axes):
@@ -660,20 +666,20 @@ def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_p
 
     monkeypatch.setattr(draw_steps, "load_with_axes", renamed)
     inputs, settings = FIGURES[name]
-    if where == "unsolved_folder":  # which has nothing with a friction of 0.08
+    if fixture == "unsolved_folder":  # which has nothing with a friction of 0.08
         if "cases" in inputs:
             inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
         if "friction" in settings:
             settings = {"friction": [0] if isinstance(settings["friction"], list) else 0}
         monkeypatch.setitem(FIGURES, name, (inputs, settings))
-    fixture = request.getfixturevalue(where)
-    assert draw(name, tmp_path / "figure.svg", folder=fixture) == 0
+    folder = request.getfixturevalue(fixture)
+    assert draw(name, tmp_path / "figure.svg", folder=folder) == 0
     drawn = ElementTree.parse(tmp_path / "figure.svg")
     assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]
 
 
 def test_a_figure_of_what_the_file_has_not_is_refused_in_one_line(folder, tmp_path, capsys):
-    """A friction that is not on the grid, and a study of cases in place of lives."""
+    """Faults are a friction that is not on the grid, and a study of cases in place of lives."""
     path, output = folder / "study.nc", tmp_path / "figure.svg"
     wear, life = "studies.grid.figures.draw.draw_wear", "studies.grid.figures.draw.draw_life"
     assert step(wear, output, studies=[path], settings={"friction": [0.03]}) == 2

@@ -7,13 +7,9 @@ from bearingwear.results.netcdf import load
 
 
 def test_a_life_with_worn_grooves_has_their_depth_in_sheet_figure_and_file(tmp_path, capsys):
-    """A life of a loss of 0.1 um, of which few steps are enough."""
+    """The life ends at a loss of 0.1 um, after few steps."""
     file = tmp_path / "life.nc"
-    changes = {
-        "model.contact": "worn",
-        "wear.end_of_life.ball_diameter_loss_um": 0.1,
-    }
-    sets = [f"--set={key}={value}" for key, value in changes.items()]
+    sets = ["--set=model.contact=worn", "--set=wear.end_of_life.ball_diameter_loss_um=0.1"]
     assert main(["life", str(scene_file("gyro_s1")), "-o", str(file), *sets]) == 0
     output, errors = capsys.readouterr()
     assert "deepest groove" in output and "total approach" in output

@@ -41,10 +41,10 @@ def drawn_of_class(name, seed):
 
     seed: of all values of the scene.
     """
-    chance = random.Random(seed)
-    values = {key: draw.value(chance) for key, draw in draws(draw_blocks(PLAN, name)).items()} | FEW
+    generator = random.Random(seed)
+    values = {key: d.value(generator) for key, d in draws(draw_blocks(PLAN, name)).items()}
     try:
-        return drawn_scene(BASE, values)
+        return drawn_scene(BASE, values | FEW)
     except SceneError:
         return None
 
@@ -64,9 +64,9 @@ def drawn_of_class(name, seed):
 def test_random_scenes_are_never_wrong(name, unexplained):
     """Each scene is solved without a violation of its checks, or refused.
 
-    Statuses without a physical reason stay rare. Of some 30 scenes, one may have such a status.
+    Statuses without a physical reason stay rare: one of some 30 scenes may have such a status.
 
-    unexplained: their share that the study of robustness, with thousands of scenes, may have.
+    unexplained: largest share of such statuses in the study of robustness, of thousands of scenes.
     """
     without_reason = scenes = 0
 
@@ -93,8 +93,8 @@ def test_random_scenes_are_never_wrong(name, unexplained):
 def test_random_lives_with_worn_grooves_are_never_wrong():
     """None of ten lives violates a check; nine or more end at their criterion (status OK)."""
     draw = draws(draw_blocks(PLAN, "worn_life"))
-    # drawn with the seed 7
-    ends = [outcome_of(BASE, values, "worn_life") for values in drawn_values(draw, 7, 10)]
+    seed, count = 7, 10
+    ends = [outcome_of(BASE, values, "worn_life") for values in drawn_values(draw, seed, count)]
     assert [end["violations"] for end in ends] == [""] * 10
     assert sum(end["status"] == code.OK for end in ends) >= 9
 
@@ -129,7 +129,7 @@ def test_violations_of_a_wrong_life_are_reported(scene_and_life, name, spoilt):
 
 
 def test_random_dynamic_runs_conserve_energy_or_say_why_not():
-    """Six draws; those that make no bearing, or one with more than 12 balls, are left out.
+    """Of six draws, those that make no bearing, or one with more than 12 balls, are left out.
 
     At least three runs end with the status OK.
     """
@@ -150,7 +150,7 @@ def test_random_dynamic_runs_conserve_energy_or_say_why_not():
 
 
 def test_a_wrong_number_is_a_violation():
-    """A preload that is wrong by 1e-3, a QV of NaN, an error of 1e-4 in the balance of power."""
+    """The preload is wrong by 1e-3, QV is NaN, or the balance of power has an error of 1e-4."""
     scene = load_scene(scene_file("gyro_s1"))
     values = solved_values(scene, "steady")
     assert violations(scene, "steady", values) == []
@@ -161,8 +161,8 @@ def test_a_wrong_number_is_a_violation():
     assert violations(scene, "steady", values | {"power_balance_error": 1e-4})
 
 
-def test_a_spring_beside_a_large_centrifugal_force():
-    """0.1 N beside balls of 70 mm at 2000 r/min: the spring's force is met to 1e-9 of itself."""
+def test_a_small_spring_force_is_met_beside_a_large_centrifugal_force():
+    """The spring has 0.1 N, met to 1e-9 of itself; balls of 70 mm turn at 2000 r/min."""
     data = with_values(
         BASE,
         {
@@ -183,7 +183,7 @@ TWO_A_DECADE = KeyAxis(key="k", log=(1e-3, 1e3), points=13)
 
 
 def test_the_crossing_of_zero_is_bisected():
-    """Of log(y/7), between the values of the axis on either side of 7."""
+    """The zero of log(y/7) lies between the values of the axis on either side of 7."""
     values = [np.log(y / 7.0) for y in TWO_A_DECADE.values]
     place = crossing(TWO_A_DECADE, values, lambda y: np.log(y / 7.0))
     assert place == pytest.approx(7.0, rel=1e-4)
@@ -257,7 +257,7 @@ def test_a_few_points_are_the_same_bytes_twice(kind, solved_file):
 def test_each_figure_draws_its_kind_and_refuses_others(
     kind, figure, drawn_kind, solved_file, tmp_path
 ):
-    """With status 2 and no file for points of another kind than the figure's."""
+    """Points of another kind than the figure's have exit status 2 and no file."""
     status = run(f"figures.{figure}", tmp_path / "few.svg", solved=solved_file(kind))
     assert status == (0 if kind == drawn_kind else 2)
     assert (tmp_path / "few.svg").exists() == (kind == drawn_kind)
@@ -278,14 +278,14 @@ def test_ends_of_scenes_and_maps_are_counted_and_tabulated(kind, points, solved_
 
 
 def test_branches_have_no_ends_to_count(solved_file, tmp_path):
-    """Such a file is refused, with status 2."""
+    """Such a file is refused, with exit status 2."""
     assert run("gather.counted_ends", tmp_path / "counts.nc", paths=[solved_file("branches")]) == 2
 
 
 def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
-    """One of two scenes gets a violation: the table counts it, the last step ends with status 3.
+    """One of two scenes gets a violation: the table counts it, the last step has exit status 3.
 
-    It writes no verdict, and one line with the violation.
+    That step writes no verdict, and one line with the violation.
     """
     solved, counts = tmp_path / "few.nc", tmp_path / "counts.nc"
     draw = {"name": "steady_stress", "count": 2, "seed": 3}
@@ -327,7 +327,7 @@ def test_a_class_that_the_plan_has_not_is_refused_in_one_line(tmp_path, capsys):
     ],
 )
 def test_a_broken_plan_is_refused_in_one_line(old, new, problem, tmp_path, capsys):
-    """Each fault replaces the first occurrence of a text of the project's plan; status 2."""
+    """Each fault replaces the first occurrence of a text of the project's plan."""
     plan = tmp_path / "plan.yaml"
     text = FILE.read_text()
     assert old in text

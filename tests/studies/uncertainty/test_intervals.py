@@ -19,10 +19,10 @@ from bearingwear.studies.uncertainty.sample import sample_of
 from bearingwear.studies.uncertainty.variables import PROBABILITIES
 
 SEEDS = 40
-"""Samples of a test of coverage; it has an interval for each of the five PROBABILITIES."""
+"""Samples of a test of coverage; each has an interval for each of the five PROBABILITIES."""
 
 
-def covers(quantile, exact):
+def is_covered(quantile, exact):
     """Returns whether an interval contains the exact value; an end of NaN counts as infinite."""
     # a comparison with NaN is false
     return not (quantile.low > exact) and not (quantile.high < exact)
@@ -33,17 +33,17 @@ def quantiles_of(lives, factors):
     return [life_quantile(lives, factors, p) for p in PROBABILITIES]
 
 
-def covered(quantiles, exact):
+def are_covered(quantiles, exact):
     """Returns for each quantile whether its interval contains the exact life."""
-    return [covers(quantile, life) for quantile, life in zip(quantiles, exact, strict=True)]
+    return [is_covered(quantile, life) for quantile, life in zip(quantiles, exact, strict=True)]
 
 
 @pytest.mark.parametrize(("wear", "rows"), [(1.0, 128), (1.0, 32), (0.0, 128), (0.0, 32)])
 def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
     """Lives are lognormal: their log has the standard deviation 0.3 without wear.
 
-    wear: standard deviation of the log of the wear factor; the root of the sum of both squares is
-    that of all. Without wear, each life stands once. rows: lives, drawn at random.
+    wear: standard deviation of the log of the wear factor, which adds in squares; 0 for one factor.
+    rows: number of lives, drawn at random.
     """
     draws = 64 if wear else 1
     # probabilities (rows, draws) of wear factors: evenly spread in each row and over all rows
@@ -54,20 +54,20 @@ def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
     for seed in range(SEEDS):
         random = np.random.default_rng(seed)
         quantiles = quantiles_of(np.exp(0.3 * random.standard_normal(rows)), factors)
-        cover.append(covered(quantiles, exact))
+        cover.append(are_covered(quantiles, exact))
         median = quantiles[len(PROBABILITIES) // 2]
         widths_of_median.append(np.log(median.high / median.low))
     # of 200 independent intervals of 95 %, 179 or more cover in all but 1 of 1000 samples
     assert np.sum(cover) >= stats.binom.ppf(1e-3, np.size(cover), 0.95)
     # width in log life of the interval of the mean of normal values; of their median, divided by
     # twice their density there. Binomial intervals of few rows are up to 1.5 times as wide.
-    normal = 2.0 * 1.96 * 0.3 / np.sqrt(rows)
-    normal *= 1.0 if wear else 0.5 / stats.norm.pdf(0.0)
-    assert normal < np.mean(widths_of_median) < 1.6 * normal
+    normal_width = 2.0 * 1.96 * 0.3 / np.sqrt(rows)
+    normal_width *= 1.0 if wear else 0.5 / stats.norm.pdf(0.0)
+    assert normal_width < np.mean(widths_of_median) < 1.6 * normal_width
 
 
 def test_interval_of_one_factor_is_that_of_order_statistics():
-    """Clopper and Pearson (1934): the binomial interval of the share below, as lives."""
+    """The binomial interval (Clopper and Pearson 1934) of the share below is expressed as lives."""
     lives = np.exp(np.random.default_rng(5).standard_normal(200))
     quantile = life_quantile(lives, np.ones((200, 1)), 0.1)  # 20 of the 200 lie below
     ends = stats.binomtest(20, 200).proportion_ci(0.95)
@@ -76,7 +76,7 @@ def test_interval_of_one_factor_is_that_of_order_statistics():
 
 def with_lognormal(**factors):
     """Returns gyro_s1 with lognormal inputs, by their names and factors exp(standard deviation)."""
-    spread = {name: {"distribution": "lognormal", "factor": by} for name, by in factors.items()}
+    spread = {name: {"distribution": "lognormal", "factor": f} for name, f in factors.items()}
     plain = load_scene(scene_file("gyro_s1")).to_dict()
     return scene_from_dict(plain | {"uncertainty": spread})
 
@@ -100,7 +100,7 @@ def test_intervals_of_sobol_samples_cover_the_quantiles(inputs):
         mu = sample.rows[:, 0] / scene.friction.ball_race
         preload = sample.rows[:, 1] / scene.operation.preload_N
         quantiles = quantiles_of(mu**-3 * preload**2, sample.factors)
-        cover.append(covered(quantiles, exact))
+        cover.append(are_covered(quantiles, exact))
         errors.append(np.log([quantile.value for quantile in quantiles] / exact))
     assert np.mean(cover) > 0.97  # random samples: 0.95, with a scatter of 0.015
     assert np.abs(np.mean(errors, axis=0)).max() < 0.03  # of log life
@@ -109,7 +109,7 @@ def test_intervals_of_sobol_samples_cover_the_quantiles(inputs):
 @pytest.mark.parametrize("samples", [16, 128])
 @pytest.mark.parametrize("share", [0.003, 0.02])
 def test_intervals_allow_for_an_end_of_life_that_few_bearings_meet(samples, share):
-    """A share of the bearings, of low friction, lives a hundredth of the others.
+    """A share of the bearings, of low friction, lives a hundredth as long as the others.
 
     Closed form: the distribution of lives is the sum of two lognormal ones, inverted by a table.
     """
@@ -121,10 +121,10 @@ def test_intervals_allow_for_an_end_of_life_that_few_bearings_meet(samples, shar
     cover = []
     for seed in range(SEEDS):
         sample = sample_of(scene, ALL_INPUTS, Sampling(samples=samples, seed=seed))
-        low = np.log(sample.rows[:, 0] / scene.friction.ball_race) / np.log(1.2)
+        friction = np.log(sample.rows[:, 0] / scene.friction.ball_race) / np.log(1.2)  # deviates
         # lives of the others differ by a millionth, as equal lives have an interval of no width
-        lives = np.where(low < stats.norm.ppf(share), 0.01, 1.0 - 1e-6 * low)
-        cover.append(covered(quantiles_of(lives, sample.factors), exact))
+        lives = np.where(friction < stats.norm.ppf(share), 0.01, 1.0 - 1e-6 * friction)
+        cover.append(are_covered(quantiles_of(lives, sample.factors), exact))
     # the widened intervals of each quantile cover in all 40 samples; two may miss
     assert np.mean(cover, axis=0).min() >= 0.95
 
@@ -134,7 +134,7 @@ LIVES, FACTORS = np.exp(np.random.default_rng(1).standard_normal(64)), np.ones((
 
 
 def test_quantiles_leave_out_lives_that_were_not_solved():
-    """Six NaN of 64 change nothing for the rest; without any life all is NaN."""
+    """Six NaN of 64 change nothing for the rest; without any life, the quantile is NaN."""
     is_solved = np.ones(64, dtype=bool)
     is_solved[3:9] = False
     with_unsolved = np.where(is_solved, LIVES, np.nan)
@@ -148,7 +148,7 @@ def test_equal_lives_have_an_interval_of_no_width():
 
 
 def test_one_life_has_no_interval():
-    """Both of its ends are NaN."""
+    """Both ends are NaN."""
     assert np.isnan(life_quantile(LIVES[:1], FACTORS[:1], 0.5)[1:]).all()
 
 
@@ -159,13 +159,15 @@ def test_an_end_of_an_interval_beyond_the_sample_is_not_known():
 
 
 def test_shares_in_which_a_method_has_the_longest_life():
-    """By counting pairs of lives; pairs with an unsolved life do not count.
+    """They are counted in pairs of lives, without the pairs that have an unsolved life.
 
     Equal lives count as longest for neither method.
     """
     rng, n = np.random.default_rng(3), 400
     first, second = rng.lognormal(0.3, 1.0, n), rng.lognormal(0.0, 1.0, n)
-    first[:4], second[4:8], second[8:20] = 0.0, np.nan, first[8:20]  # lost, unsolved, and equal
+    first[:4] = 0.0
+    second[4:8] = np.nan
+    second[8:20] = first[8:20]
     life = np.stack([first, second])
     pairs = [(a, b) for a, b in zip(first, second, strict=True) if not np.isnan(b)]
     wins = sum(a > b for a, b in pairs)
@@ -202,7 +204,7 @@ def interacting_lives():
 def test_indices_of_a_sum_with_an_interaction(interacting_lives, name, of_sum):
     """Closed form: x, 2 y and x z have the variances 1, 4 and 1; x z counts in both totals.
 
-    Within 0.03, and within twice the half-width of their stated 95 % intervals.
+    Indices agree within 0.03, and within twice the half-width of their stated 95 % intervals.
     """
     indices, exact = sobol_indices(interacting_lives, seed=1), np.array(of_sum) / 6.0
     assert_allclose(indices[name][0], exact, atol=0.03)
@@ -211,16 +213,16 @@ def test_indices_of_a_sum_with_an_interaction(interacting_lives, name, of_sum):
 
 
 def test_indices_leave_out_base_samples_with_a_life_of_zero_or_without_one(interacting_lives):
-    """SciPy takes a power of two: of 2046 usable samples 1024, hence 0.05 in place of 0.03."""
+    """SciPy requires a power of two: 1024 of 2046 usable samples, hence 0.05 in place of 0.03."""
     lives = interacting_lives.copy()
     lives[0, 0, 5], lives[3, 1, 8] = 0.0, np.nan
-    whole, without = (sobol_indices(some, seed=1) for some in (interacting_lives, lives))
-    assert_allclose(without["total_index"], whole["total_index"], atol=0.05)
+    expected = sobol_indices(interacting_lives, seed=1)["total_index"]
+    assert_allclose(sobol_indices(lives, seed=1)["total_index"], expected, atol=0.05)
     assert np.isnan(sobol_indices(0.0 * lives, seed=1)["total_index"]).all()
 
 
 def test_the_index_of_a_single_value_is_one():
-    """To 0.1, by 64 base samples; two methods of equal lives."""
+    """It is 1 to 0.1, by 64 base samples. Two outputs have equal lives."""
     lives = np.exp(saltelli(64, 1)[..., 0])[:, None, :].repeat(2, axis=1)
     indices = sobol_indices(lives, seed=1)
     assert indices["total_index"].shape == (2, 1)

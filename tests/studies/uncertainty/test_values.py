@@ -19,7 +19,7 @@ from bearingwear.studies.uncertainty.quantiles import sobol_rows
 
 # distributions of one value, without and with a correlation to friction
 SPREAD = {"distribution": "lognormal", "factor": 1.3}
-GOES_WITH = SPREAD | {"friction_correlation": 0.6}
+CORRELATED = SPREAD | {"friction_correlation": 0.6}
 
 
 @pytest.fixture
@@ -37,19 +37,19 @@ def scene():
             {"ball_race": {"distribution": "normal", "standard_deviation": 0.1, "factor": 2.0}},
             "ball_race.factor: got 2 with the distribution normal",
         ),
-        ({"wear_coefficient": GOES_WITH}, "friction_correlation: got 0.6, only allowed with"),
+        ({"wear_coefficient": CORRELATED}, "friction_correlation: got 0.6, only allowed with"),
         (
-            {"wear_coefficient": GOES_WITH | {"friction_correlation": 1.0}},
+            {"wear_coefficient": CORRELATED | {"friction_correlation": 1.0}},
             "friction_correlation: got 1.0, expected a number > -1",
         ),
         (
-            {"wear_coefficient": GOES_WITH, "ball_race": SPREAD | {"same_for_batch": False}},
+            {"wear_coefficient": CORRELATED, "ball_race": SPREAD | {"same_for_batch": False}},
             "got 0.6, expected the same value of same_for_batch for wear_coefficient and ball_race",
         ),
     ],
 )
 def test_a_wrong_distribution_is_refused_in_one_line(scene, spread, problem):
-    """Wrong are a bound, a factor and a key of another distribution; then three correlations.
+    """The first three have a wrong bound, factor and key, the others a wrong correlation.
 
     A correlation with friction is above -1 and below 1. It requires an uncertain friction with the
     same `same_for_batch`.
@@ -60,10 +60,7 @@ def test_a_wrong_distribution_is_refused_in_one_line(scene, spread, problem):
 
 
 def test_a_lognormal_value_whose_median_is_zero_cannot_be_sampled(tmp_path):
-    """The drag density of gyro_s1 is zero. The scene loads, as its life without a spread is valid.
-
-    The study of uncertainty refuses it.
-    """
+    """The drag density of gyro_s1 is zero. The scene loads, but cannot be sampled."""
     plain = yaml.safe_load(scene_file("gyro_s1").read_text())
     plain["uncertainty"] = {"drag_density_kg_m3": {"distribution": "lognormal", "factor": 2.0}}
     (tmp_path / "scene.yaml").write_text(yaml.safe_dump(plain))
@@ -85,24 +82,25 @@ DEVIATES = np.array([-1.2815516, 0.0, 1.2815516])
     ],
 )
 def test_quantiles_of_the_values_are_those_of_their_distribution(scene, name, expected):
-    """At 10, 50 and 90 %, of the distributions that gyro_s1 itself has."""
+    """Values at 10, 50 and 90 % follow from the distributions that gyro_s1 itself has."""
     assert_allclose(value_quantiles(scene, name, np.array([0.1, 0.5, 0.9])), expected, rtol=1e-7)
 
 
 @pytest.mark.parametrize("rho", [0.6, -0.95])
 def test_wear_and_friction_have_the_given_correlation(scene, rho):
-    """The correlation is that of the logarithms; either distribution stays as it is without.
+    """The correlation is that of the logarithms; it leaves both distributions unchanged.
 
-    To 0.002 and 0.2 %, by 4096 points of a Sobol sequence.
+    It is right to 0.002, and the distributions to 0.2 %, by 4096 points of a Sobol sequence.
     """
     spread = {"ball_race": SPREAD, "wear_coefficient": {"distribution": "lognormal", "factor": 3}}
-    alone = scene_from_dict(scene.to_dict() | {"uncertainty": spread})
+    uncorrelated = scene_from_dict(scene.to_dict() | {"uncertainty": spread})
     spread["wear_coefficient"]["friction_correlation"] = rho
-    both = scene_from_dict(scene.to_dict() | {"uncertainty": spread})
+    correlated = scene_from_dict(scene.to_dict() | {"uncertainty": spread})
     plan = Sampling(samples=4096)
-    mu, wear = np.log(sobol_rows(both, plan)[0]).T  # sample A of Saltelli, in the order of `spread`
+    # sample A of Saltelli, in the order of `spread`
+    mu, wear = np.log(sobol_rows(correlated, plan)[0]).T
     assert_allclose(np.corrcoef(mu, wear)[0, 1], rho, atol=0.002)
-    mu_alone, wear_alone = np.log(sobol_rows(alone, plan)[0]).T
+    mu_alone, wear_alone = np.log(sobol_rows(uncorrelated, plan)[0]).T
     assert (mu == mu_alone).all()
     assert_allclose([wear.mean(), wear.std()], [wear_alone.mean(), math.log(3.0)], rtol=2e-3)
 
@@ -118,8 +116,8 @@ def test_values_beyond_the_range_of_their_key_are_cut_off(scene):
 def test_other_balls_lie_between_the_same_grooves(scene):
     """The radial play stays, hence the free contact angle of larger balls is smaller.
 
-    r are the groove radii, R those of the races, BD the distance of the groove centres: it times
-    the cosine of the free angle, in the radial direction, is that of the rings.
+    r are the groove radii, R those of the circles of groove centres. The distance BD of the centres
+    times the cosine of the free angle is their radial distance, which stays.
     """
     nominal = parameters.geometry(scene)
     larger = parameters.geometry(scene_with_values(scene, {"ball_diameter_mm": 2.0005}))
@@ -169,14 +167,14 @@ def test_wear_values_of_both_materials_go_together(scene):
     ],
 )
 def test_samplings_that_are_refused(option, problem, tmp_path, capsys):
-    """With exit status 2, one line, and no file."""
+    """The exit status is 2; there is one line, and no file."""
     out = tmp_path / "out.nc"
     assert main(["uncertainty", str(scene_file("gyro_s1")), *option, "-o", str(out)]) == 2
     assert capsys.readouterr().err.strip() == problem and not out.exists()
 
 
 def test_every_value_that_is_sampled_arrives_in_the_scene():
-    """All keys of a film together, and one of each other block: none undoes another."""
+    """Keys of a film and of other blocks change together: none undoes another."""
     film = load_scene(scene_file("mos2_gyro")).with_({"friction.film.thickness_um": 0.5})
     values = {"shear_strength_MPa": 30.0, "thickness_um": 0.4, "outer_groove_factor": 0.54}
     values |= {"preload_N": 8.0, "contact_angle_deg": 19.0, "inner_groove_factor": 0.53}

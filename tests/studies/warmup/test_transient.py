@@ -58,7 +58,7 @@ def test_one_node_of_constant_heat_warms_exponentially(spindle, monkeypatch):
 
 
 def test_three_nodes_of_constant_heat_warm_by_the_matrix_exponential(spindle, monkeypatch):
-    """Rises of inner ring, balls and outer ring: steady - exp(-t G/C) steady, by SciPy.
+    """Rises of inner ring, balls and outer ring are steady - exp(-t G/C) steady, by SciPy.
 
     G [W/K] and C [J/K] are those of `warm_spindle` as matrices. Half of the heat of a contact goes
     into its ring, half into the balls; drag heats the outer ring.
@@ -74,7 +74,7 @@ def test_three_nodes_of_constant_heat_warm_by_the_matrix_exponential(spindle, mo
 
 @pytest.mark.parametrize("changes", [{}, SLOW_HOUSING])
 def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
-    """Temperatures as near to the steady solve as a warm-up must be to end; the preload to 1 %."""
+    """Temperatures are as near to the steady solve as the end requires, the preload to 1 %."""
     scene = spindle.with_(changes)
     warming = warm_up(scene, ramp(20.0))
     states = solver_of(scene)
@@ -114,7 +114,7 @@ def test_a_bearing_that_runs_away_alone_does_not_with_the_other():
 
 
 def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
-    """Over 2e5 s, with time constants below a minute; three or four of its instants are solved."""
+    """Three or four instants of a ramp of 2e5 s are compared; time constants are below a minute."""
     course = ramp(2e5)
     warming = warm_up(spindle, course, duration=2e5)
     rise = np.abs(warming.instants[-1].temperatures - 20.0).max()
@@ -148,7 +148,7 @@ WARMED_FAST = SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0}
     ],
 )
 def test_a_warm_up_agrees_with_a_plain_program(spindle, changes, seconds):
-    """Temperature rises, preload and pressure after 30 s, to 0.1 %.
+    """Temperature rises, preload and pressure after 30 s agree to 0.1 %.
 
     The plain program takes Euler's steps, whose error is proportional to their length: it is
     extrapolated from 120 and 240 of them.
@@ -223,10 +223,10 @@ def test_the_answer_keeps_its_limit_with_fine_steps(spindle, monkeypatch):
     A call with the tolerance of fine steps is one with `STEP_TOLERANCE`.
     """
 
-    def hold(_, seconds, limits, tolerance=1.0):
+    def limits_hold(_, seconds, limits, tolerance=1.0):
         return seconds >= (51.0 if tolerance == transient.STEP_TOLERANCE else 50.0)
 
-    monkeypatch.setattr(shortest_ramps, "limits_hold", hold)
+    monkeypatch.setattr(shortest_ramps, "limits_hold", limits_hold)
     assert 51.0 <= shortest_ramp(spindle, {"preload": 1.0}).seconds < 53.0
 
 
@@ -242,7 +242,7 @@ def test_a_limit_that_no_ramp_keeps_has_no_shortest(spindle):
 
 
 def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):
-    """By 30 % or more, after the ramp of 10 s and before the housing has warmed in its 300 s.
+    """It exceeds it by 30 %, after the ramp of 10 s and before the housing has warmed in 300 s.
 
     The peak has an estimated error of 2 % at most.
     """
@@ -254,8 +254,8 @@ def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):
 
 def test_the_preload_of_a_spring_does_not_move(spindle):
     """A constant force stays at its 140 N."""
-    held = {"operation.preload_method": "constant_force"} | SLOW_HOUSING
-    dataset = warm_up_dataset(spindle.with_(held), ramp(10.0), duration=100.0)
+    changes = {"operation.preload_method": "constant_force"} | SLOW_HOUSING
+    dataset = warm_up_dataset(spindle.with_(changes), ramp(10.0), duration=100.0)
     assert_allclose(dataset["residual_preload"], 140.0, rtol=1e-12)
 
 
@@ -275,20 +275,16 @@ def test_a_runaway_is_named(spindle):
 
 
 def test_the_margin_is_one_where_steady_states_end(spindle):
-    """Bisects the conductance to the shaft down to the last steady state, where the margin is 1.
+    """The conductance to the shaft is bisected down to the last steady state, where it is 1.
 
-    To 1 %: near the end the margin goes to 1 with the square root of the distance in conductance.
+    It is 1 to 1 %: the margin goes to 1 with the square root of the distance in conductance.
     """
     key = "thermal.conductance_W_K.inner_ring_shaft"
-
-    def solved(G):
-        return solve(spindle.with_({key: G}))
-
     low, high = 0.2, 2.0  # W/K: seizes, and does not
     margins = []  # of solved states, at falling conductances
     for _ in range(24):  # to 1e-7 W/K
         middle = 0.5 * (low + high)
-        result = solved(middle)
+        result = solve(spindle.with_({key: middle}))
         if result.status == "ok":
             high = middle
             margins.append(float(result.values["thermal_margin"]))
@@ -312,7 +308,7 @@ def test_times_and_speeds_are_followed(spindle):
     warming = warm_up(spindle, course, duration=30.0)
     times = [instant.time for instant in warming.instants]
     assert {5.0, 20.0, 30.0} <= set(times)
-    assert_allclose([item.share for item in warming.instants], [course.at(t) for t in times])
+    assert_allclose([instant.share for instant in warming.instants], [course.at(t) for t in times])
 
 
 def test_a_scene_without_capacities_is_refused_in_one_line(spindle):

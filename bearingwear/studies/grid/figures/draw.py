@@ -41,6 +41,7 @@ def friction_figures(
     """Step: yields a figure of QV and contact load against friction for each state of wear.
 
     losses_um: losses of ball diameter in the study [um].
+    bearing {"first", "second"}: of a pair of two that differ; None otherwise.
     """
     for loss_um in losses_um:
         yield draw_friction(study, loss_um, bearing)
@@ -125,7 +126,7 @@ def draw_dynamic(study: Path, dynamic: Path) -> Figure:
 def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
     """Step: returns the figure of the wear rates of a dynamic case as their means settle.
 
-    reference: table with values to draw beside them.
+    reference: table with values to draw beside the rates.
     CaseFileError: a file that is no dynamic case.
     """
     dataset = load_with_axes(case)

@@ -129,7 +129,7 @@ def _draw_both_models(
     failed = False
     # a third panel is that of the cage
     for panel, (name, (label, unit)) in zip(column, quantities.items(), strict=False):
-        over_balls = [dim for dim in ("ball",) if dim in dynamic[name].dims]
+        over_balls = ["ball"] if "ball" in dynamic[name].dims else []
         draw_lines(panel, steady[name].mean(over_balls), "ball_diameter_loss", label, unit)
         failed |= draw_lines(
             panel,
@@ -199,7 +199,7 @@ def running_average_figure(case: xr.Dataset, reference: str | Path | None = None
         _draw_running_averages(panel, part_means, points, time_unit)
         panel.set_title(PARTS[part])
         if part_means:
-            whole_part = next(iter(part_means.values()))
+            whole_part = next(iter(part_means.values()))  # the first of its part in `RUNNING`
             messages.append(_change_phrase(part, whole_part, _turn_duration(case)))
         elif not is_solved:
             list_failed(panel, [STATUS_NAMES[int(case["status"])]])

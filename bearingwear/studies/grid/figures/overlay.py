@@ -64,9 +64,9 @@ def wear_overlay_figure(studies: Sequence[xr.Dataset], friction: float) -> Figur
     label_edges(panels)
     for panel in panels.flat:
         start_at_zero(panel)
-    labels = scene_labels([plain_scene(study) for study in studies])
+    labels = scene_labels(scenes)
     keys = [key(label, **look) for label, look in zip(labels, looks, strict=True)]
-    names = ", ".join(plain_scene(study)["name"] for study in studies)
+    names = ", ".join(scene["name"] for scene in scenes)
     title = f"{names} at {friction_text(friction)}: {_last_qv_phrase(studies, friction)}"
     frame(figure, title, [*keys, *failed_keys(failed)], columns=1)
     return figure
@@ -97,9 +97,9 @@ def _last_qv_phrase(studies: Sequence[xr.Dataset], friction: float) -> str:
 
 
 def _nested_look(k: int, count: int) -> dict[str, Any]:
-    """Returns the look of line k of a count; each is finer than the one drawn before, below it.
+    """Returns the look of line `k` of `count` lines, from the widest to the narrowest.
 
-    Two lines at the same place then both show. They are 2.8 to 1.2 points wide.
+    Lines are drawn in this order, so that two lines at the same place both show.
     """
     thickness = (count - 1 - k) / max(count - 1, 1)  # from 1, the first, to 0
     size = {"linewidth": 1.2 + 1.6 * thickness, "markersize": 3.5 + 3.0 * thickness}

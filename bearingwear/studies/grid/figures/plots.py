@@ -5,12 +5,7 @@ No step calls this, so what it imports makes no figure of the study outdated.
 
 import xarray as xr
 
-from bearingwear.plotting.drawing import (
-    Figure,
-    frame,
-    key,
-    new_figure,
-)
+from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.units import digits, display, span
 from bearingwear.results.words import plain_scene
 from bearingwear.studies.grid.figures import quasistatic
@@ -78,10 +73,10 @@ def lives_plot(lives: xr.Dataset) -> Figure:
 
 
 def life_plot(life: xr.Dataset) -> Figure:
-    """Returns a figure of a life, the first of four that the file has the values for.
+    """Returns a figure of a life.
 
-    It shows the phases of a duty, else the parts that wear (dynamic model), else worn grooves,
-    else wear and residual preload over time.
+    It shows the phases of a duty, if any, else the parts that wear (dynamic model), else worn
+    grooves. A file without any of these has wear and residual preload over time.
     """
     if "history_phase_worn_share" in life:
         from bearingwear.studies.lives.duty_figure import duty_figure

@@ -174,7 +174,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
 
     The title has QV at the last loss over that at the first, with the last preload method.
 
-    studies: cases, of which each has a column.
+    studies: dataset of cases for each column.
     frictions: coefficient of each column.
     """
     columns = len(frictions)
@@ -202,11 +202,11 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     names = [name for name, _ in methods(cases_of_columns[-1])]
     scene = plain_scene(cases_of_columns[-1])
     loss = float(studies[0]["ball_diameter_loss"][-1])
+    prefix = f"{_bearing_text(scene)}: " if columns == 1 else ""
+    method = f"{'in a' if is_pair(scene) else 'with'} {method_words(scene, names[-1])}"
     frame(
         figure,
-        (f"{_bearing_text(scene)}: " if columns == 1 else "")
-        + f"QV {'in a' if is_pair(scene) else 'with'} {method_words(scene, names[-1])} after "
-        f"{loss:g} µm of wear, relative to new: {', '.join(ratio_texts)}",
+        f"{prefix}QV {method} after {loss:g} µm of wear, relative to new: {', '.join(ratio_texts)}",
         method_keys(names, plain_scene(studies[0]))
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],
@@ -224,7 +224,7 @@ def _bearing_text(scene: Mapping[str, Any]) -> str:
 class _WearLine(NamedTuple):
     """A line over wear in one of the panels of a column."""
 
-    panel: int
+    panel: int  # of the column, from the top
     values: xr.DataArray
     label: str
     unit: Display
@@ -251,7 +251,7 @@ def _draw_wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> 
     )
     failed = False
     for line in lines_shown:
-        # lines of balls share a panel with those of races, which has its crosses from these
+        # the crosses of a panel are drawn with the lines of races, not again with those of balls
         status = None if line.look == BALL_STYLE else cases["status"]
         failed |= draw_lines(
             column[line.panel],
@@ -321,7 +321,7 @@ def life_figure(
         keys.append(key(mark.text, color="0.3", linestyle="none", marker=mark.marker))
     frame(
         figure,
-        f"{scene['name']}: {_shortest_and_longest(lives, frictions)}; "
+        f"{scene['name']}: {_life_range_phrase(lives, frictions)}; "
         f"{_spread_sentence(lives, frictions, uncertainties)}",
         keys,
         columns=2,
@@ -372,7 +372,7 @@ def _draw_life_column(
             )
 
 
-def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
+def _life_range_phrase(lives: xr.Dataset, frictions: Sequence[float]) -> str:
     """Returns a phrase on the range of the lives [h] that a criterion ends, or that none does.
 
     The phrase names preload method and friction of a single life.
