@@ -205,6 +205,7 @@ def test_other_commands_refuse_alike(command, name, tmp_path, capsys):
 
 OVERRIDES = {
     "operation.preload_N=-3": ("operation.preload_N", "-3"),
+    "operation.shaft_speed_rpm= 18.000": ("operation.shaft_speed_rpm", "18000 or 18"),
     "operation.preload_N=[": ("operation.preload_N", "not YAML"),
     "bearing.ball_diameter_mm=4": ("bearing.ball_diameter_mm", "9 balls of 4 mm"),
     "bearing.ball_count.x=1": ("bearing.ball_count.x", "not a block"),
@@ -245,17 +246,17 @@ def test_a_fault_of_the_file_is_named_by_the_file_beside_an_override(tmp_path, c
 
 
 @pytest.mark.parametrize("command", ["solve", "life"])
-@pytest.mark.parametrize("what", ["missing", "folder", "line break", "zero byte"])
-def test_refuses_scene_that_is_no_file(command, what, tmp_path, capsys):
+@pytest.mark.parametrize("kind", ["missing", "folder", "line break", "zero byte"])
+def test_refuses_scene_that_is_no_file(command, kind, tmp_path, capsys):
     """A missing file, a folder, and names with a line break or a zero byte."""
     path = {
         "missing": str(tmp_path / "none.yaml"),
         "folder": str(tmp_path),
         "line break": str(tmp_path / "no\nfile.yaml"),
         "zero byte": "no\0file.yaml",
-    }[what]
+    }[kind]
     line = refusal(capsys, [command, path, "-o", str(tmp_path / "x.nc")])
-    assert ("got a folder" if what == "folder" else "cannot be read") in line
+    assert ("got a folder" if kind == "folder" else "cannot be read") in line
     assert os.listdir(tmp_path) == []
 
 

@@ -75,9 +75,9 @@ def test_every_bearing_with_a_class_m_makes_a_scene_of_its_preload(maker, count)
             maker=maker, preload_class="M", designation=entry.designation,
             contact_angle=entry.angle,
         )  # fmt: skip
-        b = scene.bearing
-        assert (b.ball_count, b.ball_diameter_mm) == (entry.balls, entry.ball)
-        assert (b.maker, b.designation) == (entry.maker, entry.designation)
+        bearing = scene.bearing
+        assert (bearing.ball_count, bearing.ball_diameter_mm) == (entry.balls, entry.ball)
+        assert (bearing.maker, bearing.designation) == (entry.maker, entry.designation)
         assert scene.operation.preload_N == entry.preloads["M"]
         assert entry.preloads["M"] > 0.0
         assert scene.operation.preload_method == "fixed_position"
@@ -235,12 +235,13 @@ def test_grooves_of_gmn_give_its_dynamic_ratings(identify, series, rms):
     would be 40 % too large.
     """
     rated = identify.gmn_rated()
-    ratios = [item.dynamic for item in rated if item.designation.split()[0] == series]
+    ratios = [bearing.dynamic for bearing in rated if bearing.designation.split()[0] == series]
     assert np.sqrt(np.mean((np.array(ratios) - 1.0) ** 2)) < rms
 
 
 def test_unclear_catalogue_rows_are_marked():
-    assert [e.designation for e in bearings() if e.source == "unclear"] == ["S 606 C", "SM 606 C"]
+    unclear = [entry.designation for entry in bearings() if entry.source == "unclear"]
+    assert unclear == ["S 606 C", "SM 606 C"]
 
 
 def test_bearings_with_the_same_name_differ_by_their_angle():
@@ -260,7 +261,9 @@ def test_bearings_with_the_same_name_differ_by_their_angle():
         (["725C", "--maker", "NSK", "--preload-class", "L"], "725C"),
     ],
 )
-def test_bad_input_takes_one_line(argv, problem, tmp_path, capsys, monkeypatch):
+def test_wrong_arguments_for_a_maker_are_refused_in_one_line(
+    argv, problem, tmp_path, capsys, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     assert main(["new", *argv]) == 2
     assert problem in only_line(capsys) and not list(tmp_path.iterdir())

@@ -62,9 +62,9 @@ def test_each_row_has_a_source_and_its_ends_in_order(name):
 )
 def test_coefficients_without_a_source_are_listed_as_assumed(surface, name, material):
     """Each stands in the list with what its scenes take, and no row of the table claims it."""
-    (assumed,) = (item for item in coefficients_page.ASSUMED if item.surface == surface)
-    taken = load_scene(scene_file(name)).materials[material]
-    K = taken.wear_coefficient / (1e9 * taken.brinell_hardness_GPa)
+    (assumed,) = (entry for entry in coefficients_page.ASSUMED if entry.surface == surface)
+    properties = load_scene(scene_file(name)).materials[material]
+    K = properties.wear_coefficient / (1e9 * properties.brinell_hardness_GPa)
     assert_allclose(assumed.wear, K, rtol=0.02)
     assert name in assumed.taken_by and assumed.why
     ends = [M2_PER_N * end for row in MEASURED_WEAR.values() for end in row.wear]

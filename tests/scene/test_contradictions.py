@@ -13,23 +13,23 @@ from bearingwear.scene.friction import friction_changes_with_wear, has_thickness
 from bearingwear.scene.read import variant
 
 STEEL = "materials.bearing_steel"
-LAW = "friction.film"
+COATING = "friction.film"
 FILM = {
     "uncertainty": None,
     "friction.ball_race": None,
-    f"{LAW}.shear_strength_MPa": 24.8,
-    f"{LAW}.pressure_coefficient": 0.001,
+    f"{COATING}.shear_strength_MPa": 24.8,
+    f"{COATING}.pressure_coefficient": 0.001,
 }
-THIN = FILM | {f"{LAW}.thickness_um": 0.5, f"{LAW}.wear_coefficient": 1e-7}
+THIN = FILM | {f"{COATING}.thickness_um": 0.5, f"{COATING}.wear_coefficient": 1e-7}
 ON_STEEL = {f"{STEEL}.film.thickness_um": 0.5}
 FRICTION = [
     ({"friction.ball_race": None, "uncertainty": None}, "friction.ball_race: got nothing"),
-    ({f"{LAW}.shear_strength_MPa": 24.8}, "friction.ball_race: got 0.08 with friction.f"),
+    ({f"{COATING}.shear_strength_MPa": 24.8}, "friction.ball_race: got 0.08 with friction.f"),
     ({**FILM, "uncertainty": {"ball_race": {"distribution": "normal", "standard_deviation": 0.1}}},
      "uncertainty.ball_race: got this key with friction.film"),
-    (FILM | {f"{LAW}.thickness_um": 0.5}, f"{LAW}.wear_coefficient: got nothing"),
-    (FILM | {f"{LAW}.bare_ball_race": 0.4}, f"{LAW}.bare_ball_race: got 0.4 with a film that n"),
-    (THIN | ON_STEEL, f"{LAW}.thickness_um: got 0.5 with {STEEL}.film"),
+    (FILM | {f"{COATING}.thickness_um": 0.5}, f"{COATING}.wear_coefficient: got nothing"),
+    (FILM | {f"{COATING}.bare_ball_race": 0.4}, f"{COATING}.bare_ball_race: got 0.4 with a film"),
+    (THIN | ON_STEEL, f"{COATING}.thickness_um: got 0.5 with {STEEL}.film"),
     (ON_STEEL, f"{STEEL}.film.wear_coefficient: got nothing"),
     ({f"{STEEL}.film.wear_coefficient": 1e-7}, f"{STEEL}.film.thickness_um: got nothing"),
     ({"materials.phenolic.film": {"thickness_um": 1, "wear_coefficient": 1e-7}},

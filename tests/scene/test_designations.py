@@ -10,7 +10,6 @@ from bearingwear.scene.new.assumed import size_of
 from bearingwear.scene.new.designations import (
     ANGLES,
     CLEARANCES,
-    Designation,
     clearance_range,
     designation_of,
 )
@@ -171,15 +170,17 @@ def test_ceramic_balls_reach_the_scene():
 )
 def test_letters_of_a_high_speed_series_ask_for_the_size_of_its_small_balls(text, letters):
     """The program does not know that size, and names the option for it."""
-    of_text = designation_of(text).letters
-    assert of_text.small_balls == letters and letters not in of_text.ignored.split()
-    assert "--ball-diameter" in " ".join(of_text.explanations())
+    parsed_letters = designation_of(text).letters
+    assert parsed_letters.small_balls == letters and letters not in parsed_letters.ignored.split()
+    assert "--ball-diameter" in " ".join(parsed_letters.explanations())
 
 
 @pytest.mark.parametrize("text", ["B7008-C", "HCB7008-C", "HC6204", "S7008-C"])
 def test_letters_of_other_series_mean_no_small_balls(text):
-    of_text = designation_of(text).letters
-    assert of_text.small_balls == "" and "--ball-diameter" not in " ".join(of_text.explanations())
+    parsed_letters = designation_of(text).letters
+    assert parsed_letters.small_balls == "" and "--ball-diameter" not in " ".join(
+        parsed_letters.explanations()
+    )
 
 
 def test_letters_of_small_balls_before_an_unknown_one_are_refused():
@@ -295,7 +296,7 @@ def test_the_name_of_a_maker_without_a_catalogue_here_changes_nothing():
 
 
 def test_a_size_that_the_makers_catalogue_lacks_is_the_standard_one():
-    assert isinstance(size_of("NSK 6204", None, None), Designation)
+    assert size_of("NSK 6204", None, None) == designation_of("6204")
 
 
 def test_two_makers_are_refused():

@@ -21,9 +21,9 @@ def gyro(scene):
 def test_the_search_finds_the_angle_of_a_bearing_that_matches(bearings, gyro):
     """It is that of the scene within half a degree, because the scene has it rounded."""
     angle = gyro.bearing.contact_angle_deg
-    (found,) = bearings.angles_with_loss(gyro, [angle - 2.0, angle + 2.0])
-    assert found == pytest.approx(angle, abs=0.5)
-    bearing = bearings.candidate(bearings.with_angle(gyro, found))
+    (found_angle,) = bearings.angles_with_loss(gyro, [angle - 2.0, angle + 2.0])
+    assert found_angle == pytest.approx(angle, abs=0.5)
+    bearing = bearings.candidate(bearings.with_angle(gyro, found_angle))
     assert bearing.failed == "" and len(bearing.drags) > 0 and np.isfinite(bearing.lives_h).all()
 
 

@@ -132,7 +132,7 @@ def scene_text(
     lubrication: str | None = None,
     pair: str | None = None,
 ) -> tuple[str, list[str]]:
-    """Writes a commented scene file as text, and a line for each assumption in it.
+    """Returns the text of a commented scene file, and a line for each assumption in it.
 
     bore, outside: diameters [mm], unless a designation says them.
     given: other values by key of the scene (those of `OPTIONS`), in its units.
@@ -142,11 +142,13 @@ def scene_text(
         60.
     clearance: radial clearance of a deep groove bearing: a group of `CLEARANCES`, or the clearance
         [um].
+    preload_class: of the maker, or of `assumed.PRELOAD_CLASSES`; None for the usual one.
+    maker: of `catalogue.MAKERS`, whose catalogue has the designation.
     lubrication: of `coefficients.LUBRICATIONS`: wear, friction and their spread come from its
         sources.
     pair: of `PAIR_KINDS`: two of these bearings on one rotor, with the preload method of that pair.
 
-    Returns: the text, to be checked by `checked_scene`, and the lines.
+    `checked_scene` checks the text.
     SceneError: one line that names the option, what was given and what is allowed.
     """
     angle = given.get("bearing.contact_angle_deg")
@@ -216,7 +218,7 @@ def _rubbing(
 ) -> Rubbing:
     """Returns the coefficients of a lubrication.
 
-    SceneError: no source has any for the ball material, or a film with a given friction.
+    SceneError: no source has any for the ball material, or friction is given beside a film.
 
     given: values of the user by key of the scene.
     """
@@ -371,7 +373,7 @@ def _filled_template(name: str, scene: _NewScene) -> str:
     D, dm, Z = _balls(numbers)
     gap = dm * math.sin(math.pi / Z) - D  # between neighbouring balls
     return _template().render(
-        name=name and json.dumps(name),  # quoted: 7008, true and null are names, too
+        name=json.dumps(name) if name else "",  # quoted: 7008, true and null are names, too
         size=size,
         line=lambda key: _line(key, numbers[key]),
         rounded=lambda value: yaml_number(rounded_to(value, 4)),
@@ -401,7 +403,7 @@ def _filled_template(name: str, scene: _NewScene) -> str:
 
 
 def _seat_range(bore: float) -> str:
-    """Returns words on the usual seat of a spindle bearing; "" for a bore beyond the table.
+    """Returns a clause on the interference of a usual seat; "" for a bore beyond the table.
 
     bore: [mm].
     """
@@ -480,5 +482,6 @@ def checked_scene(text: str, note: str = "") -> Scene:
         return scene_from_dict(data | {"description": f"{data['description']} {note}"})
     except SceneError as error:
         # bore and outside diameter decide what no option names
-        option = next(filter(None, map(_option, (error.key, *error.involved))), "--bore, --outside")
+        options = [_option(key) for key in (error.key, *error.involved)]
+        option = next(filter(None, options), "--bore, --outside")
         raise SceneError(error.key, error.problem, error.involved, option) from None
