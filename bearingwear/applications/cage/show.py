@@ -179,7 +179,7 @@ def _life_blocks(file: Any) -> Iterator[Block]:
         ):
             low, high = variable_values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
-            cells = f"{low:.2g} to {high:.2g}", in_hours
+            cells = (f"{low:.2g} to {high:.2g}", in_hours)
             rows.append(Row(f"  90 %, {label}", "", cells, name))
     lines += _film_lines(file)
     low, high = variable_values(file, "motion_changes").tolist()

@@ -118,7 +118,7 @@ QUIET = (FLOATS, HANGS, WITH_BALLS)
 """Motions of a quiet cage; others whirl, are irregular or jam."""
 
 MOSTLY = 0.9
-"""Share of the runs with such a motion from which on a cage is quiet."""
+"""Share of the runs with a motion of `QUIET` from which on a cage is quiet."""
 
 DESIGN = ("guide", "imbalance", "pocket_clearance", "guide_clearance", "cage_friction")
 """Dimensions of a map that a designer decides; gravity is not among them."""
@@ -249,7 +249,7 @@ def quiet_region(motions: xr.Dataset) -> str:
 def _friction_range(quiet: list[float], mapped: list[float]) -> str:
     """Lists the friction coefficients of quiet cages.
 
-    The text is `up to 0.2` if these are all mapped ones up to that, and several.
+    Several are written as `up to 0.2` if they are all mapped ones up to that value.
 
     quiet, mapped: in rising order, the former a part of the latter.
     """
@@ -268,8 +268,8 @@ def cage_choice_sentence(motions: xr.Dataset) -> str:
     present = present_cage(motions, cages)
     if present is None:
         return "No cage in the map could be evaluated"
-    quiet = [cage for cage in cages if cage.quiet >= MOSTLY] or cages
-    best = min(quiet, key=lambda cage: cage.high if math.isfinite(cage.high) else math.inf)
+    candidates = [cage for cage in cages if cage.quiet >= MOSTLY] or cages
+    best = min(candidates, key=lambda cage: cage.high if math.isfinite(cage.high) else math.inf)
     present_words = f"the present cage ({shares_in_words(present.shares)})"
     if best.design == present.design or not best.high < present.low:
         return f"Keep {present_words}: no quieter cage in the map wears significantly less"

@@ -168,6 +168,7 @@ def calibration_by_tests(
     ]
     before, after = posterior(prior, []), posterior(prior, observations)
     with_others = conformities(prior, observations)
+    # of several kinds of problems the first is told, from which the others may follow
     problems = (
         _improbable_tests(tests, [before.conformity(observation) for observation in observations])
         or _improbable_tests(tests, with_others)
@@ -211,7 +212,7 @@ def _refuse_unusable_tests(
         )
     for test in tests:
         if test.seen == SEEN_TORQUE and not friction:
-            key = FRICTION_KEYS[scene.friction.film is not None]
+            key = "ball_race" if scene.friction.film is None else "shear_strength_MPa"
             raise CaseFileError(
                 f"{path}: row {test.row}: {SEEN_TORQUE}: got a result that would determine "
                 f"uncertainty.{key}, which the scene does not contain"
@@ -292,7 +293,7 @@ def _prior(scene: Scene, friction: str) -> Prior:
 
     friction: name of the uncertain friction; if empty, friction is known.
     """
-    x = Normal(0.0, 0.0)  # without a coefficient of friction, on which no curve depends then
+    x = Normal(0.0, 0.0)  # of a known film friction, over which no curve varies
     if friction:
         x = _log_normal(scene, friction)
     elif scene.friction.ball_race:
@@ -399,7 +400,9 @@ def _curve(
     if not friction:
         (constant,) = result.logs(scene, [], np.empty((1, 0)), workers)
         batch = _batch_scatter(scene, result, _existing_log(constant), workers)
-        return Curve(lambda x: np.full(len(x), constant + batch.mean), 0.0, batch.deviation)
+        return Curve(
+            lambda log_mu: np.full(len(log_mu), constant + batch.mean), 0.0, batch.deviation
+        )
     nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]  # Chebyshev points
     checked = np.linspace(-_CHECKED_UP_TO, _CHECKED_UP_TO, _CHECKED)
     positions = x.mean + _SPAN * x.deviation * np.concatenate([nodes, checked])
@@ -412,10 +415,10 @@ def _curve(
     error = float(np.nanmax(errors)) if np.isfinite(errors).any() else math.nan
     first, last = node_positions[is_solved][[0, -1]]
 
-    def model(x: np.ndarray) -> np.ndarray:
+    def model(log_mu: np.ndarray) -> np.ndarray:
         """Returns the interpolated logarithms; beyond the solved points, straight lines."""
-        inside = np.clip(x, first, last)
-        return line(inside) + line.derivative()(inside) * (x - inside) + batch.mean
+        inside = np.clip(log_mu, first, last)
+        return line(inside) + line.derivative()(inside) * (log_mu - inside) + batch.mean
 
     return Curve(model, error, batch.deviation)
 

@@ -49,16 +49,16 @@ def test_assumed_scatter_of_a_cage_is_stated(scene):
 
 
 def test_draws_depend_on_seed_and_number_alone(scene):
-    s = scene("gyro_s1")
-    spread, _ = cage_spread(s)
-    draw, repeated, next_draw = (cage_draw(s, spread, Ensemble(seed=3), k) for k in (7, 7, 8))
+    gyro = scene("gyro_s1")
+    spread, _ = cage_spread(gyro)
+    draw, repeated, next_draw = (cage_draw(gyro, spread, Ensemble(seed=3), k) for k in (7, 7, 8))
     assert draw == repeated and draw.values != next_draw.values
 
 
 def test_the_scene_of_a_draw_has_the_drawn_values(scene):
     """Those of bearing and cage, but not K_s of the cage, which scales the wear afterwards."""
-    s = scene("gyro_s1")
-    draw = cage_draw(s, cage_spread(s)[0], Ensemble(), 0)
+    gyro = scene("gyro_s1")
+    draw = cage_draw(gyro, cage_spread(gyro)[0], Ensemble(), 0)
     assert "wear_coefficient" not in draw.values
     assert draw.scene.operation.preload_N == draw.values["preload_N"]
     assert draw.scene.friction.cage == draw.values["cage"]
@@ -81,10 +81,10 @@ def test_drawn_values_follow_their_distributions(scene):
         },
         "operation.gravity_m_s2": [0.0, 0.0, -GRAVITY],
     }  # fmt: skip
-    s = scene("gyro_s1", inputs)
-    spread, sentence = cage_spread(s)
+    gyro = scene("gyro_s1", inputs)
+    spread, sentence = cage_spread(gyro)
     assert not sentence
-    draws = [cage_draw(s, spread, Ensemble(), k).scene for k in range(150)]
+    draws = [cage_draw(gyro, spread, Ensemble(), k).scene for k in range(150)]
     mu = np.array([draw.friction.cage for draw in draws])
     assert mu.min() > 0.02 and mu.max() < 0.06
     # the mean of 150 uniform values has a standard deviation of 0.04 / sqrt(12 150) = 0.001
@@ -99,29 +99,29 @@ def test_drawn_values_follow_their_distributions(scene):
 
 def test_wear_opens_both_clearances_of_a_drawn_cage(scene):
     """A diametral clearance grows by twice the depth of wear."""
-    s = scene("gyro_s1", NO_UNCERTAIN_VALUES)
-    worn = cage_draw(s, {}, Ensemble(worn_um=(1.0, 2.0)), 0).scene.cage
-    assert worn.pocket_clearance_mm == pytest.approx(s.cage.pocket_clearance_mm + 2e-3)
-    assert worn.guide_clearance_mm == pytest.approx(s.cage.guide_clearance_mm + 4e-3)
+    gyro = scene("gyro_s1", NO_UNCERTAIN_VALUES)
+    worn = cage_draw(gyro, {}, Ensemble(worn_um=(1.0, 2.0)), 0).scene.cage
+    assert worn.pocket_clearance_mm == pytest.approx(gyro.cage.pocket_clearance_mm + 2e-3)
+    assert worn.guide_clearance_mm == pytest.approx(gyro.cage.guide_clearance_mm + 4e-3)
 
 
 def test_the_90_percent_interval_contains_the_mean_in_90_percent_of_ensembles(scene):
     """Of 200 ensembles of 25 runs with a known mean work, to 2.5 standard deviations."""
-    s = scene("gyro_s1", NO_UNCERTAIN_VALUES)
+    gyro = scene("gyro_s1", NO_UNCERTAIN_VALUES)
     count = 0
     for seed in range(200):
-        starts = [cage_draw(s, {}, Ensemble(seed=seed), k).start for k in range(25)]
-        work = np.array([run_with_random_work(s, start, 0, 0)["work"] for start in starts])
+        starts = [cage_draw(gyro, {}, Ensemble(seed=seed), k).start for k in range(25)]
+        work = np.array([run_with_random_work(gyro, start, 0, 0)["work"] for start in starts])
         count += abs(work.mean() - 1.0) <= ensemble.half_interval(work)
     assert abs(count - 180) <= 2.5 * np.sqrt(200 * 0.9 * 0.1)
 
 
 @pytest.mark.usefixtures("without_solving")
 def test_an_ensemble_stops_once_its_interval_is_narrow_enough(scene):
-    s = scene("gyro_s1", NO_UNCERTAIN_VALUES)
+    gyro = scene("gyro_s1", NO_UNCERTAIN_VALUES)
     counts = []
     for within in (0.15, 0.05):
-        dataset = cage_ensemble(s, Ensemble(within=within, runs=120))
+        dataset = cage_ensemble(gyro, Ensemble(within=within, runs=120))
         low, high = dataset["mean_work_interval"].values[0]
         assert dataset.attrs["met"] == 1
         assert high - low <= 2.0 * within * float(dataset["mean_work"][0])
@@ -131,8 +131,8 @@ def test_an_ensemble_stops_once_its_interval_is_narrow_enough(scene):
 
 @pytest.mark.usefixtures("without_solving")
 def test_an_ensemble_that_misses_its_interval_has_all_runs_and_says_so(scene):
-    s = scene("gyro_s1", NO_UNCERTAIN_VALUES)
-    dataset = cage_ensemble(s, Ensemble(within=0.01, runs=30))
+    gyro = scene("gyro_s1", NO_UNCERTAIN_VALUES)
+    dataset = cage_ensemble(gyro, Ensemble(within=0.01, runs=30))
     assert dataset.sizes["run"] == 30 and dataset.attrs["met"] == 0
 
 
@@ -160,8 +160,10 @@ def test_jammed_and_unsolved_runs_are_counted(scene, monkeypatch):
 @pytest.mark.usefixtures("without_solving")
 def test_draws_with_impossible_dimensions_have_the_status_beyond_groove(scene):
     too_large = {"distribution": "normal", "mean": 2.2, "standard_deviation": 0.01}
-    s = scene("gyro_s1", {"uncertainty": {"ball_diameter_mm": too_large}, "cage_uncertainty": {}})
-    assert (cage_ensemble(s, Ensemble(runs=20))["status"] == BEYOND_GROOVE).all()
+    gyro = scene(
+        "gyro_s1", {"uncertainty": {"ball_diameter_mm": too_large}, "cage_uncertainty": {}}
+    )
+    assert (cage_ensemble(gyro, Ensemble(runs=20))["status"] == BEYOND_GROOVE).all()
 
 
 # by the command, and with solved runs
@@ -208,12 +210,12 @@ def test_a_cage_run_moves_as_in_the_dynamic_solver(scene):
         "model.evaluated_turns": 20,
         "model.strips": 10,
     }
-    s = scene("gyro_s1", NO_UNCERTAIN_VALUES | changes)
+    gyro = scene("gyro_s1", NO_UNCERTAIN_VALUES | changes)
     with pytest.warns(UserWarning, match="gravity is not specified"):
-        solved = bearingwear.solve(s, fidelity="dynamic")
-    row = cage_run(s, CageStart(), 80, 80)
-    seconds_per_turn = 60.0 / s.operation.fastest_rpm
-    wear_per_turn = wear_per_joule(s, s.cage.material) * row["pocket_work"]  # [m3]
+        solved = bearingwear.solve(gyro, fidelity="dynamic")
+    row = cage_run(gyro, CageStart(), 80, 80)
+    seconds_per_turn = 60.0 / gyro.operation.fastest_rpm
+    wear_per_turn = wear_per_joule(gyro, gyro.cage.material) * row["pocket_work"]  # [m3]
     expected_wear = float(solved["cage_wear_rate"]) * seconds_per_turn
     assert wear_per_turn == pytest.approx(expected_wear, rel=0.05)
     assert row["shaft_torque"] == pytest.approx(float(solved["shaft_torque"]), rel=0.05)
@@ -235,7 +237,7 @@ def test_an_ensemble_interrupted_in_a_run_continues_to_the_same_bytes(
     complete_file, scene, tmp_path, monkeypatch
 ):
     """It is interrupted in run 7, of which a part of the line is in the journal."""
-    s, path = scene("gyro_s1", NO_UNCERTAIN_VALUES), tmp_path / "interrupted.nc"
+    gyro, path = scene("gyro_s1", NO_UNCERTAIN_VALUES), tmp_path / "interrupted.nc"
     solve_run, runs = ensemble._run_row, []
 
     def interrupted_at_first(job):
@@ -245,12 +247,12 @@ def test_an_ensemble_interrupted_in_a_run_continues_to_the_same_bytes(
         return solve_run(job)
 
     monkeypatch.setattr(ensemble, "_run_row", interrupted_at_first)
-    with pytest.raises(KeyboardInterrupt), resumed_ensemble(path, s, PLAN_OF_20):
+    with pytest.raises(KeyboardInterrupt), resumed_ensemble(path, gyro, PLAN_OF_20):
         pass
     journal = Journal(path, bearingwear.load(complete_file).attrs)
     with journal.path.open("a", encoding="utf-8") as file:
         file.write('[7, {"status": 0, "wor')
-    with resumed_ensemble(path, s, PLAN_OF_20) as dataset:
+    with resumed_ensemble(path, gyro, PLAN_OF_20) as dataset:
         write_dataset(dataset, path)
     assert runs == [*range(8), *range(7, 20)]
     assert path.read_bytes() == complete_file.read_bytes() and not journal.path.exists()
@@ -259,8 +261,8 @@ def test_an_ensemble_interrupted_in_a_run_continues_to_the_same_bytes(
 def test_more_runs_are_added_to_those_of_a_file(complete_file, scene):
     plan = Ensemble(runs=22, within=1e-3)
     earlier = bearingwear.load(complete_file)
-    s = scene("gyro_s1", NO_UNCERTAIN_VALUES)
-    with resumed_ensemble(complete_file, s, plan) as dataset:
+    gyro = scene("gyro_s1", NO_UNCERTAIN_VALUES)
+    with resumed_ensemble(complete_file, gyro, plan) as dataset:
         assert dataset.sizes["run"] == 22
         np.testing.assert_array_equal(dataset["work"][:20], earlier["work"])
 
