@@ -210,7 +210,7 @@ def _check_parameters(key: str, spread: Distribution) -> None:
 
 
 def _check_correlation(scene: Scene, name: str, value: float) -> None:
-    """Refuses a correlation unless it is that of wear and friction that vary alike in a batch.
+    """Refuses a correlation unless it is of wear with friction, both common to a batch or neither.
 
     name: key of `uncertainty` whose `friction_correlation` has the value.
     """

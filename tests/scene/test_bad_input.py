@@ -16,7 +16,7 @@ GOOD = GOOD.replace("model: {contact: paper}\n", "")
 
 
 def edited(*pairs: tuple[str, str]) -> str:
-    """The good scene with texts replaced, of which each stands there once."""
+    """Returns the good scene with texts replaced, each of which occurs in it once."""
     text = GOOD
     for old, new in pairs:
         assert text.count(old) == 1, old
@@ -25,12 +25,12 @@ def edited(*pairs: tuple[str, str]) -> str:
 
 
 def with_line(block: str, line: str) -> str:
-    """The good scene with a line added to a block."""
+    """Returns the good scene with a line added to a block."""
     return edited((f"\n{block}:\n", f"\n{block}:\n  {line}\n"))
 
 
 def alias_bomb() -> str:
-    """A scene of few bytes whose aliases would make 9^9 texts."""
+    """Returns a scene of few bytes whose aliases would make 9^9 texts."""
     lines = ["a: &a [x, x, x, x, x, x, x, x, x]"]
     for old, new in zip("abcdefgh", "bcdefghi", strict=True):
         lines.append(f"{new}: &{new} [" + ", ".join([f"*{old}"] * 9) + "]")
@@ -133,7 +133,7 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
 
 
 def refusal(capsys, argv: list[str]) -> str:
-    """What a command writes when it refuses its input: a line for each fault."""
+    """Returns what a command writes when it refuses its input: a line for each fault."""
     assert main(argv) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -182,8 +182,8 @@ def test_every_fault_has_its_line(tmp_path, capsys):
     assert lines[-1].endswith("got nothing, expected a number from 0.001 to 100, such as 6.6")
 
 
-def test_of_many_faults_the_first_are_told(tmp_path, capsys):
-    """99 unknown keys have MOST_FAULTS lines."""
+def test_of_many_faults_the_first_are_reported(tmp_path, capsys):
+    """99 unknown keys give `MOST_FAULTS` lines."""
     scene = tmp_path / "broken.yaml"
     scene.write_text(GOOD + "".join(f"k{i}: 1\n" for i in range(99)))
     lines = refusal(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")])

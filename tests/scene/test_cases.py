@@ -1,4 +1,4 @@
-"""Cases of a scene: keys changed, checked, and nothing that a design has in all of them."""
+"""Cases of a scene: their changed keys, and keys that no case may change."""
 
 import json
 import pickle

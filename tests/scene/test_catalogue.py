@@ -109,7 +109,7 @@ def test_the_speed_of_a_rigid_pair_is_that_of_the_next_class(preload, factor):
     assert entry.speed_factor("fixed_position", preload) == factor
 
 
-def test_a_spring_takes_no_speed():
+def test_a_spring_does_not_reduce_the_allowed_speed():
     entry, _ = entry_of("NSK", "7010C")
     assert entry.speed_factor("constant_force", 1e4) == (1.0, "")
 
@@ -139,8 +139,8 @@ def test_a_makers_name_has_its_entry_and_leaves_suffixes_unused(maker, text, des
 
 @pytest.mark.parametrize("maker", MAKERS)
 @pytest.mark.parametrize("text", ["7010", "7011X", "EX 61", "", "9", "7" * 300, "7010\0"])
-def test_a_name_that_no_maker_lists_takes_one_short_line(maker, text):
-    """Its 320 characters at most are four lines of a screen."""
+def test_a_name_that_no_maker_lists_is_refused_in_one_short_line(maker, text):
+    """It has less than 320 characters, four lines of a screen."""
     with pytest.raises(SceneError, match="got .*, expected ") as error:
         entry_of(maker, text)
     assert "\n" not in str(error.value) and len(str(error.value)) < 320

@@ -61,7 +61,7 @@ def test_the_scene_of_new_solves_with_about_one_gpa(size, tmp_path):
     assert life(load_scene(scene)).status == "ok"
 
 
-def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
+def test_given_numbers_are_written_as_given_and_not_listed_as_assumed(tmp_path, capsys):
     inputs = {"--balls": 16, "--ball-diameter": 7.938, "--pitch-diameter": 53.5, "--speed": 24000,
              "--contact-angle": 18, "--preload": 120, "--friction": 0.05}  # fmt: skip
     path = tmp_path / "Spindle-7008.yaml"

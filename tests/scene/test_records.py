@@ -64,7 +64,7 @@ def test_data_become_records():
     assert read.scenes == ("a",) and isinstance(read.factor, float) and read.aim == 3.0
 
 
-def test_nothing_is_the_same_as_the_default():
+def test_null_is_the_same_as_the_default():
     assert record(Plan, plan(sampling=None, factor=None)) == record(Plan, plan())
 
 

@@ -67,7 +67,7 @@ def test_null_is_the_same_as_leaving_out(key, plain):
     assert scene_from_dict(plain | {key: None}) == scene_from_dict(left_out)
 
 
-def test_numpy_values_are_taken(plain):
+def test_numpy_values_are_accepted(plain):
     plain["operation"]["preload_N"] = np.float32(7.0)
     plain["bearing"]["ball_count"] = np.int64(9)
     plain["wear"]["ball_diameter_loss_um"] = np.linspace(0.1, 0.2, 9)
@@ -76,7 +76,7 @@ def test_numpy_values_are_taken(plain):
     assert scene.wear.ball_diameter_loss_um[8] == pytest.approx(0.2)
 
 
-def test_plain_data_are_left_alone(plain):
+def test_plain_data_are_not_changed(plain):
     unchanged = copy.deepcopy(plain)
     scene_from_dict(plain)
     assert plain == unchanged
@@ -195,7 +195,7 @@ def test_written_numbers_are_read_as_numbers(value):
     assert data_of(yaml_number(value), "scene") == value
 
 
-def test_a_byte_order_mark_is_taken(tmp_path):
+def test_a_byte_order_mark_is_ignored(tmp_path):
     path = tmp_path / "bom.yaml"
     path.write_bytes(b"\xef\xbb\xbf" + S1.read_bytes())
     assert load_scene(path) == load_scene(S1)

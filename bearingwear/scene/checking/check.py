@@ -289,7 +289,7 @@ FORMER_KEYS = {
 def _block_faults(values: Mapping[str, Any], block: Part, path: str, file: Part) -> Iterator[Fault]:
     """Yields unknown and missing keys of a block, and what is wrong with its values.
 
-    A missing key is not reported beside an unknown one, which may be it mistyped.
+    Beside an unknown key, no missing one is reported: the unknown key may be that one, mistyped.
 
     values: those of the block, by its keys.
     path: of the block in the file.

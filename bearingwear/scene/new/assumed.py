@@ -292,10 +292,10 @@ def _usual_preload(
 ) -> Origin:
     """Returns the preload [N] that is given, else that of a class.
 
-    The class is the option's, that of a letter in the designation, or that of `_class_preload`.
+    The class is that of the option, else of a letter in the designation, else a usual one.
 
     given: values of the user by key of the scene.
-    preload_class: that of the option; None without it.
+    preload_class: of the option `--preload-class`; None without it.
     area: that of `_class_area` [mm2].
     """
     if _PRELOAD in given:

@@ -260,7 +260,7 @@ def _longest_match(
 ) -> tuple[list[CatalogueBearing], str]:
     """Returns the bearings of the longest name that a designation begins with, and the rest of it.
 
-    Names that end with a word of the designation come first. Without any, no bearings and "".
+    Names that end with a word of the designation come first. Without a name, they are [] and "".
 
     words: of the designation, in capitals.
     entries_by_name: bearings of a maker by their designations without separators.

@@ -72,32 +72,37 @@ OPTIONS = (
 _BALL_RACE = "friction.ball_race"
 
 MATERIALS = {
-    "bearing_steel": "{youngs_modulus_GPa: 208, poisson_ratio: 0.3, density_kg_m3: 7800, "
-    "brinell_hardness_GPa: 6.6, wear_coefficient: 5.0e-6, thermal_expansion_1_K: 11.5e-6}",
-    "silicon_nitride": "{youngs_modulus_GPa: 310, poisson_ratio: 0.27, density_kg_m3: 3200, "
-    "brinell_hardness_GPa: 15.0, wear_coefficient: 1.0e-6, thermal_expansion_1_K: 3.2e-6}",
-    "phenolic": "{youngs_modulus_GPa: 7, poisson_ratio: 0.3, density_kg_m3: 1350, "
-    "brinell_hardness_GPa: 0.3, wear_coefficient: 1.0e-4}",
-}
+    "bearing_steel": {
+        "youngs_modulus_GPa": "208", "poisson_ratio": "0.3", "density_kg_m3": "7800",
+        "brinell_hardness_GPa": "6.6", "wear_coefficient": "5.0e-6",
+        "thermal_expansion_1_K": "11.5e-6",
+    },
+    "silicon_nitride": {
+        "youngs_modulus_GPa": "310", "poisson_ratio": "0.27", "density_kg_m3": "3200",
+        "brinell_hardness_GPa": "15.0", "wear_coefficient": "1.0e-6",
+        "thermal_expansion_1_K": "3.2e-6",
+    },
+    "phenolic": {
+        "youngs_modulus_GPa": "7", "poisson_ratio": "0.3", "density_kg_m3": "1350",
+        "brinell_hardness_GPa": "0.3", "wear_coefficient": "1.0e-4",
+    },
+}  # fmt: skip
 
 
 def _materials(wear: float | None) -> dict[str, str]:
-    """Returns `MATERIALS`, in which steel and silicon nitride have a common K_s/H [m2/N].
+    """Returns the block of each of `MATERIALS` as YAML in one line.
 
-    wear: that K_s/H; None leaves the wear coefficients of the table.
+    wear: K_s/H of steel and silicon nitride [m2/N]; None leaves their wear coefficients.
     """
-    if wear is None:
-        return MATERIALS
-    materials = dict(MATERIALS)
-    for name in BALL_MATERIALS:
-        text = materials[name]
-        _, _, after_key = text.partition("brinell_hardness_GPa: ")
-        hardness = 1e9 * float(after_key.partition(",")[0])
-        coefficient = yaml_number(float(f"{wear * hardness:.3g}"))
-        materials[name] = re.sub(
-            r"wear_coefficient: [\de.+-]+", f"wear_coefficient: {coefficient}", text
-        )
-    return materials
+    blocks = {}
+    for name, properties in MATERIALS.items():
+        written = dict(properties)
+        if wear is not None and name in BALL_MATERIALS:
+            hardness = 1e9 * float(properties["brinell_hardness_GPa"])
+            written["wear_coefficient"] = yaml_number(float(f"{wear * hardness:.3g}"))
+        pairs = ", ".join(f"{key}: {text}" for key, text in written.items())
+        blocks[name] = f"{{{pairs}}}"
+    return blocks
 
 
 class _NewScene(NamedTuple):
@@ -298,12 +303,12 @@ def _comparison_line(entry: CatalogueBearing, D: float, Z: int) -> str:
     )
 
 
-def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
+def write_scene(path: str | os.PathLike[str], **arguments: Any) -> list[str]:
     """Writes the text of `scene_text` to a new file, and returns its lines on assumptions.
 
     The scene has no name of its own, so a copy is named as its file.
 
-    **known: parameters of `scene_text` except the name.
+    **arguments: parameters of `scene_text` except the name.
 
     OutputError: the file's name is no name of a scene, it is there already, or cannot be
     written.
@@ -314,7 +319,7 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     if path.suffix not in SCENE_SUFFIXES or not re.search(NAME, path.stem):
         problem = f"got this name, expected NAME.yaml, where NAME consists of {NAME_RULE}"
         raise OutputError(f"{path}: {problem}")
-    text, assumed = scene_text("", **known)
+    text, assumed = scene_text("", **arguments)
     checked_scene(text)
     if "\0" not in str(path) and os.path.lexists(path):
         raise OutputError(
