@@ -101,7 +101,7 @@ def work_per_turn(rows: Sequence[RunRow]) -> np.ndarray:
 def half_interval(values: np.ndarray) -> float:
     """Returns half the width of the 90 % interval of the mean of independent values.
 
-    It is that of Student's t, in the unit of the values; NaN for fewer than two of them.
+    The interval is that of Student's t. The result is NaN for fewer than two values.
     """
     n = len(values)
     if n < 2:
@@ -132,9 +132,8 @@ def share_interval(count: int, total: int) -> tuple[float, float]:
 def ensemble_summary(rows: Sequence[RunRow]) -> dict[str, Any]:
     """Returns the shares of motions and the means over runs, by the names of `SUMMARY`.
 
-    Shares are those of the runs with a motion; a run that failed has none, unless the cage jams.
-    Means are those over all runs, then over those of each motion. Means of a group without runs are
-    NaN.
+    Shares are relative to the runs with a motion; a run that failed has one only if the cage jams.
+    A mean has a value for all runs, then one for the runs of each motion; it is NaN without runs.
     """
     motions = np.array([row.get("motion", -1) for row in rows])  # -1: without a motion
     counts = [int((motions == code).sum()) for code in range(len(MOTIONS))]
@@ -280,8 +279,8 @@ def _solved_rows(jobs: Sequence[_Job], workers: int) -> Generator[RunRow, None, 
 def _is_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
     """Returns whether an ensemble needs no further run.
 
-    It has all runs of the plan, or a whole number of `_CHECKED_EVERY` of them and an interval that
-    is narrow enough.
+    It has all runs of the plan or, checked every `_CHECKED_EVERY` runs, an interval that is narrow
+    enough.
     """
     if len(rows) >= plan.runs:
         return True

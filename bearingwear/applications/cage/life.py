@@ -136,7 +136,7 @@ class EnsembleWear(Motion):
         self.per_second = wear_per_joule(scene, scene.cage.material) / self.turn
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
-        """Returns the state (1,) with some wear, from a new ensemble there; `near` is not used.
+        """Returns the state (1,) of a worn cage, from a new ensemble; `near` is not used.
 
         Without a solved run, its status is that of the first run.
         """
@@ -171,8 +171,8 @@ class EnsembleWear(Motion):
     def longest_step(self, node: Node, rates: np.ndarray) -> float:
         """Returns the length of the next step, slightly longer than that of a `Motion` [s].
 
-        Otherwise the last step might miss the end by rounding. Infinite where no wear leads to an
-        end.
+        Otherwise the last step might miss the end by rounding. It is infinite where no wear leads
+        to an end.
         """
         return _BEYOND * super().longest_step(node, rates)
 
@@ -315,7 +315,7 @@ def _wear_quantiles(scene: Scene) -> np.ndarray:
 def _motion_change_turns(share: np.ndarray, turns: np.ndarray) -> tuple[float, float]:
     """Returns the turns of two nodes between which the most frequent motion changes first.
 
-    Both are NaN if it stays that of the new cage.
+    Both are NaN if that motion never changes.
 
     share: of the runs that end in each motion (nodes, motions).
     turns: of the nodes (nodes,).

@@ -208,7 +208,7 @@ def in_design_words(axis: str, value: float) -> str:
     """
     text = _design_value(axis, value)
     if axis == "guide":
-        return f"guided by the {'balls' if text == 'ball' else f'{text} race'}"
+        return "guided by the balls" if text == "ball" else f"guided by the {text} race"
     if axis == "imbalance" and value == 0.0:
         return "no imbalance"
     return _IN_DESIGN[axis].format(text)
@@ -251,7 +251,7 @@ def _friction_range(quiet: list[float], mapped: list[float]) -> str:
 
     Several are written as `up to 0.2` if they are all mapped ones up to that value.
 
-    quiet, mapped: in rising order, the former a part of the latter.
+    quiet, mapped: in rising order; all quiet ones are mapped.
     """
     if len(quiet) > 1 and quiet == [friction for friction in mapped if friction <= quiet[-1]]:
         return f"up to {digits(quiet[-1])}"
@@ -261,8 +261,8 @@ def _friction_range(quiet: list[float], mapped: list[float]) -> str:
 def cage_choice_sentence(motions: xr.Dataset) -> str:
     """States which cage of a map to choose, in words, without a full stop.
 
-    That is the one with the lowest upper end of its work: among the quiet ones, or among all if no
-    cage is quiet. The present cage stays unless that end is below the lower end of its own work.
+    It is the cage with the lowest upper end of the interval of its work: of the quiet cages or, if
+    there are none, of all. The present cage stays unless that is below the lower end of its own.
     """
     cages = mapped_cages(motions)
     present = present_cage(motions, cages)

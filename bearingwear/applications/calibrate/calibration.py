@@ -222,7 +222,7 @@ def _refuse_unusable_tests(
 def _uncertain_friction(scene: Scene) -> str:
     """Returns the name in `uncertainty` of a friction that tests can determine; empty without one.
 
-    It is one that is the same for all bearings of a batch.
+    Tests can determine a friction that is the same for all bearings of a batch.
 
     SceneError: the scene lacks an uncertain wear coefficient, or a value that scatters.
     """
@@ -316,8 +316,8 @@ def _wear_names_of_batch(scene: Scene) -> list[str]:
 def _log_normal(scene: Scene, name: str) -> Normal:
     """Returns mean and standard deviation of the natural logarithm of an uncertain value.
 
-    The value is in the unit of its name. Of a distribution that is not lognormal, they are those of
-    values at evenly spaced probabilities.
+    The value is in the unit of its name. Unless the distribution is lognormal, they are estimated
+    from its quantiles at evenly spaced probabilities.
     """
     distribution = (scene.uncertainty or {})[name]
     if distribution.distribution == "lognormal":
@@ -357,7 +357,7 @@ def _curve_at(
 def _observation(test: BearingTest, curve: Curve, row: str) -> Observation:
     """Returns the logarithm of a test's result, with its model and its scatter.
 
-    The result is a torque [N m], or a time [h]: that of a loss or a preload is the result, too.
+    The result is a torque [N m] or a time [h], such as that until a loss or a residual preload.
 
     row: file and row, which an error names. CaseFileError: nothing of the test scatters.
     """
@@ -387,9 +387,9 @@ def _curve(
 ) -> Curve:
     """Returns the logarithm of the life or torque of a scene over ln mu, and its scatter.
 
-    Solves the results at `_NODES` Chebyshev points over `_SPAN`, interpolates between those that
-    have one, and checks the interpolation at further points. If friction is known, the curve is
-    constant, of one result.
+    Solves results at Chebyshev points within `_SPAN` standard deviations, interpolates between
+    those that have one, and checks the interpolation at further points. If friction is known, the
+    curve is constant, of one result.
 
     x: prior of ln mu.
     friction: name of the uncertain friction; if empty, friction is known.
@@ -498,9 +498,9 @@ _TORQUE = _Result("torque", _log_torques, depends_on_wear=False)
 def _batch_scatter(scene: Scene, result: _Result, log_median: float, workers: int) -> Normal:
     """Returns mean and deviation within a batch of the logarithm of a result, less `log_median`.
 
-    Values that scatter within a batch vary: those of wear by their distribution, others by
-    `_SAMPLES` results. Results that are zero or not solved are left out; if all are, wear varies
-    alone.
+    Values that scatter within a batch vary: those of wear by their distributions, others in a
+    sample of `_SAMPLES` results. Results that are zero or not solved are left out; if all are, wear
+    varies alone.
 
     log_median: logarithm of the result of the median bearing.
     """
