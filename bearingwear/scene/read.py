@@ -104,7 +104,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
 def _with_checked_cases(scene: Scene) -> Scene:
     """Checks the cases and the duty of a scene whose keys were checked, and marks it as checked.
 
-    SceneError: a case is no valid scene, or no phase of the duty.
+    SceneError: a case is no valid scene, or changes what all phases of the duty share.
     """
     if scene.cases:
         _ = scene.in_cases  # computing them raises the error of an invalid case

@@ -197,7 +197,7 @@ class Scene:
         )
 
     def _repr_html_(self) -> str:
-        """Shows the line of `repr` in a notebook, and every key below it."""
+        """Returns HTML for a notebook: the line of `repr`, which unfolds to a table of all keys."""
         rows = "".join(
             f"<tr><td>{escape(key)}</td><td>{escape(str(value))}</td></tr>"
             for key, value in leaves(self.to_dict()).items()

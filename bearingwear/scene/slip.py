@@ -107,7 +107,7 @@ def _semi_axis(scene: Scene) -> float:
     bearing, operation = scene.bearing, scene.operation
     D, dm = _MM * bearing.ball_diameter_mm, _MM * bearing.pitch_diameter_mm
     alpha = math.radians(bearing.contact_angle_deg)
-    radial_load = math.hypot(*operation.radial_load_N) + operation.rotating_load_N
+    radial_load = math.hypot(*operation.radial_load_N) + abs(operation.rotating_load_N)
     # Z times the load of the most loaded ball, which by Stribeck has 5/Z of a radial load
     load = 5.0 * radial_load / math.cos(alpha)
     if alpha > 0.0:

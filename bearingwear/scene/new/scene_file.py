@@ -342,7 +342,7 @@ class UsualLimits(NamedTuple):
 
 
 def usual_limits(scene: Scene) -> UsualLimits:
-    """Returns requirements that a bearing with its preload at rest about satisfies.
+    """Returns requirements that a bearing at rest, with its preload, roughly satisfies.
 
     The axial stiffness is that of one steel bearing, by the approach 0.00044
     (Q^2/D)^(1/3)/sin(alpha) of the rings [N, mm], as makers' catalogues have it (NSK, Rolling
