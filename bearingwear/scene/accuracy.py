@@ -139,7 +139,7 @@ STANDARD = NAMED_PRESETS["standard"]
 def slip_region(contact: str, slip_over: str | None) -> str:
     """Returns where slip is evaluated: over the `line` or the `ellipse`.
 
-    contact, slip_over: keys of `model`; without the latter, the contact model decides.
+    contact, slip_over: keys of `model`; if `slip_over` is None, the contact model decides.
     """
     return slip_over or ("line" if contact == "paper" else "ellipse")
 

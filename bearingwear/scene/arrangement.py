@@ -96,8 +96,8 @@ class Arrangement:
     def __post_init__(self) -> None:
         """Makes `second` a read-only mapping by whole keys, and refuses keys that it may not have.
 
-        These are keys that both bearings share; and, in all of the block, those that only another
-        kind of arrangement has.
+        These are unknown keys and those that both bearings share. It also refuses keys of the block
+        that only another kind of arrangement has.
         """
         values_by_key = flat_keys(self.second)
         for key, value in values_by_key.items():
@@ -129,7 +129,7 @@ class Arrangement:
     def is_symmetric(self) -> bool:
         """Whether two equal bearings carry nothing but the preload, so that one stands for both.
 
-        It says so of a pair; the value for a single bearing has no meaning.
+        The value for a single bearing has no meaning.
         """
         has_constant_force = self.kind == "rigid_pair" or self.spring_stiffness_N_um == 0.0
         has_tandem = max(self.tandem) > 1
@@ -270,8 +270,8 @@ def with_method(
         spring = arrangement.spring_stiffness_N_um if kind == "spring_pair" else 0.0
         arrangement = replace(arrangement, kind=kind, spring_stiffness_N_um=spring)
     preload = scene.operation.preload_N if preload_N is None else preload_N
-    held_operation = replace(scene.operation, preload_method=method, preload_N=preload, **operation)  # type: ignore[arg-type]
-    return replace(scene, arrangement=arrangement, operation=held_operation)
+    new_operation = replace(scene.operation, preload_method=method, preload_N=preload, **operation)  # type: ignore[arg-type]
+    return replace(scene, arrangement=arrangement, operation=new_operation)
 
 
 def check_arrangement(scene: Scene) -> None:

@@ -54,7 +54,7 @@ def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[s
 
 
 def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
-    """Returns the nominal scene and the scene in each of its cases by name, without a duty.
+    """Returns the scene in `nominal` and each of its cases by name, all without cases and duty.
 
     SceneError where a case is no valid scene.
     """
@@ -72,8 +72,8 @@ def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
 def cases_that_wear(scene: Scene) -> dict[str, Scene]:
     """Returns by name the cases in which one race turns against the other; all if none does.
 
-    Only these wear. With a duty, the scene itself is the only one, because a duty has a single life
-    over all its phases.
+    Bearings wear in no others. With a duty, the scene itself is the only one, because a duty has a
+    single life over all its phases.
     """
     if scene.duty is not None:
         return {NOMINAL: scene}

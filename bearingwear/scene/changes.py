@@ -29,7 +29,7 @@ def changes_of(texts: Iterable[str]) -> dict[str, Any]:
             problem = f"got {shown(text)}, expected KEY=VALUE, for example operation.preload_N=7"
             raise SceneError("", problem, source="--set")
         if key.endswith("_rpm"):
-            check_thousands("", value, f"--set {key}")
+            check_thousands("", value.strip(), f"--set {key}")
         changes.append((key, data_of(value, f"--set {key}")))
     keys = [key for key, _ in changes]
     for key in keys:
@@ -41,8 +41,8 @@ def changes_of(texts: Iterable[str]) -> dict[str, Any]:
 def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Returns a copy of a scene's data with values replaced, in new blocks where needed.
 
-    None removes an entry of `materials` or `uncertainty`. In a pair, either of preload method and
-    kind of arrangement sets the other.
+    None removes an item of a mapping such as `materials`, and sets any other key to None. In a
+    pair, either of preload method and kind of arrangement sets the other.
 
     SceneError where a key is below something that is no block.
     """
@@ -72,7 +72,7 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
 def joined_keys(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the changes that a new preload method or a new kind of a pair implies.
 
-    Empty for the data of a scene without a pair, and for changes of neither.
+    There are none for a scene without a pair, or if neither changes.
     """
     arrangement = data.get("arrangement")
     pair = arrangement if isinstance(arrangement, Mapping) else {}
@@ -93,7 +93,7 @@ def error_of_change(
 ) -> SceneError:
     """Returns the error with the change that caused it, such as `--set KEY`, as its source.
 
-    It returns the error unchanged if no change caused it. A change is the cause if it, or a block
+    If no change caused it, the error is returned unchanged. A change is the cause if it, or a block
     that it creates, holds the key at fault or one that contradicts it.
 
     data: of the scene without the changes.
@@ -112,7 +112,7 @@ def error_of_change(
 
 
 def _is_within(key: str, *paths: str | None) -> bool:
-    """Whether a key is one of some paths, or stands below one."""
+    """Whether a key is one of some paths, or lies below one; None is no path."""
     for path in paths:
         if path is not None and (key == path or key.startswith((f"{path}.", f"{path}["))):
             return True
@@ -120,9 +120,9 @@ def _is_within(key: str, *paths: str | None) -> bool:
 
 
 def _unknown_material(key: str, data: Mapping[str, Any]) -> str:
-    """Returns what is wrong with a key such as `materials.steel.density_kg_m3`; "" if nothing.
+    """Returns the problem of a key such as `materials.steel.density_kg_m3` without its material.
 
-    It is wrong if the scene has no such material.
+    It is "" for a material that the data have, and for any other key.
     """
     block, _, path = key.partition(".")
     name, _, property_name = path.partition(".")
@@ -136,7 +136,7 @@ def _unknown_material(key: str, data: Mapping[str, Any]) -> str:
 
 
 def _missing_block(data: Any, key: str) -> str | None:
-    """Returns the outermost block that the data lack for a key; None if they lack none."""
+    """Returns the path of the outermost block of a key that data lack; None if they have all."""
     *blocks, _ = key.split(".")
     for depth, name in enumerate(blocks, 1):
         data = data.get(name)

@@ -17,9 +17,10 @@ _UNREAD = ("description", "uncertainty", "cage_uncertainty")
 
 
 def decisive_data(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns plain data of a scene without description, uncertain values and keys of the cage.
+    """Returns plain data of a scene without description, uncertain values and unread cage keys.
 
-    The material of the cage stays: a life checks whether it bears its temperature.
+    Without results of the cage, `cage` is the name of its material, or None: a life checks whether
+    that material withstands its temperature.
     """
     decisive = {key: value for key, value in data.items() if key not in _UNREAD}
     if not reads_cage(data):

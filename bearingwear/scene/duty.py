@@ -49,7 +49,7 @@ class Duty:
     # fmt: on
 
     def __post_init__(self) -> None:
-        """Makes `phases` read-only; refuses one without hours and starts, or a cycle of no time."""
+        """Makes `phases` read-only; refuses phases without hours or starts, and a cycle of 0 s."""
         object.__setattr__(self, "phases", MappingProxyType(dict(self.phases)))
         for name, phase in self.phases.items():
             if not phase.hours > 0.0 and not phase.starts > 0.0:
@@ -73,7 +73,7 @@ class Duty:
 
         `math.fsum` makes it independent of the order of phases to the last digit.
         """
-        return math.fsum(map(self.phase_s, self.phases.values()))
+        return math.fsum(self.phase_s(phase) for phase in self.phases.values())
 
     @property
     def ramp_s(self) -> float:
@@ -82,9 +82,9 @@ class Duty:
 
     @property
     def steady_ramp_s(self) -> float:
-        """Returns the time of those ramps of a start and a stop [s] whose states are steady.
+        """Returns the time of one start and one stop [s], without a start that is a warm-up.
 
-        With a warm-up, the start is a transient, so the stop alone counts.
+        The states of a warm-up are not steady.
         """
         return self.stop_s if self.warmup else self.ramp_s
 
@@ -122,8 +122,8 @@ def check_duty(scene: Scene) -> None:
 def check_phases(scene: Scene) -> None:
     """Refuses a warm-up without heat capacities, and cases that change what all phases share.
 
-    They share the bearing with its cage, the model, the wear and its criteria, thicknesses of films
-    and depths of running in, and how the bearings are arranged. Raises SceneError.
+    The phases share the bearing with its cage, the model, the wear and its criteria, thicknesses of
+    films and depths of running in, and how the bearings are arranged. Raises SceneError.
     """
     if scene.duty is None:
         return
@@ -167,7 +167,7 @@ def _fixed_over_duty(scene: Scene) -> dict[str, Any]:
     They determine the wear and its end, so that a change would be another bearing.
     """
     arrangement, film = scene.arrangement, scene.friction.film
-    second = (arrangement.second if arrangement else None) or {}
+    second = {} if arrangement is None else arrangement.second
     surfaces = {
         name: (
             None if material.film is None else material.film.thickness_um,
@@ -185,7 +185,7 @@ def _fixed_over_duty(scene: Scene) -> dict[str, Any]:
         "materials": surfaces,
         "arrangement": (
             None if arrangement is None else (arrangement.orientation, arrangement.tandem),
-            [(key, v) for key, v in second.items() if key.startswith(("bearing.", "wear."))],
+            [(key, second[key]) for key in second if key.startswith(("bearing.", "wear."))],
         ),
     }
 

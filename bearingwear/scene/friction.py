@@ -175,7 +175,7 @@ def _check_coated_parts(scene: Scene) -> None:
 def _check_wear_table(scene: Scene, rows: Sequence[FilmLife]) -> None:
     """Refuses a table that is no grid of pressures and temperatures, or that no film uses.
 
-    Also one in which not exactly one row has a relative life of 1.
+    It also refuses a table in which not exactly one row has a relative life of 1.
     """
     key = "friction.film.wear_table"
     assert scene.friction.film is not None

@@ -104,7 +104,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
 def _with_checked_cases(scene: Scene) -> Scene:
     """Checks the cases and the duty of a scene whose keys were checked, and marks it as checked.
 
-    SceneError: a case is no valid scene, or no phase of the duty.
+    SceneError: a case is no valid scene, or changes what all phases of the duty share.
     """
     if scene.cases:
         _ = scene.in_cases  # computing them raises the error of an invalid case
@@ -218,7 +218,7 @@ def _missing_file_error(error: SceneError, path: Path) -> SceneError:
     return SceneError("", f"{error.problem}{advice}", source=error.source)
 
 
-def _keys_of_file(source: str) -> dict[str, Any]:
+def _data_of_file(source: str) -> dict[str, Any]:
     """Reads one YAML file; refuses it if it has neither a block of a scene nor `based_on`."""
     try:
         data = data_of(text_of(source, "scene"), source)
@@ -240,13 +240,13 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> _SceneFile:
     depth: number of files that led here through `based_on`.
     """
     source = os.fspath(path)
-    data = _keys_of_file(source)
+    data = _data_of_file(source)
     if "based_on" not in data:
         stem = Path(source).stem
         default_name = {"name": stem} if re.search(NAME, stem) else {}
         return _SceneFile(default_name | data, [source])
     derived = record(BasedOn, data, source)
-    if depth > DEEPEST:  # no chain is so long but a circle
+    if depth > DEEPEST:  # only a circle is so long
         problem = f"got {derived.based_on}, based on itself, expected another scene"
         raise SceneError("based_on", problem, source=source)
     base = _read(Path(path).with_name(f"{derived.based_on}.yaml"), depth + 1)
@@ -310,9 +310,9 @@ def _cage_wears(plain: Mapping[str, Any]) -> bool:
 
 
 def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
-    """Fills in the keys that the accuracy sets, where the scene does not give them; returns it.
+    """Fills in the keys that the accuracy sets where a scene lacks them, and returns its data.
 
-    plain: data of a scene, in which whole blocks are replaced.
+    plain: the data, in which changed blocks are replaced by new ones.
     """
     model = plain.get("model") or {}
     region = slip_region(model.get("contact", Model.contact), model.get("slip_over"))
@@ -351,7 +351,7 @@ _INDEPENDENT_BLOCKS = {
 _SCENE_FILE = file_part(Scene)
 
 _END = "wear.end_of_life"
-"""Decides, with limits of the cage, the accuracy of the motion in time."""
+"""Block whose limits of the cage decide the accuracy of the motion in time."""
 
 
 def _quick_variant(scene: Scene, changes: Mapping[str, Any]) -> Scene | None:

@@ -104,7 +104,7 @@ class Drive:
     # fmt: on
 
     def __post_init__(self) -> None:
-        """Makes mappings read-only; refuses factors beside a standard, and names it lacks.
+        """Makes mappings read-only; refuses factors beside a standard, and names not in its rule.
 
         It also refuses a standard of one's own without factors, and a kind of data without a rule.
         """

@@ -197,7 +197,7 @@ class Scene:
         )
 
     def _repr_html_(self) -> str:
-        """Shows the line of `repr` in a notebook, and every key below it."""
+        """Returns HTML for a notebook: the line of `repr`, which unfolds to a table of all keys."""
         rows = "".join(
             f"<tr><td>{escape(key)}</td><td>{escape(str(value))}</td></tr>"
             for key, value in leaves(self.to_dict()).items()
@@ -519,7 +519,7 @@ def _check_rings(scene: Scene) -> None:
                 f"bearing.{name}",
                 f"got {value:g} with balls of {D:g} mm on a pitch circle of {dm:g} mm, "
                 f"expected a number {' and '.join(ends)}",
-                ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm"),
+                _BALL_CIRCLE,
             )
 
 
@@ -564,7 +564,7 @@ def _check_largest_loss(scene: Scene) -> None:
 
 
 def _check_cage_limits(scene: Scene) -> None:
-    """Refuses criteria of a cage that the scene lacks."""
+    """Refuses end-of-life criteria of a cage, a land or a cage film that the scene lacks."""
     end, cage = scene.wear.end_of_life or EndOfLife(), scene.cage
     guided = cage is not None and cage.guiding_race != "ball"
     for name, applies, condition in (
@@ -586,7 +586,7 @@ def _check_cage_ring(scene: Scene, cage: Cage) -> None:
         raise SceneError(
             "cage.inner_diameter_mm",
             f"got {cage.inner_diameter_mm:g}, expected a number < {cage.outer_diameter_mm:g}, "
-            f"the cage's outer diameter",
+            "the cage's outer diameter",
             ring_keys,
         )
     inside = bearing.pitch_diameter_mm - bearing.ball_diameter_mm

@@ -34,8 +34,8 @@ _RPM = math.pi / 30.0  # [rad/s]
 def default_regularisation(scene: Scene) -> float:
     """Returns the regularisation [m/s] of a scene that gives none.
 
-    It is that of the preset, or less where the slip is slow, in two digits, so that it can be read
-    and typed. A scene at rest, which has no slip, takes that of the preset.
+    It is that of the preset. Where the slip is slow, it is less in proportion, with two digits, so
+    that it can be read and typed. A scene at rest, which has no slip, has that of the preset.
     """
     preset = accuracy_preset(scene.model.accuracy).slip_regularisation_m_s
     slip = mean_slip(scene)
@@ -86,8 +86,9 @@ def at_speed_share(scene: Scene, share: float) -> Scene:
 def mean_slip(scene: Scene) -> float:
     """Estimates the mean slip speed of balls on races by rolling at the free contact angle [m/s].
 
-    It adds the spin of one contact (outer race control), 3/16 a omega sin(alpha) in the mean of
-    both under a Hertzian load, and the slip of a curved contact (Heathcote), 0.26 V (a/D)^2.
+    It is the sum of two slips. The spin of one contact (outer race control) is 3/16 a omega
+    sin(alpha) in the mean of both contacts under a Hertzian load. The slip of a curved contact
+    (Heathcote) is 0.26 V (a/D)^2.
     """
     bearing, operation = scene.bearing, scene.operation
     omega = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm) * _RPM
@@ -106,7 +107,7 @@ def _semi_axis(scene: Scene) -> float:
     bearing, operation = scene.bearing, scene.operation
     D, dm = _MM * bearing.ball_diameter_mm, _MM * bearing.pitch_diameter_mm
     alpha = math.radians(bearing.contact_angle_deg)
-    radial_load = math.hypot(*operation.radial_load_N) + operation.rotating_load_N
+    radial_load = math.hypot(*operation.radial_load_N) + abs(operation.rotating_load_N)
     # Z times the load of the most loaded ball, which by Stribeck has 5/Z of a radial load
     load = 5.0 * radial_load / math.cos(alpha)
     if alpha > 0.0:

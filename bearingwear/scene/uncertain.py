@@ -49,15 +49,15 @@ SAME_FOR_BATCH = (
     "shear_strength_MPa",
     "drag_density_kg_m3",
 )
-"""Those of them that are one unknown number for all bearings of a batch, if nothing else is said;
-the others scatter from bearing to bearing."""
+"""Keys of `UNCERTAIN` that are one unknown number for all bearings of a batch, unless a scene says
+otherwise; the others scatter from bearing to bearing."""
 
 WORN = ("brinell_hardness_GPa", "wear_coefficient", "wear_scatter")
-"""Those of them that scale all wear. Hardness and wear coefficient are those of the races; those
-of balls and films change in proportion."""
+"""Keys of `UNCERTAIN` that scale all wear. Hardness and wear coefficient are those of the races;
+those of balls and films change in proportion."""
 
 FRICTION_KEYS = ("ball_race", "shear_strength_MPa")
-"""Those of them that a torque tells of: the coefficient, or the shear strength of a film."""
+"""Keys of `UNCERTAIN` that a torque tells of: the coefficient, or the shear strength of a film."""
 
 PARAMETERS = {
     "normal": (("standard_deviation",), ("mean",)),
@@ -144,7 +144,7 @@ def uncertain_key(name: str, material: str) -> str:
     """Returns the whole key of an uncertain value, such as `operation.preload_N`.
 
     name: a key of `UNCERTAIN`.
-    material: whose properties the keys of the block `materials` are.
+    material: name of the material, used for keys of the block `materials`.
     """
     block = f"materials.{material}" if UNCERTAIN[name] == "materials" else UNCERTAIN[name]
     return f"{block}.{name}"
@@ -169,7 +169,7 @@ def check_uncertainty(scene: Scene) -> None:
 
 
 def _check_applies(friction: Friction, name: str) -> None:
-    """Refuses an uncertain value of a film where there is none, or of the friction it replaces."""
+    """Refuses an uncertain value of a film, a thickness or a coefficient that a scene lacks."""
     key = f"uncertainty.{name}"
     problem = ""
     if name == "ball_race" and friction.ball_race is None:
@@ -210,7 +210,7 @@ def _check_parameters(key: str, spread: Distribution) -> None:
 
 
 def _check_correlation(scene: Scene, name: str, value: float) -> None:
-    """Refuses a correlation unless it is that of wear and friction that vary alike in a batch.
+    """Refuses a correlation unless it is of wear with friction, both common to a batch or neither.
 
     name: key of `uncertainty` whose `friction_correlation` has the value.
     """

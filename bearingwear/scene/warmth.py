@@ -24,7 +24,7 @@ LARGEST_STRAIN = 0.01
 
 @keyed
 class Temperature:
-    """Given temperatures of the parts; None where a part is as warm as what it is compared with."""
+    """Given temperatures of the parts; each key says what None means."""
 
     # fmt: off
     inner_ring_C: float | None = setting(f"Temperature of the inner ring {_AS_REFERENCE}", "degC",
@@ -285,7 +285,7 @@ def _heated_parts(scene: Scene) -> Iterator[_HeatedPart]:
 def check_heat_capacities(sides: Sequence[Scene], name: str) -> None:
     """Raises SceneError for bearings without heat capacities, or whose shaft does not turn.
 
-    They have no warm-up.
+    Such bearings have no warm-up.
 
     sides: a scene of a single bearing for each side of a pair.
     name: of the scene's file, for the SceneError.

@@ -208,6 +208,7 @@ def test_other_commands_refuse_broken_scenes_like_solve(command, name, tmp_path,
 # options KEY=VALUE: key that must be named, further text of the line
 OVERRIDES = {
     "operation.preload_N=-3": ("operation.preload_N", "-3"),
+    "operation.shaft_speed_rpm= 18.000": ("operation.shaft_speed_rpm", "18000 or 18"),
     "operation.preload_N=[": ("operation.preload_N", "not YAML"),
     "bearing.ball_diameter_mm=4": ("bearing.ball_diameter_mm", "9 balls of 4 mm"),
     "bearing.ball_count.x=1": ("bearing.ball_count.x", "not a block"),
@@ -253,9 +254,9 @@ def test_a_scene_that_is_no_file_is_refused(command, what, tmp_path, capsys):
         "folder": str(tmp_path),
         "line break": str(tmp_path / "no\nfile.yaml"),
         "zero byte": "no\0file.yaml",
-    }[what]
+    }[kind]
     line = refusal(capsys, [command, path, "-o", str(tmp_path / "x.nc")])
-    assert ("got a folder" if what == "folder" else "cannot be read") in line
+    assert ("got a folder" if kind == "folder" else "cannot be read") in line
     assert os.listdir(tmp_path) == []
 
 

@@ -10,7 +10,6 @@ from bearingwear.scene.new.assumed import size_of
 from bearingwear.scene.new.designations import (
     ANGLES,
     CLEARANCES,
-    Designation,
     clearance_range,
     designation_of,
 )

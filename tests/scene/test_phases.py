@@ -31,7 +31,7 @@ def test_a_cycle_takes_the_hours_and_the_starts_of_its_phases(scene):
     """They are 1 + 6 + 0.5 h, and two starts of 20 s with their stops of 60 s."""
     duty = scene.duty
     assert duty.cycle_s == 7.5 * 3600.0 + 2.0 * (20.0 + 60.0)
-    assert sum(map(duty.phase_s, duty.phases.values())) == duty.cycle_s
+    assert sum(duty.phase_s(phase) for phase in duty.phases.values()) == duty.cycle_s
 
 
 def test_a_phase_is_in_the_case_of_its_name_or_the_one_it_names(scene):

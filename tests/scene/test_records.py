@@ -96,6 +96,7 @@ def test_null_is_the_same_as_the_default():
         ({"scenes": ["a", "c"]}, "scenes[1]: got 'c', expected a or b"),
         ({"factor": 1}, "factor: got 1, expected a number > 1 and <= 9"),
         ({"factor": "2"}, "factor: got '2', text, not a number (write 2), expected"),
+        ({"factor": "1,000.5"}, "factor: got '1,000.5', text, not a number (write 1000.5, without"),
         ({"factor": True}, "factor: got true, expected"),
         ({"factor": float("nan")}, "factor: got .nan, expected a number > 1 and <= 9"),
         ({"aim": -1}, "aim: got -1, expected low, high or a number >= 0"),

@@ -75,6 +75,12 @@ def test_the_estimated_slip_is_near_that_of_the_solve():
         assert 1.0 < mean_slip(scene) / (values["total_qv"] / load) < 1.8
 
 
+def test_the_estimated_slip_is_the_same_for_either_sign_of_a_rotating_load(spindle):
+    """1000 N outweigh the preload; the sign of the load only turns it by 180 degrees."""
+    ahead, behind = (spindle.with_({"operation.rotating_load_N": F}) for F in (1000.0, -1000.0))
+    assert mean_slip(ahead) == mean_slip(behind) > mean_slip(spindle)
+
+
 @pytest.mark.parametrize("name", sorted(NAMED_PRESETS))
 def test_the_default_regularisation_is_that_of_the_preset_at_speed_and_at_rest(spindle, name):
     scene = variant(spindle, {"model.accuracy": name})

@@ -33,7 +33,7 @@ def test_a_variant_is_the_scene_that_the_option_set_makes(kind):
     assert variant(source, changes) == load_scene(S1, texts)
 
 
-def test_a_variant_leaves_its_plain_data_alone():
+def test_a_variant_does_not_change_its_plain_data():
     plain = load_scene(S1).to_dict()
     variant(plain, {"operation.preload_N": 9})
     assert plain == load_scene(S1).to_dict()

@@ -101,7 +101,7 @@ def work_per_turn(rows: Sequence[RunRow]) -> np.ndarray:
 def half_interval(values: np.ndarray) -> float:
     """Returns half the width of the 90 % interval of the mean of independent values.
 
-    It is that of Student's t, in the unit of the values; NaN for fewer than two of them.
+    The interval is that of Student's t. The result is NaN for fewer than two values.
     """
     n = len(values)
     if n < 2:
@@ -132,13 +132,12 @@ def share_interval(count: int, total: int) -> tuple[float, float]:
 def ensemble_summary(rows: Sequence[RunRow]) -> dict[str, Any]:
     """Returns the shares of motions and the means over runs, by the names of `SUMMARY`.
 
-    Shares are those of the runs with a motion; a run that failed has none, unless the cage jams.
-    Means are those over all runs, then over those of each motion. Means of a group without runs are
-    NaN.
+    Shares are relative to the runs with a motion; a run that failed has one only if the cage jams.
+    A mean has a value for all runs, then one for the runs of each motion; it is NaN without runs.
     """
     motions = np.array([row.get("motion", -1) for row in rows])  # -1: without a motion
     counts = [int((motions == code).sum()) for code in range(len(MOTIONS))]
-    classified = max(sum(counts), 1)
+    classified = max(sum(counts), 1)  # without any, all shares are 0
     results: dict[str, Any] = {
         "share": [count / classified for count in counts],
         "share_interval": [share_interval(count, classified) for count in counts],
@@ -228,7 +227,7 @@ def cage_ensemble(
         journal.read(rows)
     jobs = [_Job(dynamic_scene, spread, plan, k) for k in range(len(rows), plan.runs)]
     _add_runs(rows, jobs, plan, workers, tell, journal)
-    return _dataset(rows[: plan.runs], names, attributes)
+    return _ensemble_dataset(rows[: plan.runs], names, attributes)
 
 
 def _add_runs(
@@ -239,9 +238,7 @@ def _add_runs(
     tell: Tell | None,
     journal: Journal | None,
 ) -> None:
-    """Solves runs and appends them to `rows` and to the journal, until these are enough.
-
-    It ends also with the last job.
+    """Solves runs and appends them to `rows` and to the journal, until they are enough or all.
 
     rows: results of earlier runs, which come before those of the jobs.
     tell: receives a line of progress every `LINE_EVERY` seconds.
@@ -282,8 +279,8 @@ def _solved_rows(jobs: Sequence[_Job], workers: int) -> Generator[RunRow, None, 
 def _is_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
     """Returns whether an ensemble needs no further run.
 
-    It has all runs of the plan, or a whole number of `_CHECKED_EVERY` of them and an interval that
-    is narrow enough.
+    It has all runs of the plan or, checked every `_CHECKED_EVERY` runs, an interval that is narrow
+    enough.
     """
     if len(rows) >= plan.runs:
         return True
@@ -293,7 +290,7 @@ def _is_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
 def _expected_runs(rows: Sequence[RunRow], plan: Ensemble) -> int:
     """Estimates the number of runs that meet the interval, if all scatter like those so far.
 
-    It is that of the plan at most, and that where too few runs are solved for an estimate.
+    It is at most that of the plan, and equal to it while too few runs are solved to tell.
     """
     work = work_per_turn(rows)
     if len(work) < _FEWEST_OF_ESTIMATE or not work.any():
@@ -304,12 +301,12 @@ def _expected_runs(rows: Sequence[RunRow], plan: Ensemble) -> int:
     return min(checked, plan.runs)
 
 
-def _dataset(
+def _ensemble_dataset(
     rows: Sequence[RunRow], names: Sequence[str], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
-    """Returns runs and their summary as a dataset, whose attribute `met` is 1 or 0.
+    """Returns runs and their summary as a dataset.
 
-    It states whether the interval of the work is narrow enough.
+    Its attribute `met` is 1 if the interval of the work is narrow enough, else 0.
 
     names: names of the sampled values.
     attributes: of the dataset; `ensemble` is the plan as JSON.
@@ -359,7 +356,7 @@ class Journal:
         self.head = json.dumps([attributes[key] for key in _SAME_RUNS])
 
     def read(self, rows: list[RunRow]) -> None:
-        """Appends the stored runs that follow those in `rows` to these.
+        """Appends to `rows` the stored runs that follow them.
 
         A file of other runs, or none, is replaced by a new one with the first line alone. Removes a
         last line that was not written to its end.

@@ -47,7 +47,8 @@ def cage_map_figure(motions: xr.Dataset) -> Figure:
     motions: map of cages, from `gathered_ensembles`, with all its dimensions.
     """
     varied = [axis for axis in DESIGN[:-1] if motions.sizes[axis] > 1]
-    designs = list(itertools.product(*(motions[axis].values.tolist() for axis in varied)))
+    axis_values = (motions[axis].values.tolist() for axis in varied)
+    designs = [dict(zip(varied, values, strict=True)) for values in itertools.product(*axis_values)]
     gravities = motions["gravity"].values
     width = 1.1 * motions.sizes["cage_friction"] + 0.6
     figure, panels = new_figure(
@@ -59,8 +60,7 @@ def cage_map_figure(motions: xr.Dataset) -> Figure:
     for k, (panel, gravity) in enumerate(zip(panels[0], gravities, strict=True)):
         shares = motions["share"].isel(fixed_axes | {"gravity": k})
         work = total.isel(fixed_axes | {"gravity": k})
-        for row, values in enumerate(designs):
-            design = dict(zip(varied, values, strict=True))
+        for row, design in enumerate(designs):
             design_shares, design_work = shares.sel(design).values, work.sel(design).values
             for column in range(motions.sizes["cage_friction"]):
                 text = digits(float(unit.of(design_work[column])))
@@ -71,7 +71,7 @@ def cage_map_figure(motions: xr.Dataset) -> Figure:
         panel.set_ylim(len(designs) - 0.4, -0.6)
         panel.set_xlabel("friction coefficient of the cage")
         panel.set_title(f"gravity {gravity:g} m/s²" if gravity else "weightless", loc="left")
-    names = [", ".join(map(in_design_words, varied, values)) for values in designs]
+    names = [", ".join(in_design_words(*item) for item in design.items()) for design in designs]
     panels[0, 0].set_yticks(range(len(designs)), names)
     occurs = np.nansum(motions["share"].values.reshape(-1, len(MOTIONS)), axis=0) > 0.0
     handles = [

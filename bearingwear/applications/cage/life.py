@@ -113,10 +113,10 @@ def with_cage_end(scene: Scene) -> Scene:
 class EnsembleWear(Motion):
     """The wear of a cage by ensembles; balls and races do not wear.
 
-    The values of a state are `work`, the mean work per turn in pockets and at the land (2,) [J],
-    `work_error`, the half-width of its interval relative to it (2,), `share`, that of the runs that
-    end in each motion, and those of the worn cage. Nodes lie at times [s]; `turn` is the duration
-    of a shaft turn [s].
+    The values of a state are those of the worn cage and of its ensemble: `work`, the mean work per
+    turn in pockets and at the land (2,) [J]; `work_error`, the half-width of its interval relative
+    to it (2,); `share`, the share of runs that end in each motion. Nodes lie at times [s]; `turn`
+    is the duration of a shaft turn [s].
 
     ensemble_at: called once for each state that is solved, with numbers from 0 on.
     progress: receives a line of text at each step.
@@ -136,7 +136,7 @@ class EnsembleWear(Motion):
         self.per_second = wear_per_joule(scene, scene.cage.material) / self.turn
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
-        """Returns the state (1,) with some wear, from a new ensemble there; `near` is not used.
+        """Returns the state (1,) of a worn cage, from a new ensemble; `near` is not used.
 
         Without a solved run, its status is that of the first run.
         """
@@ -158,7 +158,7 @@ class EnsembleWear(Motion):
     def rates(self, node: Node) -> np.ndarray:
         """Returns the wear per second of all parts, of which only pockets and land are not 0.
 
-        It follows from the mean work; that in all pockets is spread evenly over these.
+        The rates follow from the mean work; the work in all pockets is spread evenly over them.
         """
         pockets, land = self.per_second * node.states[0]["work"]
         per_pocket = pockets / self.scene.bearing.ball_count
@@ -171,8 +171,8 @@ class EnsembleWear(Motion):
     def longest_step(self, node: Node, rates: np.ndarray) -> float:
         """Returns the length of the next step, slightly longer than that of a `Motion` [s].
 
-        Otherwise the last step might miss the end by rounding. Infinite where no wear leads to an
-        end.
+        Otherwise the last step might miss the end by rounding. It is infinite where no wear leads
+        to an end.
         """
         return _BEYOND * super().longest_step(node, rates)
 
@@ -299,7 +299,7 @@ def _film_gone_turns(thickness: float, depth: np.ndarray, turns: np.ndarray) -> 
 def _wear_quantiles(scene: Scene) -> np.ndarray:
     """Returns the 5 % and 95 % quantiles of the cage's wear coefficient over the scene's (2,) [1].
 
-    That of the film counts if the film has its own. Both are 1 for a coefficient that is certain.
+    If its film has a coefficient, that one counts. Both are 1 for a coefficient that is certain.
     """
     spread, _ = cage_spread(scene)
     if WEAR not in spread:
@@ -315,7 +315,7 @@ def _wear_quantiles(scene: Scene) -> np.ndarray:
 def _motion_change_turns(share: np.ndarray, turns: np.ndarray) -> tuple[float, float]:
     """Returns the turns of two nodes between which the most frequent motion changes first.
 
-    Both are NaN if it stays that of the new cage.
+    Both are NaN if that motion never changes.
 
     share: of the runs that end in each motion (nodes, motions).
     turns: of the nodes (nodes,).

@@ -188,7 +188,7 @@ def _is_settled(stretches: list[_Stretch]) -> bool:
 def _run_values(run: TimeRun, stretches: list[_Stretch]) -> dict[str, Any]:
     """Returns the results of a solved run by the names of `CAGE_RUN`, without the energy balance.
 
-    They are those over its last `EVALUATED` stretches, but `turns` of the whole run.
+    They are of its last `EVALUATED` stretches, except `turns`, which is of the whole run.
     """
     history, seconds_per_turn = run.recorder.history, run.system.turn
     last = slice(run.done - EVALUATED * STRETCH * POINTS, run.done)

@@ -85,7 +85,7 @@ def ensemble_sheet(file: Any) -> Document:
 def _unsolved_line(file: Any) -> str:
     """Returns a sentence on the runs that were not solved; empty if all were.
 
-    It counts them by status, and those of them without a motion: all but the jammed cages.
+    It counts these runs by status, and those without a motion, which are all but jams.
     """
     status = variable_values(file, "status").astype(int)
     unsolved = Counter(STATUS_NAMES[code] for code in status if code != OK)
@@ -179,7 +179,7 @@ def _life_blocks(file: Any) -> Iterator[Block]:
         ):
             low, high = variable_values(file, name).tolist()
             in_hours = Interval(low * hours / life, high * hours / life)
-            cells = f"{low:.2g} to {high:.2g}", in_hours
+            cells = (f"{low:.2g} to {high:.2g}", in_hours)
             rows.append(Row(f"  90 %, {label}", "", cells, name))
     lines += _film_lines(file)
     low, high = variable_values(file, "motion_changes").tolist()
@@ -205,7 +205,7 @@ def _film_lines(file: Any) -> Iterator[str]:
 def _other_life_line(file: Any, cage_hours: float) -> str:
     """Returns a sentence that compares the life of balls and races with that of the cage.
 
-    cage_hours: NaN where the cage meets no criterion; it then lasts longer.
+    cage_hours: life of the cage; NaN if it meets no criterion, so that the cage lasts longer.
     """
     hours = float(variable_values(file, "other_hours"))
     interval = Interval(*variable_values(file, "other_hours_interval").tolist())

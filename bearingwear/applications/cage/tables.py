@@ -118,7 +118,7 @@ QUIET = (FLOATS, HANGS, WITH_BALLS)
 """Motions of a quiet cage; others whirl, are irregular or jam."""
 
 MOSTLY = 0.9
-"""Share of the runs with such a motion from which on a cage is quiet."""
+"""Share of the runs with a motion of `QUIET` from which on a cage is quiet."""
 
 DESIGN = ("guide", "imbalance", "pocket_clearance", "guide_clearance", "cage_friction")
 """Dimensions of a map that a designer decides; gravity is not among them."""
@@ -208,7 +208,7 @@ def in_design_words(axis: str, value: float) -> str:
     """
     text = _design_value(axis, value)
     if axis == "guide":
-        return f"guided by the {'balls' if text == 'ball' else f'{text} race'}"
+        return "guided by the balls" if text == "ball" else f"guided by the {text} race"
     if axis == "imbalance" and value == 0.0:
         return "no imbalance"
     return _IN_DESIGN[axis].format(text)
@@ -249,9 +249,9 @@ def quiet_region(motions: xr.Dataset) -> str:
 def _friction_range(quiet: list[float], mapped: list[float]) -> str:
     """Lists the friction coefficients of quiet cages.
 
-    The text is `up to 0.2` if these are all mapped ones up to that, and several.
+    Several are written as `up to 0.2` if they are all mapped ones up to that value.
 
-    quiet, mapped: in rising order, the former a part of the latter.
+    quiet, mapped: in rising order; all quiet ones are mapped.
     """
     if len(quiet) > 1 and quiet == [friction for friction in mapped if friction <= quiet[-1]]:
         return f"up to {digits(quiet[-1])}"
@@ -261,15 +261,15 @@ def _friction_range(quiet: list[float], mapped: list[float]) -> str:
 def cage_choice_sentence(motions: xr.Dataset) -> str:
     """States which cage of a map to choose, in words, without a full stop.
 
-    That is the one with the lowest upper end of its work: among the quiet ones, or among all if no
-    cage is quiet. The present cage stays unless that end is below the lower end of its own work.
+    It is the cage with the lowest upper end of the interval of its work: of the quiet cages or, if
+    there are none, of all. The present cage stays unless that is below the lower end of its own.
     """
     cages = mapped_cages(motions)
     present = present_cage(motions, cages)
     if present is None:
         return "No cage in the map could be evaluated"
-    quiet = [cage for cage in cages if cage.quiet >= MOSTLY] or cages
-    best = min(quiet, key=lambda cage: cage.high if math.isfinite(cage.high) else math.inf)
+    candidates = [cage for cage in cages if cage.quiet >= MOSTLY] or cages
+    best = min(candidates, key=lambda cage: cage.high if math.isfinite(cage.high) else math.inf)
     present_words = f"the present cage ({shares_in_words(present.shares)})"
     if best.design == present.design or not best.high < present.low:
         return f"Keep {present_words}: no quieter cage in the map wears significantly less"

@@ -80,9 +80,7 @@ def _table_lines(path: str | Path) -> list[_TableLine]:
     """
     text = text_of(path, "CSV").lstrip("\ufeff")
     header = text.partition("\n")[0]
-    separator = ","
-    if "," not in header:
-        separator = next((mark for mark in ";\t" if mark in header), ",")
+    separator = next((mark for mark in ",;\t" if mark in header), ",")
     reader = csv.reader(io.StringIO(text), skipinitialspace=True, delimiter=separator)
     lines = []
     for row in reader:
@@ -125,7 +123,8 @@ class _Row:
             value = float(text or "")
         except ValueError:
             value = math.nan
-        if not 0.0 < value < math.inf and not (column == _ERROR and value == 0.0):
+        is_exact = column == _ERROR and value == 0.0
+        if not (is_exact or 0.0 < value < math.inf):
             got = "nothing" if text is None else repr(short(text))
             raise self.refusal(column, f"got {got}, expected a number > 0")
         return value

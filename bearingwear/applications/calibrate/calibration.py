@@ -168,6 +168,7 @@ def calibration_by_tests(
     ]
     before, after = posterior(prior, []), posterior(prior, observations)
     with_others = conformities(prior, observations)
+    # of several kinds of problems the first is told, from which the others may follow
     problems = (
         _improbable_tests(tests, [before.conformity(observation) for observation in observations])
         or _improbable_tests(tests, with_others)
@@ -211,7 +212,7 @@ def _refuse_unusable_tests(
         )
     for test in tests:
         if test.seen == SEEN_TORQUE and not friction:
-            key = FRICTION_KEYS[scene.friction.film is not None]
+            key = "ball_race" if scene.friction.film is None else "shear_strength_MPa"
             raise CaseFileError(
                 f"{path}: row {test.row}: {SEEN_TORQUE}: got a result that would determine "
                 f"uncertainty.{key}, which the scene does not contain"
@@ -221,7 +222,7 @@ def _refuse_unusable_tests(
 def _uncertain_friction(scene: Scene) -> str:
     """Returns the name in `uncertainty` of a friction that tests can determine; empty without one.
 
-    It is one that is the same for all bearings of a batch.
+    Tests can determine a friction that is the same for all bearings of a batch.
 
     SceneError: the scene lacks an uncertain wear coefficient, or a value that scatters.
     """
@@ -292,7 +293,7 @@ def _prior(scene: Scene, friction: str) -> Prior:
 
     friction: name of the uncertain friction; if empty, friction is known.
     """
-    x = Normal(0.0, 0.0)  # without a coefficient of friction, on which no curve depends then
+    x = Normal(0.0, 0.0)  # of a known film friction, over which no curve varies
     if friction:
         x = _log_normal(scene, friction)
     elif scene.friction.ball_race:
@@ -315,8 +316,8 @@ def _wear_names_of_batch(scene: Scene) -> list[str]:
 def _log_normal(scene: Scene, name: str) -> Normal:
     """Returns mean and standard deviation of the natural logarithm of an uncertain value.
 
-    The value is in the unit of its name. Of a distribution that is not lognormal, they are those of
-    values at evenly spaced probabilities.
+    The value is in the unit of its name. Unless the distribution is lognormal, they are estimated
+    from its quantiles at evenly spaced probabilities.
     """
     distribution = (scene.uncertainty or {})[name]
     if distribution.distribution == "lognormal":
@@ -356,7 +357,7 @@ def _curve_at(
 def _observation(test: BearingTest, curve: Curve, row: str) -> Observation:
     """Returns the logarithm of a test's result, with its model and its scatter.
 
-    The result is a torque [N m], or a time [h]: that of a loss or a preload is the result, too.
+    The result is a torque [N m] or a time [h], such as that until a loss or a residual preload.
 
     row: file and row, which an error names. CaseFileError: nothing of the test scatters.
     """
@@ -386,9 +387,9 @@ def _curve(
 ) -> Curve:
     """Returns the logarithm of the life or torque of a scene over ln mu, and its scatter.
 
-    Solves the results at `_NODES` Chebyshev points over `_SPAN`, interpolates between those that
-    have one, and checks the interpolation at further points. If friction is known, the curve is
-    constant, of one result.
+    Solves results at Chebyshev points within `_SPAN` standard deviations, interpolates between
+    those that have one, and checks the interpolation at further points. If friction is known, the
+    curve is constant, of one result.
 
     x: prior of ln mu.
     friction: name of the uncertain friction; if empty, friction is known.
@@ -399,7 +400,9 @@ def _curve(
     if not friction:
         (constant,) = result.logs(scene, [], np.empty((1, 0)), workers)
         batch = _batch_scatter(scene, result, _existing_log(constant), workers)
-        return Curve(lambda x: np.full(len(x), constant + batch.mean), 0.0, batch.deviation)
+        return Curve(
+            lambda log_mu: np.full(len(log_mu), constant + batch.mean), 0.0, batch.deviation
+        )
     nodes = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]  # Chebyshev points
     checked = np.linspace(-_CHECKED_UP_TO, _CHECKED_UP_TO, _CHECKED)
     positions = x.mean + _SPAN * x.deviation * np.concatenate([nodes, checked])
@@ -412,10 +415,10 @@ def _curve(
     error = float(np.nanmax(errors)) if np.isfinite(errors).any() else math.nan
     first, last = node_positions[is_solved][[0, -1]]
 
-    def model(x: np.ndarray) -> np.ndarray:
+    def model(log_mu: np.ndarray) -> np.ndarray:
         """Returns the interpolated logarithms; beyond the solved points, straight lines."""
-        inside = np.clip(x, first, last)
-        return line(inside) + line.derivative()(inside) * (x - inside) + batch.mean
+        inside = np.clip(log_mu, first, last)
+        return line(inside) + line.derivative()(inside) * (log_mu - inside) + batch.mean
 
     return Curve(model, error, batch.deviation)
 
@@ -495,9 +498,9 @@ _TORQUE = _Result("torque", _log_torques, depends_on_wear=False)
 def _batch_scatter(scene: Scene, result: _Result, log_median: float, workers: int) -> Normal:
     """Returns mean and deviation within a batch of the logarithm of a result, less `log_median`.
 
-    Values that scatter within a batch vary: those of wear by their distribution, others by
-    `_SAMPLES` results. Results that are zero or not solved are left out; if all are, wear varies
-    alone.
+    Values that scatter within a batch vary: those of wear by their distributions, others in a
+    sample of `_SAMPLES` results. Results that are zero or not solved are left out; if all are, wear
+    varies alone.
 
     log_median: logarithm of the result of the median bearing.
     """

@@ -105,8 +105,8 @@ def calibration_dataset(
     wear_over_hardness: K_s/H of the scene before the tests [m2/N].
     stages: the distribution of friction and K_s/H before and after the tests.
     life: logarithm of the life [h] over ln mu.
-    scatter, error: standard deviation of the log life of the scene within a batch, and the largest
-        error of its interpolation and those for the tests.
+    scatter: standard deviation of the log life of the scene within a batch.
+    error: largest error of log lives and torques that are interpolated between frictions.
     observations, probabilities: what the posterior uses of each test, and its probability given
         the others.
     """

@@ -72,9 +72,9 @@ def calibration_sheet(file: Any) -> Document:
     if _has_uncertain_friction(file):
         intervals = _stage_intervals(file, "friction_interval")
         rows.insert(0, Row(f"{words}, 90 % of batches", unit, intervals))
+    tests = "1 test" if calibration["rows"] == 1 else f"{calibration['rows']} tests"
     heading = (
-        f"{scene['name']}: calibrated with {calibration['rows']} "
-        f"test{'s' * (calibration['rows'] > 1)} from {calibration['tests']} (SHA-256 "
+        f"{scene['name']}: calibrated with {tests} from {calibration['tests']} (SHA-256 "
         f"{calibration['sha256'][:12]})",
         *(f"conflict: {sentence}" for sentence in conflict_sentences),
     )
@@ -88,7 +88,7 @@ def calibration_sheet(file: Any) -> Document:
 
 
 def _friction_words_and_unit(scene: Mapping[str, Any]) -> tuple[str, str]:
-    """Returns what friction is called in a scene, a film's shear strength or not, and its unit."""
+    """Returns what a scene has as friction, `friction` or `film shear strength`, and its unit."""
     if "ball_race" in scene["friction"]:
         return "friction", ""
     return "film shear strength", "MPa"

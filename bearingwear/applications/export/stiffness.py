@@ -83,8 +83,7 @@ class StiffnessOverSpeed:
                 raise NotExported(f"{speed:g} r/min: {result.status}: {result.reason}")
             matrices.append(result.values["stiffness_matrix"].reshape(-1, 5, 5))
         tandem = scene.pair.tandem if scene.pair is not None else (1,)
-        in_tandem = np.array(tandem)[: len(matrices[0]), None, None]
-        return cls(scene, speeds, np.array(matrices) * in_tandem)
+        return cls(scene, speeds, np.array(matrices) * np.array(tandem)[:, None, None])
 
     def ross_matrices(self, bearing: int = 1, tilt: str = "held") -> np.ndarray:
         """Returns the stiffness (speeds, 3, 3) of a bearing along ROSS's x, y and z [N/m].
@@ -129,7 +128,7 @@ class StiffnessOverSpeed:
     def effective_arm(self, bearing: int = 1) -> float:
         """Returns the axial distance from the bearing at which a radial force causes no tilt [m].
 
-        The mean over the speeds, positive towards the point where the contact lines meet the axis.
+        It is the mean over the speeds, towards the point where the contact lines meet the axis.
         At a rotor node there, displacement and tilt are not coupled.
         """
         K = self.matrices[:, bearing - 1]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def launch_command(args: argparse.Namespace) -> int:
     """Prints the sheet of the bearings of a rotor at launch, and returns SUCCESS.
 
-    That is so also if they gap or dent. SceneError: the scene lacks what a launch requires.
+    It does so even if they gap or dent. SceneError: the scene lacks what a launch requires.
     """
     from bearingwear.applications.launch.sheet import launch_document
     from bearingwear.lives.margin import launched_by_wear

@@ -71,7 +71,7 @@ def launch_dataset(scene: Scene, states: Mapping[str, LaunchResult]) -> xr.Datas
 def _launch_row(state: LaunchResult) -> dict[str, Any]:
     """Returns the values of one state of wear by the names of `LAUNCH` [SI].
 
-    Those of a load are lists (loads,), those of a bearing lists of lists (loads, 2).
+    Values of each load are lists (loads,), values of each bearing lists of lists (loads, 2).
     """
     row: dict[str, Any] = {
         "axial_acceleration": GRAVITY * state.axial_g,

@@ -22,7 +22,7 @@ from bearingwear.scene.new.minimum_preload import minimum_preload_lines
 from bearingwear.scene.requirements import Launch
 from bearingwear.solvers.bearing.launch import LaunchLoad, LaunchResult, RestingBearing
 
-_UM, _MM, _GPA = 1e6, 1e3, 1e-9
+_UM, _MRAD, _GPA = 1e6, 1e3, 1e-9
 _ROUNDING = 1e-9
 """Magnitude below which a number is only rounding, in each unit of these tables."""
 _NEW_ONLY = "new bearings only: without an end of life that can be computed, wear is not known"
@@ -97,9 +97,9 @@ def _states_with_load_blocks(states: Mapping[str, LaunchResult]) -> list[str]:
 
 
 def _vibration_lines(scene: Scene, states: Mapping[str, LaunchResult]) -> list[str]:
-    """Returns lines on rotor and accelerations, and on how random vibration became the latter.
+    """Returns lines on the rotor, its accelerations and, for random vibration, their computation.
 
-    One says so where only new bearings were computed.
+    If only new bearings were computed, a line says so.
     """
     arrangement, launch = scene.arrangement, scene.launch or Launch()
     assert arrangement is not None
@@ -117,7 +117,8 @@ def _vibration_lines(scene: Scene, states: Mapping[str, LaunchResult]) -> list[s
         lines.append(_NEW_ONLY)
     if launch.axial_density_g2_Hz is not None or launch.radial_density_g2_Hz is not None:
         frequencies = _natural_frequencies(states.values())
-        axial_Hz, radial_Hz = (span(float(state[k]) for state in frequencies) for k in range(2))
+        axial_Hz = span(float(axial) for axial, _, _ in frequencies)
+        radial_Hz = span(float(radial) for _, radial, _ in frequencies)
         largest = "three sigma"
         if launch.duration_s > 0.0:
             largest = f"the largest expected in {launch.duration_s:g} s, at least three sigma"
@@ -185,7 +186,7 @@ def _rotor_rows(loads: Sequence[LaunchLoad]) -> list[Row]:
     for label, unit, name, value_of in (
         ("axial shift", "um", "shift", lambda rotor: _UM * rotor.shift),
         ("radial shift", "um", "across", lambda rotor: _UM * rotor.across),
-        ("tilt", "mrad", "tilt", lambda rotor: _MM * rotor.tilt),
+        ("tilt", "mrad", "tilt", lambda rotor: _MRAD * rotor.tilt),
         ("spring extension", "um", "slide", lambda rotor: _UM * rotor.slide),
         ("force on the stop", "N", "on_stop", lambda rotor: rotor.on_stop),
     ):

@@ -82,7 +82,7 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
 def changed_record(record: Any, part: Part, changes: Mapping[tuple[str, ...], Any]) -> Any:
     """Returns a checked record with some values replaced, which alone are checked.
 
-    part: where the record stands.
+    part: describes the record.
     changes: new values by their paths below the record, `("bearing", "ball_count")`.
 
     ValueError: a value that does not fit, or a path that does not lead to one; `checked_data` of
@@ -110,7 +110,7 @@ def _changed_items(
 ) -> dict[str, Any]:
     """Returns the changed items of a mapping, such as a material; ValueError for a new name.
 
-    part: where each item stands.
+    part: describes each item.
     """
     if missing := [name for name in changes_by_name if name not in mapping]:
         raise ValueError(f"{missing[0]}: got changes of what the mapping does not have")
@@ -130,7 +130,7 @@ def _changed_value(value: Any, part: Part, changes: Mapping[tuple[str, ...], Any
 
 
 def _checked_value(value: Any, part: Part) -> Any:
-    """Returns a value of the type of its field. ValueError: it does not fit, or omits its key."""
+    """Returns a checked value in the type of its field. ValueError: it is None or does not fit."""
     if value is None:
         raise ValueError("got no value")
     plain = _plain_copy(value, "", 0, part)
@@ -227,7 +227,9 @@ def _misfit(priority: int, value: Any, part: Part, path: str) -> Fault:
 
 
 def misfit_words(value: Any, part: Part, key: str = "") -> str:
-    """Returns words for a value that a part does not take: what it takes, and what was meant.
+    """Returns the problem of a value that a part does not take: `got -1, expected a number > 0`.
+
+    It also names the value, unit or choice that was probably meant.
 
     key: the name of the key, without its block.
     """
@@ -238,7 +240,7 @@ def misfit_words(value: Any, part: Part, key: str = "") -> str:
 
 
 def option_misfit(text: str, part: Part, key: str = "") -> str:
-    """Returns words for the text of an option that a part does not take, and what it takes.
+    """Returns the problem of an option whose text its part does not take, as `misfit_words`.
 
     key: the name of the key that the option sets, without its block.
     """
@@ -252,7 +254,7 @@ def option_misfit(text: str, part: Part, key: str = "") -> str:
 def _note(value: Any, part: Part, key: str) -> str:
     """Returns the unit of a part and the unit or choice that was probably meant, for a message.
 
-    It is "" where there is neither.
+    It is "" if there is neither.
 
     key: the name of the key, without its block.
     """
@@ -270,7 +272,7 @@ def _note(value: Any, part: Part, key: str) -> str:
 
 
 def _in_brackets(unit: str, advice: str) -> str:
-    """Returns a unit and advice on a value in brackets; "" without both."""
+    """Returns a unit and advice on a value in brackets; "" if there is neither."""
     unit = "" if unit in ("1", "-", "as the value") else unit
     words = "; ".join(filter(None, (unit, advice)))
     return f" ({words})" if words else ""
@@ -287,11 +289,11 @@ FORMER_KEYS = {
 def _block_faults(values: Mapping[str, Any], block: Part, path: str, file: Part) -> Iterator[Fault]:
     """Yields unknown and missing keys of a block, and what is wrong with its values.
 
-    A missing key is not reported beside an unknown one, which may be it mistyped.
+    Beside an unknown key, no missing one is reported: the unknown key may be that one, mistyped.
 
     values: those of the block, by its keys.
     path: of the block in the file.
-    file: record of the whole file, as of `_faults`.
+    file: record of the whole file, as for `_faults`.
     """
     unknown = [name for name in values if name not in block.below]
     for name in unknown:
@@ -336,25 +338,27 @@ def _advice(unknown: str, values: Mapping[str, Any], block: Part, file: Part) ->
 def _similar_keys(unknown: str, file: Part) -> list[str]:
     """Returns the whole keys of a file whose last part is most like an unknown key.
 
-    Of several with the same last part, they are those in the fewest blocks. Empty if none is alike.
+    Of several with the same last part, only those in the fewest blocks count. There may be none.
     """
     paths_by_name: dict[str, list[str]] = {}
     for path, part in keys(file):
         if part.kind != "block" and ".NAME" not in path and "[]" not in path:
             paths_by_name.setdefault(path.rpartition(".")[2], []).append(path)
-    for name in difflib.get_close_matches(unknown, paths_by_name, n=1, cutoff=0.8):
-        least_depth = min(path.count(".") for path in paths_by_name[name])
-        return [path for path in paths_by_name[name] if path.count(".") == least_depth]
-    return []
+    similar = difflib.get_close_matches(unknown, paths_by_name, n=1, cutoff=0.8)
+    if not similar:
+        return []
+    paths = paths_by_name[similar[0]]
+    least_depth = min(path.count(".") for path in paths)
+    return [path for path in paths if path.count(".") == least_depth]
 
 
 _SHORTEST_STEM = 3  # characters of a key without its unit, by which another is found
 
 
 def _in_its_unit(unknown: str, value: Any, block: Part) -> str:
-    """Returns the key of a block that is meant by one with another unit; "" if there is none.
+    """Returns the key that is meant by one in another unit, with its value; "" if there is none.
 
-    The value of `preload_lbf: 30` is converted: `preload_N: 133.45`.
+    For `preload_lbf: 30` it is `preload_N: 133.45`, for `preload_lbf: x` it is `preload_N, in N`.
     """
     for underscore in re.finditer("_", unknown):
         stem = unknown[: underscore.start()]
@@ -379,7 +383,7 @@ def _is_stem_with_unit(name: str, stem: str, unit: str) -> bool:
 
 
 def _is_name(name: str, mapping: Part) -> bool:
-    """Whether a mapping may have a name."""
+    """Whether a mapping allows an item of this name."""
     if mapping.key.names:
         return name in mapping.key.names
     return mapping.item.kind == "any" or bool(re.search(NAME, name))
@@ -438,7 +442,8 @@ def _hint(value: Any, part: Part) -> str:
         number = math.nan
     if not math.isfinite(number):
         hint = number_hint(value, part.item.unit if part.key.single else part.unit)
-        return f", text, not a number{f' ({hint})' if hint else ''}"
+        in_brackets = f" ({hint})" if hint else ""
+        return f", text, not a number{in_brackets}"
     is_whole = number == int(number) and abs(number) < 1e9
     return f", text, not a number (write {int(number) if is_whole else yaml_number(number)})"
 

@@ -110,7 +110,8 @@ def number_hint(text: str, unit: str = "") -> str:
     unit: that the number should have; "" where it is not known.
     """
     if re.fullmatch(r"[-+]?\d{1,3}(,\d{3})+(\.\d*)?", text):
-        as_decimal = f" or {float(text.replace(',', '.')):g}" if text.count(",") == 1 else ""
+        may_be_decimal = text.count(",") == 1 and "." not in text
+        as_decimal = f" or {float(text.replace(',', '.')):g}" if may_be_decimal else ""
         return f"write {text.replace(',', '')}{as_decimal}, without a comma"
     if re.fullmatch(r"[-+]?\d*,\d+([eE][-+]?\d+)?", text):
         return f"write {text.replace(',', '.')}, with a decimal point"
@@ -133,7 +134,8 @@ def _unit_hint(number: float, typed: str, unit: str) -> str:
     """
     value = converted(number, typed, unit or "1")
     if value is None:
-        return f"write the number alone{f', in {unit}' if unit not in ('', '1', '-') else ''}"
+        in_unit = "" if unit in ("", "1", "-") else f", in {unit}"
+        return f"write the number alone{in_unit}"
     if typed == "%":
         return f"write {value:.6g}, as a share"
     if value == number:
@@ -197,7 +199,7 @@ SYNONYMS = {
 
 
 def synonym(typed: str, choices: Iterable[str]) -> str | None:
-    """Returns the choice that people mean by a text which is none; None if no choice is known."""
+    """Returns the choice that people mean by another text; None if no choice is known for it."""
     return next((choice for choice in choices if typed in SYNONYMS.get(choice, ())), None)
 
 

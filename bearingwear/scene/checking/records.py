@@ -64,8 +64,9 @@ class Key:
     @property
     def ends(self) -> tuple[float, float]:
         """Returns the least and largest number; an end without a bound is infinite."""
-        low, high = map(float, (self.within[1:-1] or "-inf, inf").split(","))
-        return low, high
+        interval = self.within[1:-1] or "-inf, inf"
+        low, high = interval.split(",")
+        return float(low), float(high)
 
     @functools.cached_property
     def bounds(self) -> dict[str, float]:

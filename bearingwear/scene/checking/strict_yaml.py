@@ -135,11 +135,12 @@ _NO_COLON = re.compile(r"([a-z_]+)\s*(?:#.*)?")
 def _mistyped_line(lines: Sequence[str], index: int) -> str:
     """Returns what is probably wrong with a line, or with one of the two before it; "" if unclear.
 
-    YAML finds a key without colon or space only at the next key.
+    YAML finds a key without colon or space only at the next key. Empty lines do not count.
 
-    index: of the line where YAML finds the fault.
+    index: of the line where YAML finds the fault, which may be behind the last one.
     """
-    nearby = [k for k in range(index, -1, -1) if k < len(lines) and lines[k].strip()][:3]
+    last = min(index, len(lines) - 1)
+    nearby = [k for k in range(last, -1, -1) if lines[k].strip()][:3]
     for k in nearby:
         line, number = lines[k], k + 1
         if match := _EQUALS.fullmatch(line.partition("#")[0].rstrip()):

@@ -50,7 +50,7 @@ _DIMENSIONS: dict[str, dict[str, float]] = {
     "m/s": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6},
     "1": {"1": 1.0, "%": 1e-2},
 }  # fmt: skip
-"""Units by the one of a scene that they are typed for, each with its size in it."""
+"""Units that may be typed in place of a scene's unit, by that unit, each with its size in it."""
 
 for _unit, _base, _factor in (("um", "mm", 1e3), ("MPa", "GPa", 1e3), ("s", "h", 3600.0)):
     _DIMENSIONS[_unit] = {name: size * _factor for name, size in _DIMENSIONS[_base].items()}
@@ -73,7 +73,7 @@ _CONFUSED = {
 """Units that are confused with that of a scene, the likeliest first."""
 
 _CONFUSED_AT = {"brinell_hardness_GPa": ("HB", "MPa")}
-"""The same, of keys for which others are likelier."""
+"""Confused units of keys, by their names, for which others than in `_CONFUSED` are likelier."""
 
 
 def converted(value: float, typed: str, unit: str) -> float | None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from bearingwear.scene.checking.check import fits, misfit_words
@@ -115,7 +115,7 @@ class Origin:
 
     @property
     def note(self) -> str:
-        """Returns the comment beside it."""
+        """Returns the comment that follows the number in a scene file."""
         if not self.rule:
             return "# given"
         return f"# assumed: {self.rule}" if self.assumed else f"# {self.rule}"
@@ -197,9 +197,9 @@ def numbers_of(
     preload_method: str = "constant_force",
     has_film: bool = False,
 ) -> dict[str, Origin]:
-    """Returns every number of `OPTIONS` by its key of the scene, with where it comes from.
+    """Returns geometry, preload, speed and friction by key of the scene, each with its origin.
 
-    That is the user, a catalogue, or a rule.
+    An origin is the user, a catalogue, or a rule.
 
     size: an angular contact bearing, unless it is a deep groove one or a contact angle of 0 is
         given.
@@ -292,10 +292,10 @@ def _usual_preload(
 ) -> Origin:
     """Returns the preload [N] that is given, else that of a class.
 
-    The class is the option's, that of a letter in the designation, or that of `_class_preload`.
+    The class is that of the option, else of a letter in the designation, else a usual one.
 
     given: values of the user by key of the scene.
-    preload_class: that of the option; None without it.
+    preload_class: of the option `--preload-class`; None without it.
     area: that of `_class_area` [mm2].
     """
     if _PRELOAD in given:
@@ -386,10 +386,11 @@ def _usual_speed(
 
 
 def grooves_of(size: Designation) -> tuple[Origin, Origin]:
-    """Returns the factors of the inner and the outer groove, with where they come from."""
+    """Returns the factors of the inner and the outer groove, each with its origin."""
     if size.entry is not None and size.entry.grooves:
-        inner, outer = map(Origin, size.entry.grooves, MAKERS[size.entry.maker].groove_rules)
-        return replace(inner, assumed=False), replace(outer, assumed=False)
+        inner, outer = size.entry.grooves
+        inner_rule, outer_rule = MAKERS[size.entry.maker].groove_rules
+        return Origin(inner, inner_rule, assumed=False), Origin(outer, outer_rule, assumed=False)
     factors, rule = GROOVES, "the largest factor for which ISO 281 load ratings apply"
     if not size.name and size.bore < SMALL_BORE:
         factors = INSTRUMENT_GROOVES

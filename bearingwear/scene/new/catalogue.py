@@ -80,7 +80,7 @@ class CatalogueBearing(NamedTuple):
     outside: float
     width: float
     balls: int
-    ball: float
+    ball: float  # diameter
     source: str
     pitch: float | None  # pitch diameter, where it is printed
     grooves: tuple[float, float] | None  # inner and outer groove factor
@@ -100,10 +100,8 @@ class CatalogueBearing(NamedTuple):
     def speed_factor(self, method: str, preload: float) -> tuple[float, str]:
         """Returns the allowed speed over that under a light spring, and the class of preload.
 
-        Under a spring, they are 1 and "".
-
-        In a fixed position the lightest class of at least that preload counts; above all classes,
-        or where no class is printed, the heaviest.
+        Under a spring, they are 1 and "". In a fixed position, the class is the lightest of at
+        least that preload, or the heaviest if the preload is above all classes or none is printed.
 
         method, preload: of a scene [N].
         """
@@ -262,7 +260,7 @@ def _longest_match(
 ) -> tuple[list[CatalogueBearing], str]:
     """Returns the bearings of the longest name that a designation begins with, and the rest of it.
 
-    Names that end with a word of the designation come first. Without any, no bearings and "".
+    Names that end with a word of the designation come first. Without a name, they are [] and "".
 
     words: of the designation, in capitals.
     entries_by_name: bearings of a maker by their designations without separators.
@@ -302,7 +300,7 @@ def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
     maker, name = bearing.get("maker"), bearing.get("designation")
     if maker not in MAKERS or not name:
         return None
-    entries = [e for e in bearings() if e.maker == maker and e.designation == name]
+    entries = [entry for entry in bearings() if (entry.maker, entry.designation) == (maker, name)]
     angle = bearing["contact_angle_deg"]
     return min(entries, key=lambda entry: abs(entry.angle - angle), default=None)
 
@@ -357,9 +355,9 @@ def bearings_table(maker: str, series: str = "") -> list[str]:
         raise SceneError("", problem, source=f"--list {maker}")
     classes = MAKERS[maker].classes
     heads = [
-        *("designation", "angle", "bore", "outside", "width", "balls", "mm", "", *classes),
-        *("grease", "oil"),
-    ]
+        "designation", "angle", "bore", "outside", "width", "balls", "mm", "", *classes, "grease",
+        "oil",
+    ]  # fmt: skip
     widths = "{:<12}{:>6}{:>6}{:>8}{:>7}{:>7}{:>9} {:<11}" + "{:>7}" * len(classes) + "{:>9}{:>9}"
     title = (
         f"{MAKERS[maker].source}; preload classes in N, speed limits with grease and oil in r/min"

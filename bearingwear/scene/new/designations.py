@@ -156,23 +156,24 @@ def designation_of(text: str) -> Designation:
     """
     upper_text = text.strip().upper()
     if len(upper_text) > LONGEST_DESIGNATION:
-        raise _unknown(text, ALLOWED)
+        raise _unknown_error(text, ALLOWED)
     for maker_designation in (_gmn_spindle, _nsk_robust):
         if (spindle := maker_designation(upper_text)) is not None:
             return spindle
     match = re.fullmatch(
         rf"(?P<prefix>[A-Z\d]*?)[\s/_-]*{_NUMBER}(?P<rest>[A-Z\d\s/_.-]*)", upper_text
     )
-    size = match and _size(match["series"], match["code"])
-    if not match or not size:
+    size = _size(match["series"], match["code"]) if match else None
+    if match is None or size is None:
         _check_ntn_series(text)
-        raise _unknown(text, ALLOWED)
+        raise _unknown_error(text, ALLOWED)
     parts = _Parts(**match.groupdict())
     similar_spindles = _gmn_names(upper_text, parts.prefix)
     _check_letters(text, parts, similar_spindles)
-    suffix, ignored = (_clearance_suffix if parts.is_deep_groove else _angle_suffix)(parts.rest)
+    read_suffix = _clearance_suffix if parts.is_deep_groove else _angle_suffix
+    suffix, ignored = read_suffix(parts.rest)
     if ignored is None:
-        raise _unknown(text, _allowed_suffixes(parts, similar_spindles))
+        raise _unknown_error(text, _allowed_suffixes(parts, similar_spindles))
     name = f"{parts.number}{suffix}"
     letters = letters_of(parts.prefix, ignored, PAIR_ALONE if parts.is_deep_groove else PAIR)
     if parts.is_deep_groove:
@@ -194,22 +195,22 @@ def designation_of(text: str) -> Designation:
 def _check_letters(text: str, parts: _Parts, similar_spindles: str) -> None:
     """Raises SceneError for letters before a number that no maker uses, or a second number.
 
-    Also for S or SS before the number of a deep groove bearing, which may mean one of GMN instead.
+    It also refuses S or SS before the number of a deep groove bearing, which may be one of GMN.
 
     similar_spindles: names of GMN's bearings of that prefix; "" if it is none of its series.
     """
     if similar_spindles and parts.prefix != "S":
-        raise _unknown(text, f"{similar_spindles} (GMN spindle bearings)")
+        raise _unknown_error(text, f"{similar_spindles} (GMN spindle bearings)")
     if not re.fullmatch(_PREFIX, parts.prefix):
         prefixes = (
             "B, S, HS, HSS, RS, W, SS, HC, HCB, HCS, XC, XCB, XCS, HY, CB, CH, 5S or 3NC before "
             "the number; or --bore, --outside and --contact-angle"
         )
-        raise _unknown(text, f"no letters or {prefixes}")
+        raise _unknown_error(text, f"no letters or {prefixes}")
     has_suffix = bool(parts.rest.strip(" /_-."))
     if parts.is_deep_groove and parts.prefix in ("S", "SS") and not has_suffix:
         spindle = f"{parts.prefix}{parts.number} C or E (GMN spindle bearing)"
-        raise _unknown(text, f"{parts.number} (deep groove), or {spindle}")
+        raise _unknown_error(text, f"{parts.number} (deep groove), or {spindle}")
     if re.search(r"(?<!\d)[67]\d{2,4}(?!\d)", parts.rest):
         raise SceneError("", f"got {shown(text)}, expected one", source="designation")
 
@@ -217,7 +218,7 @@ def _check_letters(text: str, parts: _Parts, similar_spindles: str) -> None:
 def _allowed_suffixes(parts: _Parts, similar_spindles: str) -> str:
     """Returns what is allowed after the number of a designation, in words.
 
-    similar_spindles: as for `_check_letters`.
+    similar_spindles: names of GMN's bearings of that prefix; "" if it is none of its series.
     """
     suffixes = CLEARANCES if parts.is_deep_groove else tuple(ANGLES)
     allowed = f"{parts.number} alone, or with {', '.join(suffixes)}"
@@ -239,7 +240,7 @@ def _check_ntn_series(text: str) -> None:
     if match and _size(_NTN_SIZES[match["series"]], match["code"]):
         name = f"{_NTN_SIZES[match['series']]}{match['code']}"
         balls = "--balls, --ball-diameter and --contact-angle of NTN's high-speed series"
-        raise _unknown(text, f"{name} with {balls}")
+        raise _unknown_error(text, f"{name} with {balls}")
 
 
 def _gmn_names(designation: str, prefix: str) -> str:
@@ -261,7 +262,7 @@ def _gmn_spindle(designation: str) -> Designation | None:
     series = _GMN_SIZES.get(parts.number[:-2])
     if series is None:
         similar = ", ".join(nearest_names("GMN", parts.name))
-        raise _unknown(designation, f"{similar} (GMN spindle bearings)")
+        raise _unknown_error(designation, f"{similar} (GMN spindle bearings)")
     size = _size(series, parts.number[-2:])
     if size is None:
         return None
@@ -431,7 +432,7 @@ def _size(series: str, code: str) -> _Size | None:
     return _Size(bore, float(outside), float(width))
 
 
-def _unknown(text: str, allowed: str) -> SceneError:
+def _unknown_error(text: str, allowed: str) -> SceneError:
     """Returns the error of an unknown designation.
 
     It says what is allowed, or names the makers whose catalogue has the designation.

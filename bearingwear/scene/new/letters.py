@@ -218,6 +218,7 @@ def gmn_parts(designation: str) -> GmnParts | None:
         number=match["number"],
         angle=match["angle"],
         hybrid=match["hybrid"] or "",
+        # blanks around the accuracy, which the letters of a pair may follow directly
         suffix=re.sub(rf"^({GMN_CAGES})?(HG|UP|P4\+?|P2\+?|A[79])", r"\1 \2 ", match["rest"]),
     )
 

@@ -72,32 +72,37 @@ OPTIONS = (
 _BALL_RACE = "friction.ball_race"
 
 MATERIALS = {
-    "bearing_steel": "{youngs_modulus_GPa: 208, poisson_ratio: 0.3, density_kg_m3: 7800, "
-    "brinell_hardness_GPa: 6.6, wear_coefficient: 5.0e-6, thermal_expansion_1_K: 11.5e-6}",
-    "silicon_nitride": "{youngs_modulus_GPa: 310, poisson_ratio: 0.27, density_kg_m3: 3200, "
-    "brinell_hardness_GPa: 15.0, wear_coefficient: 1.0e-6, thermal_expansion_1_K: 3.2e-6}",
-    "phenolic": "{youngs_modulus_GPa: 7, poisson_ratio: 0.3, density_kg_m3: 1350, "
-    "brinell_hardness_GPa: 0.3, wear_coefficient: 1.0e-4}",
-}
+    "bearing_steel": {
+        "youngs_modulus_GPa": "208", "poisson_ratio": "0.3", "density_kg_m3": "7800",
+        "brinell_hardness_GPa": "6.6", "wear_coefficient": "5.0e-6",
+        "thermal_expansion_1_K": "11.5e-6",
+    },
+    "silicon_nitride": {
+        "youngs_modulus_GPa": "310", "poisson_ratio": "0.27", "density_kg_m3": "3200",
+        "brinell_hardness_GPa": "15.0", "wear_coefficient": "1.0e-6",
+        "thermal_expansion_1_K": "3.2e-6",
+    },
+    "phenolic": {
+        "youngs_modulus_GPa": "7", "poisson_ratio": "0.3", "density_kg_m3": "1350",
+        "brinell_hardness_GPa": "0.3", "wear_coefficient": "1.0e-4",
+    },
+}  # fmt: skip
 
 
 def _materials(wear: float | None) -> dict[str, str]:
-    """Returns `MATERIALS`, in which steel and silicon nitride have a common K_s/H [m2/N].
+    """Returns the block of each of `MATERIALS` as YAML in one line.
 
-    wear: that K_s/H; None leaves the wear coefficients of the table.
+    wear: K_s/H of steel and silicon nitride [m2/N]; None leaves their wear coefficients.
     """
-    if wear is None:
-        return MATERIALS
-    materials = dict(MATERIALS)
-    for name in BALL_MATERIALS:
-        text = materials[name]
-        _, _, after_key = text.partition("brinell_hardness_GPa: ")
-        hardness = 1e9 * float(after_key.partition(",")[0])
-        coefficient = yaml_number(float(f"{wear * hardness:.3g}"))
-        materials[name] = re.sub(
-            r"wear_coefficient: [\de.+-]+", f"wear_coefficient: {coefficient}", text
-        )
-    return materials
+    blocks = {}
+    for name, properties in MATERIALS.items():
+        written = dict(properties)
+        if wear is not None and name in BALL_MATERIALS:
+            hardness = 1e9 * float(properties["brinell_hardness_GPa"])
+            written["wear_coefficient"] = yaml_number(float(f"{wear * hardness:.3g}"))
+        pairs = ", ".join(f"{key}: {text}" for key, text in written.items())
+        blocks[name] = f"{{{pairs}}}"
+    return blocks
 
 
 class _NewScene(NamedTuple):
@@ -132,7 +137,7 @@ def scene_text(
     lubrication: str | None = None,
     pair: str | None = None,
 ) -> tuple[str, list[str]]:
-    """Writes a commented scene file as text, and a line for each assumption in it.
+    """Returns the text of a commented scene file, and a line for each assumption in it.
 
     bore, outside: diameters [mm], unless a designation says them.
     given: other values by key of the scene (those of `OPTIONS`), in its units.
@@ -142,11 +147,13 @@ def scene_text(
         60.
     clearance: radial clearance of a deep groove bearing: a group of `CLEARANCES`, or the clearance
         [um].
+    preload_class: of the maker, or of `assumed.PRELOAD_CLASSES`; None for the usual one.
+    maker: of `catalogue.MAKERS`, whose catalogue has the designation.
     lubrication: of `coefficients.LUBRICATIONS`: wear, friction and their spread come from its
         sources.
     pair: of `PAIR_KINDS`: two of these bearings on one rotor, with the preload method of that pair.
 
-    Returns: the text, to be checked by `checked_scene`, and the lines.
+    `checked_scene` checks the text.
     SceneError: one line that names the option, what was given and what is allowed.
     """
     angle = given.get("bearing.contact_angle_deg")
@@ -216,7 +223,7 @@ def _rubbing(
 ) -> Rubbing:
     """Returns the coefficients of a lubrication.
 
-    SceneError: no source has any for the ball material, or a film with a given friction.
+    SceneError: no source has any for the ball material, or friction is given beside a film.
 
     given: values of the user by key of the scene.
     """
@@ -296,12 +303,12 @@ def _comparison_line(entry: CatalogueBearing, D: float, Z: int) -> str:
     )
 
 
-def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
+def write_scene(path: str | os.PathLike[str], **arguments: Any) -> list[str]:
     """Writes the text of `scene_text` to a new file, and returns its lines on assumptions.
 
     The scene has no name of its own, so a copy is named as its file.
 
-    **known: parameters of `scene_text` except the name.
+    **arguments: parameters of `scene_text` except the name.
 
     OutputError: the file's name is no name of a scene, it is there already, or cannot be
     written.
@@ -312,7 +319,7 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     if path.suffix not in SCENE_SUFFIXES or not re.search(NAME, path.stem):
         problem = f"got this name, expected NAME.yaml, where NAME consists of {NAME_RULE}"
         raise OutputError(f"{path}: {problem}")
-    text, assumed = scene_text("", **known)
+    text, assumed = scene_text("", **arguments)
     checked_scene(text)
     if "\0" not in str(path) and os.path.lexists(path):
         raise OutputError(
@@ -335,7 +342,7 @@ class UsualLimits(NamedTuple):
 
 
 def usual_limits(scene: Scene) -> UsualLimits:
-    """Returns requirements that a bearing with its preload at rest about satisfies.
+    """Returns requirements that a bearing at rest, with its preload, roughly satisfies.
 
     The axial stiffness is that of one steel bearing, by the approach 0.00044
     (Q^2/D)^(1/3)/sin(alpha) of the rings [N, mm], as makers' catalogues have it (NSK, Rolling
@@ -371,7 +378,7 @@ def _filled_template(name: str, scene: _NewScene) -> str:
     D, dm, Z = _balls(numbers)
     gap = dm * math.sin(math.pi / Z) - D  # between neighbouring balls
     return _template().render(
-        name=name and json.dumps(name),  # quoted: 7008, true and null are names, too
+        name=json.dumps(name) if name else "",  # quoted: 7008, true and null are names, too
         size=size,
         line=lambda key: _line(key, numbers[key]),
         rounded=lambda value: yaml_number(rounded_to(value, 4)),
@@ -401,7 +408,7 @@ def _filled_template(name: str, scene: _NewScene) -> str:
 
 
 def _seat_range(bore: float) -> str:
-    """Returns words on the usual seat of a spindle bearing; "" for a bore beyond the table.
+    """Returns a clause on the interference of a usual seat; "" for a bore beyond the table.
 
     bore: [mm].
     """
@@ -480,5 +487,6 @@ def checked_scene(text: str, note: str = "") -> Scene:
         return scene_from_dict(data | {"description": f"{data['description']} {note}"})
     except SceneError as error:
         # bore and outside diameter decide what no option names
-        option = next(filter(None, map(_option, (error.key, *error.involved))), "--bore, --outside")
+        options = [_option(key) for key in (error.key, *error.involved)]
+        option = next(filter(None, options), "--bore, --outside")
         raise SceneError(error.key, error.problem, error.involved, option) from None
