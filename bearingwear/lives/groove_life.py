@@ -159,8 +159,8 @@ def life_groove_values(life: Life) -> dict:
 def groove_values(side: Worn, states: Sequence[State]) -> dict:
     """Returns result variables of the wear of one bearing along a life [SI].
 
-    Histories have the states as their first dimension, then the races (inner, outer) if they are of
-    these. The profiles of grooves and pressure are those of up to `SHOWN` states.
+    Histories have the states as their first dimension, then inner and outer race if they belong to
+    the races. The profiles of grooves and pressure are those of up to `SHOWN` states.
 
     side: solver of the bearing.
     """
@@ -193,7 +193,7 @@ def groove_values(side: Worn, states: Sequence[State]) -> dict:
 def half_lengths(point: WornPoint) -> np.ndarray:
     """Returns half of the length of both contacts along the major axis (2,) [m].
 
-    It is that of the cells with a pressure, with the whole first and last of them.
+    The length is that of the cells with a pressure, both end cells included in full.
     """
     lengths = []
     for x, pressure in zip(point.x, point.pressure, strict=True):

@@ -234,7 +234,7 @@ class InTime(Method):
     previous: Any  # the one before, if rates are smooth from there to the last; else None
     rates: Any = None  # at the last node
     rates_before: Any  # at the one before
-    nodes_by_time: dict[float, Node]  # solved ones after the last node, by their time [s]
+    nodes_by_time: dict[float, Node]  # those tried after the last node, by their time [s]
     nearest = 0.0  # `shortest`, over the longest step
 
     def is_smooth_between(self, before: Node, now: Node) -> bool:
@@ -378,13 +378,13 @@ class Trapezoid(InTime):
         return node._replace(worn=worn, states=wearing.with_worn(node.states, worn))
 
     def root(self, margin: Callable[[float], float], a: Node, b: Node) -> float:
-        """Returns an end [s] between two nodes at which a margin is about zero, by false position.
+        """Returns a time [s] between two nodes at which a margin is about zero, by false position.
 
-        margin: of a time, negative at that of node b and not at that of a; it scatters from run to
-            run, so that more accuracy than `_END_OF_RUNS` would have no meaning.
+        The search is also over after `_MOST_TRIALS` runs, or at one that fails. It returns the last
+        time whose run was solved, or that of node b. Keeps its error for `error_of_end`. A margin
+        scatters from run to run, so that a closer search would have no meaning.
 
-        Ends also after `_MOST_TRIALS`, or at a run that fails, with the last place that was solved;
-        node b is the first one. Keeps the error of the place for `error_of_end`.
+        margin: of a time; positive at that of node a, zero or negative at that of node b.
         """
         low, high, best = a.x, b.x, b.x
         low_margin, high_margin = margin(low), margin(high)

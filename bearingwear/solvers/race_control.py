@@ -363,7 +363,8 @@ def _verified_status(problem: RaceControlProblem, balance: Balance, is_balanced:
     if not is_balanced:
         return code.UNVERIFIED
     if problem.constant_force:
-        # Rounding of loads a million times as large swallows a spring's force; none is never lost.
+        # the rounding of loads a million times as large hides a spring's force; without a force of
+        # the spring, the other loads count
         force = problem.F[0] or float(np.linalg.norm(problem.F))
         if not balance.race_residual <= LARGEST_PRELOAD_ERROR * force:
             return code.BELOW_ROUNDING

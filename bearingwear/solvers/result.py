@@ -67,10 +67,10 @@ def status_sentence(status: str, scene: Mapping[str, Any]) -> str:
 def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]:
     """Returns the names of values of a solved case or life that must be finite and are not.
 
+    One bearing of a pair may lack a value that the other one has; it is then NaN.
+
     values: result variables.
     scene: as plain data, see `Result.scene`.
-
-    One bearing of a pair may lack a value that the other one has; it is then NaN.
     """
     if "end_criterion" not in values and _all_finite(values):
         return []  # this takes a tenth of the time of a look at every value

@@ -328,7 +328,7 @@ class OnRotor:
     ) -> RotorState:
         """Returns the balance of a spring pair: F_2 = F_s - k_s e for the spring's extension e.
 
-        It extends as far as both bearings give way.
+        It extends as far as both bearings allow.
 
         solve_side: returns a bearing, 0 or 1, under an axial force.
         losses: of ball diameter [m].
@@ -348,18 +348,18 @@ class OnRotor:
             if not (F_1 > 0.0 and F_2 > 0.0):
                 return code.LIFTED_OFF
             states = solve_side(0, Force(F_1)), solve_side(1, Force(F_2))
-            given_way = sum(
+            allowed_extension = sum(
                 state.place - side.mounted for state, side in zip(states, self.sides, strict=True)
             )
-            yielding = sum(
+            relative_compliance = sum(
                 k_s / (n * state.steepness)
                 for n, state in zip(a.tandem, states, strict=True)
                 if state.is_usable
             )
             return RotorTrial(
                 states=states,
-                unbalanced=k_s * (e - given_way),
-                slope=k_s * (1.0 + yielding),
+                unbalanced=k_s * (e - allowed_extension),
+                slope=k_s * (1.0 + relative_compliance),
                 scale=max(F_1, F_2),
             )
 
@@ -516,7 +516,7 @@ def pair_case(
     a = scene.pair
     side_values = [values for values, _ in cases]
     assert a is not None
-    solutions = state.sides * (2 if len(state.sides) == 1 else 1)
+    solutions = state.sides * 2 if len(state.sides) == 1 else state.sides
     resting = tuple(
         in_tandem(side.at(solution.scene).mechanics(side.start.loss, 0.0), n)
         for side, solution, n in zip(sides, solutions, a.tandem, strict=True)

@@ -349,18 +349,18 @@ class UnwornRates(NamedTuple):
     diameter_loss: float  # see `diameter_loss_rate` [m/s]
 
 
-def rates_when_new(scene: Scene, films: Films, D: float, c: np.ndarray) -> UnwornRates:
+def rates_when_new(scene: Scene, films: Films, D: float, contacts: np.ndarray) -> UnwornRates:
     """Returns the wear rates of a bearing with new surfaces.
 
     All balls are alike. Numbers are used, since NumPy takes ten times as long.
 
     D: ball diameter [m].
-    c: summary of the contacts (2, COLUMNS).
+    contacts: (2, COLUMNS) of `kernels.contact.summary`.
     """
-    major = c[:, summary.MAJOR]
-    track = c[:, summary.TRACK].tolist()
+    major = contacts[:, summary.MAJOR]
+    track = contacts[:, summary.TRACK].tolist()
     factors = unworn_factors(scene, films, major)
-    ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
+    ball_rate, race_rate = ((factor * contacts[:, summary.QV]).tolist() for factor in factors)
     loss_rate = diameter_loss_rate(scene, D, ball_rate, race_rate, major.tolist(), track)
     return UnwornRates(ball_rate, race_rate, loss_rate)
 

@@ -217,9 +217,9 @@ def acceleration_share(state: State, ramp_s: float) -> float:
 def duty_warnings(
     duty: Duty, over_duty: DutyLife, values: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
-    """Returns the warnings of a duty: balls that take much friction to accelerate, long cycles.
+    """Returns up to two warnings: of balls that take much friction to accelerate, of long cycles.
 
-    They have the form of `warnings_of`. The list is empty where neither is above its limit.
+    They have the form of `warnings_of`.
 
     values: result variables of the life.
     """

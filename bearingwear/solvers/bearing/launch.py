@@ -324,7 +324,7 @@ class RotorAtRest:
         dents_second = -self.axial_rotor.external(1, second)
         return max(min(dents_first, dents_second), 0.0)
 
-    def _energy(self, force: np.ndarray, k_s: np.ndarray, q: np.ndarray) -> "_Energy":
+    def _energy(self, force: np.ndarray, k_s: np.ndarray, q: np.ndarray) -> _Energy:
         """Returns the energy of the rotor at a position `q`, with its derivatives.
 
         force: load on the coordinates (4,) [N, N m].
@@ -631,15 +631,13 @@ def launch_values(scene: Scene, wear: Sequence[Sequence[float]] = ()) -> dict[st
     if scene.launch is not None and a.span_mm is None:
         # no loads: radial and random ones take a span
         scene = replace(scene, launch=replace(Launch(), after_wear_um=scene.launch.after_wear_um))
-    states: list[Sequence[float] | None] = list(wear[:1]) or [None]
+    states: list[Sequence[float] | None] = [wear[0] if wear else None]
     states += [wear_at_launch(scene, wear[0], end) for end in wear[1:]]
     results = [launch_result(scene, losses) for losses in states]
-    values = {
-        "opening_acceleration": GRAVITY
-        * min(FARTHEST_G, *(result.opening_g for result in results)),
-        "denting_acceleration": GRAVITY
-        * min(FARTHEST_G, *(result.denting_g for result in results)),
-    }
+    opening_g = min(FARTHEST_G, *(result.opening_g for result in results))
+    denting_g = min(FARTHEST_G, *(result.denting_g for result in results))
+    values = {"opening_acceleration": GRAVITY * opening_g}
+    values["denting_acceleration"] = GRAVITY * denting_g
     if results[0].loads:
         values["launch_gap"] = min(max(result.gap for result in results), WIDEST_GAP)
         values["launch_pressure_share"] = max(result.pressure_share for result in results)

@@ -97,7 +97,7 @@ class ThrustProblem:
         return case
 
     def _solve(self, D: float, start: np.ndarray | None, rule: Rule, fine: Rule) -> ThrustCase:
-        """Returns the steady state with a rule, and a finer one that the checks compare with."""
+        """Returns the steady state by a rule, checked by a finer one."""
         op = self.op
         u, v_start = start, op.v_r
         if u is None:

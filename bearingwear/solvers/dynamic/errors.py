@@ -42,8 +42,8 @@ def dynamic_error_estimates(
 ) -> dict[str, Any]:
     """Returns result variables of the numerical errors of a dynamic run.
 
-    Empty if the drift is not known (fewer than three turns in the window), if one of the reruns
-    fails, or if an error is infinite, see `error_values`.
+    Empty if the drift is not known (`Trend.is_known`), if one of the reruns fails, or if an error
+    is infinite, see `error_values`.
 
     The end of the last window is run again with each setting of accuracy changed. That misses the
     motion of a ball's spin axis, which takes hundreds of turns. So the steady state under the

@@ -28,6 +28,7 @@ def why_not_periodic(scene: Scene) -> str:
     has_fixed_load = any(operation.radial_load_N) or operation.tilt_mrad
     if scene.cage is not None:
         return "a cage"
+    # losses are in um, the diameter in mm
     if 1e-3 * np.ptp(scene.wear.ball_diameter_loss_um) > LIKE * scene.bearing.ball_diameter_mm:
         return "unequal ball diameters"
     if has_fixed_load and operation.rotating_load_N:

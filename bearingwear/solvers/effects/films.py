@@ -62,6 +62,7 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
 
 def _table_range(table: WearTable) -> str:
     """Returns the range of pressures and temperatures of a table, in words."""
+    # a table with a single pressure or temperature has no range of it
     pressures, temperatures = (
         " to ".join(dict.fromkeys(map(plain, values[[0, -1]])))
         for values in (table.pressure / MPA, table.temperature)

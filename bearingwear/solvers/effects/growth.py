@@ -66,7 +66,7 @@ def preload_change(scene: Scene, growth: Growth) -> float:
 def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientation: str) -> float:
     """Returns the relative change of a preload by growth at rest [1].
 
-    It is cached, because a solve asks for it several times.
+    It is cached, because a solve requires it several times.
 
     g: geometry as mounted.
     F: preload at rest, without growth [N].
@@ -275,10 +275,9 @@ def frictionless_preload(scene: Scene, growth: Growth) -> float:
 
 
 def interference_sizes(tried: Sequence[TriedFit], running: float | None) -> str:
-    """Returns the preload with fits of usual size, in words.
+    """Returns the preload without a fit and with each tried fit, in words.
 
     tried: no interference, then fits of usual size.
-
     running: preload at speed without a fit [N]; None before a solve: an estimate without the
         centrifugal force of the balls would be far too small.
     """

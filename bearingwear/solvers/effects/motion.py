@@ -130,7 +130,7 @@ def pair_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _set_preload_words(scene: Scene, a: Arrangement) -> str:
-    """Returns which force the preload of a set is, and the one of a maker's pair, in words."""
+    """Returns in words on what the preload of a set acts, and that of a pair which matches it."""
     preload = scene.operation.preload_N
     of_side = f"operation.preload_N, {preload:g} N, is the force of each side"
     if a.kind != "rigid_pair":
@@ -176,7 +176,7 @@ def ball_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _force_sentences(scene: Scene) -> Iterator[str]:
-    """Yields sentences on the forces on a ball; neglecting one saves no time (reductions.py)."""
+    """Yields sentences on the forces on a ball; neglecting one saves no time."""
     share = centrifugal_share(scene)
     size = "its magnitude is unknown before the solve"
     if not math.isnan(share):

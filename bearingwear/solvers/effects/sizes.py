@@ -78,10 +78,12 @@ def effect_sizes(chosen: Choice) -> Iterator[EffectSize]:
     yield EffectSize(
         name="cage", is_on=chosen.cage, size=UNSIZED, limit=IF_ASKED, note="model.cage_results"
     )
-    key = "drag_density_kg_m3"
-    drag = getattr(scene.lubricant, key) > 0.0 and fidelity != "race_control"
     yield EffectSize(
-        name="lubricant drag", is_on=drag, size=UNSIZED, limit=IF_GIVEN, note=f"lubricant.{key}"
+        name="lubricant drag",
+        is_on=scene.lubricant.drag_density_kg_m3 > 0.0 and fidelity != "race_control",
+        size=UNSIZED,
+        limit=IF_GIVEN,
+        note="lubricant.drag_density_kg_m3",
     )
     if fidelity == "dynamic":
         yield EffectSize(name="Coriolis force", is_on=False, size=UNSIZED, limit=NEVER_ON)
@@ -151,10 +153,11 @@ def _slip_effect(scene: Scene) -> EffectSize:
 def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
     """Yields the effects of speed, heat and fits, by their changes of a fixed-position preload."""
     limit = 100.0 * MOST_LEFT_OUT
+    is_fixed = is_held(scene)
 
     def effect(name: str, is_on: bool, change: float, note: str) -> EffectSize:
         """Returns an effect by its relative change of the preload [1]."""
-        if not is_held(scene):
+        if not is_fixed:
             return EffectSize(name=name, is_on=is_on, size=SECOND_ORDER, limit=IF_GIVEN, note=note)
         return EffectSize(
             name=name,
@@ -165,7 +168,6 @@ def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
             note=f"of preload; {note}",
         )
 
-    is_fixed = is_held(scene)
     at_speed = change_at_speed(scene) if is_fixed else UNSIZED
     yield effect("growth at speed", scene.bearing.bore_mm is not None, at_speed, "bearing.bore_mm")
     by_warmth = change_by_warmth(scene) if is_fixed else UNSIZED

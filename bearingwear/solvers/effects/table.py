@@ -13,6 +13,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.measures import ENDS, plain
+from bearingwear.solvers.bearing.mounted import MM, UM
 from bearingwear.solvers.dynamic.stability import instability
 from bearingwear.solvers.effects import films, growth, motion, practice
 from bearingwear.solvers.effects.choice import Choice, unevaluated_criteria
@@ -28,8 +29,6 @@ SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
 
 JUST_MET = math.nextafter(1.0, 2.0)
 """Excess of a criterion that is met exactly; that ends a life too."""
-
-_UM, _MM = 1e-6, 1e-3
 
 
 @dataclass(frozen=True)
@@ -60,17 +59,17 @@ def _groove_worn(evidence: Evidence) -> Finding | None:
         return None
     bearing = evidence.scene.bearing
     radii = (
-        _MM
+        MM
         * bearing.ball_diameter_mm
         * np.array([bearing.inner_groove_factor, bearing.outer_groove_factor])
     )
-    curvature = 0.5 * (2.0 / (_MM * bearing.ball_diameter_mm) - 1.0 / radii)
+    curvature = 0.5 * (2.0 / (MM * bearing.ball_diameter_mm) - 1.0 / radii)
     loss, major = (
         evidence.mean("ball_diameter_loss"),
         evidence.contacts("semi_major_axis").mean(axis=0),
     )
     value = loss / np.min(curvature * major**2)
-    return {"loss": loss / _UM, "value": value, "limit": FLAT_GROOVE}
+    return {"loss": loss / UM, "value": value, "limit": FLAT_GROOVE}
 
 
 def _slip_rounded(evidence: Evidence) -> Finding | None:
