@@ -86,8 +86,9 @@ def length_and_errors(life: Life) -> dict:
 def _error_bound(life: Life) -> float:
     """Returns a bound on the error of a life [s]; NaN where a part of it has only two nodes.
 
-    It is the sum of the error of the root search and, for each film that goes and for the end, of
-    the integration error of its depth over its rate at that time.
+    It is the error of the root search plus the integration errors of the parts. A part ends where a
+    film is gone or the life ends. Its error is that of the depth or measure that ends it, over the
+    rate at that time.
     """
     wearing: Motion = life.wearing
     time = np.array([node.x for node in life.nodes])

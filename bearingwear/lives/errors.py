@@ -166,9 +166,9 @@ class _ComparedGrooves(Grooves):
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
     """Returns result variables of the errors of a groove life: of its steps, and of all settings.
 
-    They are the bound on the error of its steps [s], NaN if the life with longer steps ends
-    otherwise, and the estimate of its relative error [1] if that is finite. The dictionary is empty
-    for a life of no length.
+    `life_error_bound` is a bound on the error of its steps [s], NaN if the life with longer steps
+    ends by another criterion. `life_error_estimate` is its relative error [1], left out where it is
+    not finite. The dictionary is empty for a life of no length.
 
     Steps 1.5 times as long show the error of the steps, of which the bound is twice the change.
     A life with fewer cells shows the error of the cells. Its states are solved again with half of

@@ -35,29 +35,29 @@ def life_values(scene: Scene, life: Life) -> dict:
         "life_error_bound": life.error,
         "history_time": times,
     }
-    of_bearings = [
+    values_by_bearing = [
         history_values(states) | film_values(side, states, times) | {"loss_at_end": states[-1].loss}
         for side, states in zip(scene.sides, life.bearings, strict=True)
     ]
-    return values | joined(of_bearings)
+    return values | joined(values_by_bearing)
 
 
-def joined(of_bearings: Sequence[dict]) -> dict:
+def joined(values_by_bearing: Sequence[dict]) -> dict:
     """Returns the values of one bearing, or those of two stacked along a first dimension.
 
     Values that the bearings of a pair share, those of `SHARED`, are not stacked: they are taken
     from the first.
 
-    of_bearings: result variables of one or two bearings, by name.
+    values_by_bearing: result variables of one or two bearings, by name.
     """
-    if len(of_bearings) == 1:
-        return of_bearings[0]
-    shared = {name: value for name, value in of_bearings[0].items() if name in SHARED}
-    of_sides = [
+    if len(values_by_bearing) == 1:
+        return values_by_bearing[0]
+    shared = {name: value for name, value in values_by_bearing[0].items() if name in SHARED}
+    unshared = [
         {name: value for name, value in values.items() if name not in SHARED}
-        for values in of_bearings
+        for values in values_by_bearing
     ]
-    return shared | stacked_sides(of_sides)
+    return shared | stacked_sides(unshared)
 
 
 def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dict:

@@ -104,7 +104,7 @@ class Simpson(Method):
         return step
 
     def _part_of_step(self, start: Node, step: LifeStep, end: float) -> LifeStep:
-        """Returns the part of a solved step up to an end within it, which is solved as well.
+        """Returns the part of a solved step up to an end within it, with the node at that end.
 
         The inverse rate is the quartic through the nodes of the step.
 
@@ -124,8 +124,8 @@ class Simpson(Method):
 
         It is the tolerance of the end times the whole loss of the life, over the rate at its end.
         """
-        way = life.last.x - life.nodes[0].x
-        return self.root_tolerance * way / self.wearing.loss_rate(life.last)
+        loss = life.last.x - life.nodes[0].x
+        return self.root_tolerance * loss / self.wearing.loss_rate(life.last)
 
 
 class RungeKutta(Method):
@@ -316,8 +316,8 @@ class Adams(InTime):
     def node_after(self, x: float) -> Node:
         """Returns the node at a time [s], by a predictor and a corrector.
 
-        Both use the rates of the last node. If the state after the predictor is not solved, its
-        node is returned, which says so by its status.
+        Both use the rates of the last node. Where the state after the predictor is not solved, the
+        node has that state.
         """
         wearing, now, rates = self.wearing, self.now, self.rates
         h = x - now.x
@@ -331,12 +331,12 @@ class Adams(InTime):
                 ratio, rates_before = stretch, self.rates_before
         predictor = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, rates_before)
         worn = wearing.worn_on(now.worn, predictor)
-        ahead = Node(x, worn, wearing.middle_state(worn), x)
-        if ahead.status != code.OK:
-            return ahead
+        predicted = Node(x, worn, wearing.middle_state(worn), x)
+        if predicted.status != code.OK:
+            return predicted
         share = h / (6.0 * (1.0 + ratio))
         corrector = (
-            (share * (3.0 + 2.0 * ratio), wearing.rates(ahead)),
+            (share * (3.0 + 2.0 * ratio), wearing.rates(predicted)),
             (h * (3.0 + ratio) / 6.0, rates),
             (-share * ratio * ratio, rates_before),
         )

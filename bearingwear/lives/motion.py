@@ -184,8 +184,8 @@ class Motion:
             values |= {"friction_power": power} | run.warmth
             factors = None
             if self.surfaces.changes:
-                of_state = run.values | run.warmth
-                factors = self.surfaces.wear_factors(of_state, self.surface_wear(worn))
+                state_values = run.values | run.warmth
+                factors = self.surfaces.wear_factors(state_values, self.surface_wear(worn))
             run = replace(run, rates=self.parts.rates(run.values, factors))
             values |= self._wear_values(run, worn)
         return (replace(state.with_values(values), answer=run),)
@@ -275,8 +275,8 @@ class Motion:
         """Returns the time of the first estimated end, of life or of a film [s].
 
         Estimates are the steady life, and the times at which loss, clearances and films reach their
-        limits at the mean wear rates since the last film was gone. Just after that the present
-        rates are used. Infinite where no wear leads to an end.
+        limits. Wear rates are means since the last film was gone; just after that, they are the
+        present ones. Infinite where no wear leads to an end.
         """
         elapsed = node.x - self._event_time
         wear = node.worn - self._event_worn
@@ -286,8 +286,8 @@ class Motion:
         after = self._limited_values(self._event_worn + wear)
         with np.errstate(divide="ignore", invalid="ignore"):
             ends = self._event_time + elapsed * (self._limits() - before) / (after - before)
-        ahead = [end for end in (self.steady, *ends[after > before]) if end > self._event_time]
-        return float(min(ahead, default=math.inf))
+        later_ends = [end for end in (self.steady, *ends[after > before]) if end > self._event_time]
+        return float(min(later_ends, default=math.inf))
 
     def _limits(self) -> np.ndarray:
         """Returns the limits of the `_limited_values` (8,) [m]; NaN without one."""

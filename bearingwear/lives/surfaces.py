@@ -194,8 +194,8 @@ class FilmWear(EvenWear):
     def film_values(self, worn: np.ndarray) -> dict[str, Any]:
         """Returns result variables of the films.
 
-        They are the thickness left on inner race, outer race and balls (3,) [m], and whether each
-        contact is without film, as a share of 0 or 1 (2,).
+        `film_left` is the thickness left on inner race, outer race and balls (3,) [m].
+        `film_worn_share` is 1 for a contact without film, else 0 (2,).
         """
         return {
             "film_left": np.maximum(self.coating.thickness - self.depths(worn), 0.0),

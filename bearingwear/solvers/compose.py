@@ -57,7 +57,7 @@ class Remembered:
     def __call__(self, conditions: Conditions) -> States:
         """Returns the states of the bearings in their conditions."""
         if conditions not in self._states:
-            near = self._nearest(conditions[0]) if len(conditions) == 1 else None
+            near = self._nearest_solution(conditions[0]) if len(conditions) == 1 else None
             rotor = self.bearings.solve(conditions, near)
             if rotor.status != code.OK:
                 self.failed += 1
@@ -68,7 +68,7 @@ class Remembered:
             self._states[conditions] = states_of(self.bearings, conditions, rotor)
         return self._states[conditions]
 
-    def _nearest(self, condition: Condition) -> SolvedBearing | None:
+    def _nearest_solution(self, condition: Condition) -> SolvedBearing | None:
         """Returns the solution at the nearest loss, None if there is none.
 
         It is one with the same films if there is any.
@@ -125,8 +125,8 @@ def _with_warmth(solver: Solver) -> Solver:
 def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | OnRotor]:
     """Returns a status, and the bearings of a scene with grooves that can wear.
 
-    Where the unworn state is not found, or its contacts do not fit into cells, the status is that
-    of the failure, and the bearings are the unworn ones.
+    The unworn state may not be found, or its contacts may not fit into cells. The status is then
+    that of the failure, and the bearings are the unworn ones.
 
     cells: numbers along the major axis, and on each side of it.
     """

@@ -81,7 +81,7 @@ class RaceControl:
         return Mechanics(g, float(self.problem.D.mean()) - (loss - self.start.loss), Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Returns the bearing solved; its answer are values and attributes. `near` is not used.
+        """Returns the bearing solved; its answer is values and attributes. `near` is not used.
 
         Without a solution it has a status and this answer, and NaN for all numbers.
         """
@@ -115,9 +115,9 @@ class RaceControl:
         return heat_of_values(self.scene, values)
 
     def state(self, solution: SolvedBearing) -> State:
-        """Returns the state of a life, without the measures that need a balance of slip.
+        """Returns the state of a life, without `NEEDS_SLIP`: those require a balance of friction.
 
-        They are `NEEDS_SLIP`. Of a failure it is the status and the loss alone.
+        A failure has its status and loss alone.
         """
         values, _ = solution.answer
         loss = solution.condition.loss
@@ -287,9 +287,9 @@ def controlled_torque_loss(
 def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     """Returns values and attributes of the solution of a problem.
 
-    The problem may be held otherwise than the scene says. With the statuses PRELOAD_GONE,
-    NOT_CONVERGED, BEYOND_GROOVE and OUTSIDE_HERTZ_RANGE, the values are that, loss of diameter and
-    initial displacement alone. Other failures keep all values.
+    The problem may hold the bearing in another way than the scene, as on a rotor. With the statuses
+    PRELOAD_GONE, NOT_CONVERGED, BEYOND_GROOVE and OUTSIDE_HERTZ_RANGE, the values are status, loss
+    of diameter and initial displacement alone. Other failures keep all values.
     """
     g, D = problem.g, problem.D
     values: dict = {

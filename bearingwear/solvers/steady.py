@@ -134,7 +134,7 @@ class Steady:
     def state(self, solution: SolvedBearing) -> State:
         """Returns the state of a life, with the wear rates of new surfaces.
 
-        Of a failure, also of an unverified solution, it is the status and the loss alone.
+        A failure or an unverified solution has its status and loss alone.
         """
         loss, problem, case = solution.condition.loss, solution.problem, solution.answer
         if solution.status != code.OK:

@@ -231,6 +231,7 @@ def _verified_balance(
 
     scene, warm: with the thermal network, and at the temperatures found.
     error: relative error of the heat.
+    solves, slope: see `Warmed`.
     """
     assert scene.thermal is not None and warm.temperature is not None
     residual = heat_flow_residual(scene.thermal, warm.temperature, heat)

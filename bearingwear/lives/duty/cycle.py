@@ -75,9 +75,9 @@ class Cycle:
     @property
     def shares(self) -> np.ndarray:
         """Returns the weights of the conditions in the mean rate over a cycle (conditions,)."""
-        of_conditions = np.concatenate([self.running, self.starting]).T
+        shares_by_condition = np.concatenate([self.running, self.starting]).T
         # an exact sum does not depend on the order of the phases
-        return np.array([math.fsum(shares) for shares in of_conditions])
+        return np.array([math.fsum(shares) for shares in shares_by_condition])
 
 
 def cycle_of(scene: Scene, points: int = 2) -> Cycle:
@@ -89,7 +89,7 @@ def cycle_of(scene: Scene, points: int = 2) -> Cycle:
     """
     duty = scene.duty
     assert duty is not None
-    scene_of_case = _solved_alike(phase_cases(scene))
+    scene_of_case = _with_equal_bearing_count(phase_cases(scene))
     cases = [*scene_of_case]
     case_of_phase = tuple(cases.index(duty.case_of(name)) for name in duty.phases)
     phases = [*zip(case_of_phase, duty.phases.values(), strict=True)]
@@ -165,7 +165,7 @@ def at_speed(scene: Scene, share: float) -> Scene:
     return with_regularisation(replace(slower, friction=friction), is_given=True)
 
 
-def _solved_alike(scenes: dict[str, Scene]) -> dict[str, Scene]:
+def _with_equal_bearing_count(scenes: dict[str, Scene]) -> dict[str, Scene]:
     """Returns the scenes of cases, changed so that each has the same number of bearings to solve.
 
     That number is one if every case has one bearing or a symmetric pair, and two otherwise.
@@ -173,8 +173,8 @@ def _solved_alike(scenes: dict[str, Scene]) -> dict[str, Scene]:
     reduced = {case: scene.symmetric_half for case, scene in scenes.items()}
     if len({len(scene.sides) for scene in reduced.values()}) == 1:
         return reduced
-    of_two = {"arrangement.external_axial_N": NO_FORCE_N}
+    tiny_force = {"arrangement.external_axial_N": NO_FORCE_N}
     return {
-        case: scene if len(reduced[case].sides) > 1 else scene.with_(of_two)
+        case: scene if len(reduced[case].sides) > 1 else scene.with_(tiny_force)
         for case, scene in scenes.items()
     }

@@ -28,10 +28,10 @@ from bearingwear.solvers.estimates import ROUNDING
 def duty_errors(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, float]:
     """Returns result variables of the errors of a life over a duty.
 
-    They are `life_error_bound`, by the steps [s], `life_error_estimate`, by all settings and
-    relative to the life, and with starts also `ramp_error_estimate`, by the points of the ramps. A
-    life without an end has only the bound. The estimate is left out where it is not known, as by
-    another fidelity than `steady`. The error by the ramps is 1 where it is not known.
+    They are `life_error_bound`, by the steps [s], and `life_error_estimate`, by all settings and
+    relative to the life. With starts, `ramp_error_estimate` is the error by the points of the
+    ramps, 1 where it is not known. A life without an end has only the bound. The estimate is left
+    out where it is not known, as by another fidelity than `steady`.
     """
     life, cycle = over_duty.life, over_duty.cycle
     length = life.last.time

@@ -54,7 +54,7 @@ class _WeightedNode(NamedTuple):
 class _DutyWear:
     """The common part of both ways to wear over a duty.
 
-    ways: to wear in each condition of the cycle, `Surfaces` or `Grooves`.
+    ways: the way to wear of each condition of the cycle, `Surfaces` or `Grooves`.
     """
 
     cycle: Cycle
@@ -174,7 +174,7 @@ class DutyGrooves(_DutyWear, Grooves):
         `StiffGrooves.completed` solves any other tuple again, even one of the same states.
         """
         return [
-            part._replace(states=way.last) if _are_same(way.last, part.states) else part
+            part._replace(states=way.last) if _are_identical(way.last, part.states) else part
             for way, part in zip(self.ways, super().nodes(node), strict=True)
         ]
 
@@ -239,6 +239,6 @@ class DutyGrooves(_DutyWear, Grooves):
         return np.asarray(np.min(events, axis=0))
 
 
-def _are_same(states: Sequence[Any], others: Sequence[Any]) -> bool:
+def _are_identical(states: Sequence[Any], others: Sequence[Any]) -> bool:
     """Returns whether two sequences hold the very same objects."""
     return len(states) == len(others) and all(map(operator.is_, states, others))

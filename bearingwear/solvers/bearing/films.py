@@ -65,8 +65,8 @@ class Surface:
 class WearTable:
     """K_s of films by peak pressure and temperature, from their lives in tests.
 
-    In a test the depth worn off grows as K_s p^2 with the pressure p, because the load goes as p^3
-    and the width of the track as p. So K_s goes as 1/(p^2 x life).
+    In a test the worn depth grows as K_s p^2 with the pressure p: the load goes as p^3, the width
+    of the track as p. So K_s goes as 1/(p^2 x life).
     """
 
     pressure: np.ndarray  # (P,) of the rows, rising [Pa]
@@ -147,11 +147,11 @@ class Films:
         """Returns the surfaces of a scene's balls and races."""
         b = scene.bearing
         ball, race = (scene.materials[name] for name in (b.ball_material, b.race_material))
-        return cls._between(ball, race, scene.friction.film)
+        return cls._of_materials(ball, race, scene.friction.film)
 
     @classmethod
     @functools.lru_cache(maxsize=64)  # used several times in each solve
-    def _between(cls, ball: Material, race: Material, film: FilmFriction | None) -> "Films":
+    def _of_materials(cls, ball: Material, race: Material, film: FilmFriction | None) -> "Films":
         """Returns surfaces of two materials, with the film that the scene's friction names."""
         # a film that never wears through is on the races alone where no material has one
         endless = film is not None and film.thickness_um is None

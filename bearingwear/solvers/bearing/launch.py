@@ -492,8 +492,8 @@ def miles(density: float, frequency: float, amplification: float) -> float:
 def expected_peak(frequency: float, duration: float) -> float:
     """Returns the largest expected peak over a duration [s], over the rms of the response [1].
 
-    The response is narrow-band: sqrt(2 ln(f t)) for f t independent amplitudes after Rayleigh, by
-    Cartwright and Longuet-Higgins, Proc. R. Soc. A 237 (1956) 212.
+    The response is narrow-band, about a frequency f [Hz]: sqrt(2 ln(f t)) for f t independent
+    amplitudes after Rayleigh, by Cartwright and Longuet-Higgins, Proc. R. Soc. A 237 (1956) 212.
     """
     cycles = frequency * duration
     return math.sqrt(2.0 * math.log(cycles)) if cycles > 1.0 else 0.0

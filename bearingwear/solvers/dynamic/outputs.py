@@ -32,8 +32,8 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
     """
     system, sums, bearing = run.system, run.recorder.sums, run.system.bearing
     now = system.snapshot()
-    then = run.opening
-    time, integrals = now.time - then.time, now.integrals - then.integrals
+    opening = run.opening
+    time, integrals = now.time - opening.time, now.integrals - opening.integrals
     count = sums.count[0]
     contacts = sums.contacts / count
     loads = run.loads
@@ -49,12 +49,12 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
         "minimum_contact_load": loads.smallest,
         "unloaded_share": loads.unloaded / count,
     }
-    change = {key: value - then.energy[key] for key, value in now.energy.items()}
+    change = {key: value - opening.energy[key] for key, value in now.energy.items()}
     values |= account_values(change, system.energy()["kinetic"])
     if scene.cage is not None:
         add_cage_values(scene, system, integrals, time, values)
         values["cage_speed"] = sums.bearing[record.CAGE_SPEED] / count
-        values["cage_momentum_rate"] = (now.momentum - then.momentum) / time
+        values["cage_momentum_rate"] = (now.momentum - opening.momentum) / time
     return values
 
 

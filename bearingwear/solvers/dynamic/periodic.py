@@ -282,6 +282,7 @@ def periodic_motion(
     these cannot be simulated, or where a passing is longer than `LONGEST_PASSING`. The system ends
     in another state.
 
+    tolerance, method: of the integration in time.
     near: motion of much the same system, at which the balls already are. The growth of disturbances
         is then not computed again.
     """

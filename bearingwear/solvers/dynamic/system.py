@@ -309,6 +309,7 @@ class DynamicSystem:
         Returns the tally of the steps, with the status, and the time and next step at the end.
 
         duration: of each interval [s].
+        intervals: number of intervals; `_ONLY_READY` for none.
         """
         grid = record.TimeGrid(origin=self.time, dt=duration, first=0)
         return record.advance_and_record(

@@ -57,13 +57,15 @@ def preload_change(scene: Scene, growth: Growth) -> float:
     F = scene.operation.preload_N
     if not F > 0.0:
         return math.nan
-    return _preload_change(
+    return _change_of_preload(
         mounted_geometry(scene), F, growth, (a.span_mm or 0.0) * MM, a.orientation
     )
 
 
 @functools.lru_cache(maxsize=64)
-def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientation: str) -> float:
+def _change_of_preload(
+    g: Geometry, F: float, growth: Growth, span: float, orientation: str
+) -> float:
     """Returns the relative change of a preload by growth at rest [1].
 
     It is cached, because a solve requires it several times.

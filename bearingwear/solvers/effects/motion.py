@@ -62,7 +62,7 @@ def rolling_rates(scene: Scene) -> tuple[float, float]:
 def spin_across_share(scene: Scene) -> float:
     """Estimates the share of spin friction due to slip across the ellipse [1].
 
-    It is E(m) - 1 at the free contact angle, for the race with the larger value, by the fit E =
+    It is E(m) - 1 at the free contact angle, for the race with the larger value. E is the fit
     1.0003 + 0.5968 A/B of Brewe and Hamrock (1977).
     """
     g = mounted_geometry(scene)
@@ -132,13 +132,13 @@ def pair_sentences(chosen: Choice) -> Iterator[str]:
 def _set_preload_words(scene: Scene, a: Arrangement) -> str:
     """Returns in words on what the preload of a set acts, and that of a pair which matches it."""
     preload = scene.operation.preload_N
-    of_side = f"operation.preload_N, {preload:g} N, is the force of each side"
+    side_words = f"operation.preload_N, {preload:g} N, is the force of each side"
     if a.kind != "rigid_pair":
-        return of_side
+        return side_words
     ratio = set_preload_ratio(a.tandem)
     return (
-        f"{of_side}; bearings matched for a pair of {plain(preload / ratio)} N give it, because a "
-        f"set has {ratio:.3g} times the preload of the pair (if {preload:g} N is that of a pair, "
+        f"{side_words}; bearings matched for a pair of {plain(preload / ratio)} N give it, because "
+        f"a set has {ratio:.3g} times the preload of the pair (if {preload:g} N is that of a pair, "
         f"set {plain(preload * ratio)} N)"
     )
 

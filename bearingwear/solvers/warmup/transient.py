@@ -266,12 +266,12 @@ def network_at(network: Thermal, time: float) -> Thermal:
     start = network.reference_C
     return replace(
         network,
-        shaft_C=_approach(time, start, network.shaft_C, network.shaft_time_constant_s),
-        housing_C=_approach(time, start, network.housing_C, network.housing_time_constant_s),
+        shaft_C=_temperature_at(time, start, network.shaft_C, network.shaft_time_constant_s),
+        housing_C=_temperature_at(time, start, network.housing_C, network.housing_time_constant_s),
     )
 
 
-def _approach(time: float, start: float, end: float, constant: float) -> float:
+def _temperature_at(time: float, start: float, end: float, constant: float) -> float:
     """Returns a temperature that approaches its end exponentially, or at once if constant is 0.
 
     constant: time constant [s].
