@@ -15,7 +15,7 @@ from bearingwear.solvers.state import State, history_values
 
 
 def life_values(scene: Scene, life: Life) -> dict:
-    """Returns the result variables of a life [SI]; those of two bearings are as by `joined`.
+    """Returns the result variables of a life [SI]; those of two bearings are stacked by `joined`.
 
     They are its status and criterion alone if its start is not solved, or if a bearing does not
     wear and no criterion is met.
@@ -90,8 +90,8 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
 def _time_worn_through(time: np.ndarray, left: np.ndarray) -> float:
     """Returns the time at which a film is gone [s], linear between two states; NaN if it never is.
 
-    time, left: of the states (n,) [s], and thickness left [m]. Where the latter is negative, so
-        much has worn beyond the film.
+    time: of the states (n,) [s].
+    left: thickness left in them (n,) [m]; negative by what has worn beyond the film.
     """
     without = np.flatnonzero(left <= 0.0)
     if not without.size:

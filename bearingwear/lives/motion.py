@@ -128,8 +128,8 @@ class Motion:
     def _quasistatic_stiffness(self, scene: Scene) -> float:
         """Returns the quasi-static axial stiffness of a worn scene, which no run has [N/m].
 
-        It is that of the steady state at the mean loss. A scene without a steady state, whatever
-        its balls have lost, has that by race control. NaN where the steady state is not solved.
+        It is that of the steady state at the mean loss. A scene that has no steady state before any
+        wear has the stiffness by race control. NaN where the steady state is not solved.
         """
         if asymmetries(self.scene):
             solver: Solver = RaceControl(scene)

@@ -175,7 +175,9 @@ def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None
 def contact_solution(
     problem: RaceControlProblem, balance: Balance, models: np.ndarray, rule: Rule
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`.
+    """Returns motions (n, 4) of the balls [rad/s] and rows of their contacts.
+
+    The rows (n, 2, COLUMNS) are those of `kernels.contact.summary`.
 
     models: controlling race of each ball (n,), OUTER_CONTROL or INNER_CONTROL.
     """

@@ -93,15 +93,15 @@ def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> Rotor
     mounted: axial displacement at mounting [m].
     """
     method = scene.operation.preload_method
-    holding = bearings_holding(method)  # how many: two at a fixed position, one on a spring
+    holding_count = bearings_holding(method)  # two at a fixed position, one on a spring
     shift = 0.0 if method == "fixed_position" else solution.place - mounted
     return RotorState(
         status=solution.status,
         sides=(solution,),
         shift=shift,
         travel=2.0 * shift,
-        stiffness=holding * solution.stiffness,
-        quasistatic=holding * solution.quasistatic,
+        stiffness=holding_count * solution.stiffness,
+        quasistatic=holding_count * solution.quasistatic,
     )
 
 
@@ -376,7 +376,7 @@ class OnRotor:
         rounded: float,
         tolerance: float,
     ) -> RotorState:
-        """Returns the balance, from where earlier ones lead or else from the place of the last one.
+        """Returns the balance, sought from the place that earlier ones predict, then from the last.
 
         trial_at: returns the bearings at a place of the rotor [m], or the status of a failure.
         losses: of ball diameter [m].
@@ -447,7 +447,7 @@ class OnRotor:
     def _first_place(self, losses: tuple[float, float], F_ext: float) -> float:
         """Returns the place of the rotor [m] by the mechanics of rolling balls, without friction.
 
-        It is rough (`NEAR_START`), and 0 where none is found.
+        It is accurate to `NEAR_START` alone, and 0 where none is found.
 
         losses: of ball diameter [m].
         F_ext: external axial force on the rotor [N].

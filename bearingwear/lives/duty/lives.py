@@ -229,8 +229,8 @@ def cycle_with_enough_points(scene: Scene, fidelity: str = "steady") -> Cycle:
     """Returns the cycle of a scene's duty with the ramp points that its wear needs when new.
 
     Their number rises from two until the error is at most `RAMP_ENOUGH`, or to `MOST_RAMP_POINTS`.
-    It stays two where the ramps cause at most that share of the wear, or where the error is not
-    known.
+    It stays two where the ramps cause at most a share `RAMP_ENOUGH` of the wear, or where the error
+    is not known.
     """
     points = 2
     cycle = cycle_of(scene, points)

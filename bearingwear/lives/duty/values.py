@@ -84,12 +84,14 @@ def worst_by_case(over_duty: DutyLife) -> dict[str, np.ndarray]:
     ]
     values = {}
     for name, measure in WORST.items():
-        extremes = [
+        extremes_by_case = [
             [measure.extreme(state[name]) for state in states if name in state.values]
             for states in states_of_cases
         ]
-        if all(extremes):
-            worst = [_worst_along_life(measure, life_extremes) for life_extremes in extremes]
+        if all(extremes_by_case):
+            worst = [
+                _worst_along_life(measure, case_extremes) for case_extremes in extremes_by_case
+            ]
             values[f"worst_{name}"] = np.array(worst)
     preloads = [[state["residual_preload"] for state in states] for states in states_of_cases]
     values["history_phase_residual_preload"] = np.array(preloads).T

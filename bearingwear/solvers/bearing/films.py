@@ -52,7 +52,10 @@ class Surface:
     running_in: float  # depth over which it approaches its final value, 0 without running in [m]
 
     def substrate_factor(self, depth: float | np.ndarray) -> float | np.ndarray:
-        """Returns K_s/H of the substrate as it runs in: K + (K_0 - K) exp(-depth/h_0) [1/Pa]."""
+        """Returns K_s/H of the substrate as it runs in: K + (K_0 - K) exp(-h/h_0) [1/Pa].
+
+        depth: worn off the surface [m]; h is the part of it below the film.
+        """
         if not self.running_in:
             return self.substrate.factor
         depths_run_in = np.maximum(depth - self.thickness, 0.0) / self.running_in

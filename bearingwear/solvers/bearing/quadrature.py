@@ -19,7 +19,7 @@ SLOPE = 0.1  # ds/dz at 0 of a split rule: benchmarks/rules.py
 
 
 def equal_strips(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Returns positions and load shares (n,) of n equal strips, as in the paper.
+    """Returns positions and load shares (n,) of n equal strips, as in the published model.
 
     The share is the strip's own part of the semi-ellipsoidal pressure, exact for constant slip.
     """

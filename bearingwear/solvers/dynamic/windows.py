@@ -60,7 +60,7 @@ class Trend:
     def slopes(self) -> np.ndarray | None:
         """Returns relative changes per turn of all values but the room (5,); None if not known.
 
-        Of a value whose mean is 0 it is the change itself.
+        For a value whose mean is 0, it is the change itself.
         """
         n, k, kk = self.sums
         total, weighted, _ = self.values[:, :-1]
@@ -140,7 +140,7 @@ class LoadRange:
         self.roots += np.cbrt(loads, dtype=float).sum(axis=0)
 
     def of_like_balls(self) -> "LoadRange":
-        """Returns the range of balls that all move alike, each with that of all."""
+        """Returns the range with the values of all balls for each, as they all move alike."""
         alike = LoadRange(len(self.largest))
         alike.largest[:] = self.largest.max(axis=0)
         alike.smallest[:] = self.smallest.min(axis=0)

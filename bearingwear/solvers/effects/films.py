@@ -82,7 +82,7 @@ the one published test of a sputtered film in an angular contact bearing (docs/f
 
 
 def film_too_fast(evidence: Evidence) -> Finding | None:
-    """Returns the finding of speed times pitch diameter, whose limit is that of films in tests.
+    """Returns the finding of speed times pitch diameter, whose limit is `FILM_SPEED`.
 
     None without a film.
     """
@@ -107,7 +107,7 @@ class _Distance(NamedTuple):
 def film_beyond_tests(evidence: Evidence) -> Finding | None:
     """Returns the finding of the pressure or temperature farthest beyond a film's tests.
 
-    None without a table of tests, or without load.
+    None without a table of tests, and where neither a pressure nor a temperature is known.
     """
     table = Films.of(evidence.scene).table
     if table is None:

@@ -235,7 +235,7 @@ def tried_fits(scene: Scene, running_preload: Callable[[Scene, Growth], float]) 
 def change_by_fits(scene: Scene) -> float:
     """Returns the change of a fixed-position preload by the fits of a scene [1].
 
-    If none is tight, it is the largest change by `TRIED_UM`; NaN without a preload.
+    If none is tight, it is the largest change by `TRIED_UM`; NaN without a preload or a bore.
     """
     if has_interference(scene):
         growth = growth_of(scene)

@@ -48,9 +48,9 @@ def gyroscopic_share(scene: Scene) -> float:
 
 
 def rolling_rates(scene: Scene) -> tuple[float, float]:
-    """Returns the orbit rate of the balls relative to the outer race, without sign, and in space.
+    """Returns the orbit rate of the balls relative to the outer race, and that in space [rad/s].
 
-    Both are in rad/s. The balls roll at the free contact angle.
+    The first is without sign. The balls roll at the free contact angle.
     """
     b, operation = scene.bearing, scene.operation
     omega_i, omega_o = (RPM * rpm for rpm in (operation.shaft_speed_rpm, operation.outer_speed_rpm))
@@ -130,7 +130,7 @@ def pair_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _set_preload_words(scene: Scene, a: Arrangement) -> str:
-    """Returns in words on what the preload of a set acts, and that of a pair which matches it."""
+    """Returns which force the preload of a set is, and the pair that gives it, in words."""
     preload = scene.operation.preload_N
     side_words = f"operation.preload_N, {preload:g} N, is the force of each side"
     if a.kind != "rigid_pair":

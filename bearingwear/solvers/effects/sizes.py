@@ -92,7 +92,8 @@ def effect_sizes(chosen: Choice) -> Iterator[EffectSize]:
 def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
     """Yields the effects of forces on a ball.
 
-    Neglecting one saves no time, so all but one are modelled.
+    Neglecting one saves no time: race control alone has no friction balance, and traction is
+    neglected only on request.
     """
     load_note, axial_note = "of the contact load at rest", "of a ball's axial load"
     centrifugal = centrifugal_share(scene)

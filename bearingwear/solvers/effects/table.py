@@ -58,16 +58,11 @@ def _groove_worn(evidence: Evidence) -> Finding | None:
     if evidence.life is not None and "groove_depth" in evidence.life:
         return None
     bearing = evidence.scene.bearing
-    radii = (
-        MM
-        * bearing.ball_diameter_mm
-        * np.array([bearing.inner_groove_factor, bearing.outer_groove_factor])
-    )
-    curvature = 0.5 * (2.0 / (MM * bearing.ball_diameter_mm) - 1.0 / radii)
-    loss, major = (
-        evidence.mean("ball_diameter_loss"),
-        evidence.contacts("semi_major_axis").mean(axis=0),
-    )
+    D = MM * bearing.ball_diameter_mm
+    radii = D * np.array([bearing.inner_groove_factor, bearing.outer_groove_factor])
+    curvature = 0.5 * (2.0 / D - 1.0 / radii)
+    loss = evidence.mean("ball_diameter_loss")
+    major = evidence.contacts("semi_major_axis").mean(axis=0)
     value = loss / np.min(curvature * major**2)
     return {"loss": loss / UM, "value": value, "limit": FLAT_GROOVE}
 
@@ -129,7 +124,7 @@ def _over_limit_when_new(evidence: Evidence) -> Finding | None:
 
 
 def _nothing_wears(evidence: Evidence) -> Finding | None:
-    """Returns a finding, which is empty, of a life at rest, which does not end; else None."""
+    """Returns an empty finding for a life without end whose races turn alike; else None."""
     operation = evidence.scene.operation
     at_rest = evidence.chosen.of_life and operation.shaft_speed_rpm == operation.outer_speed_rpm
     return {} if at_rest and evidence.state.status == code.CRITERION_NOT_REACHED else None

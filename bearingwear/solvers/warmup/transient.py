@@ -369,8 +369,8 @@ def _steps(
 def _distance_left(equation: HeatEquation, instant: Instant) -> float:
     """Returns the distance to the steady temperatures by one Newton step, over the rise so far [1].
 
-    It is that of shafts and housings alone, without further solves, while they are too far away. It
-    is infinite where a state beside that of the instant is missing.
+    While shafts and housings alone are farther away than `SETTLED_TO`, it is their distance, which
+    takes no solves. It is infinite where a state beside that of the instant is missing.
     """
     y = instant.temperatures.ravel()
     rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)
