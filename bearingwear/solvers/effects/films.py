@@ -154,9 +154,8 @@ def film_worn(evidence: Evidence) -> Finding | None:
     shares, film = evidence.life["history_film_worn_share"], evidence.scene.friction.film
     if not shares.max() > 0.0 or (film is not None and film.bare_ball_race is not None):
         return None
-    # no film was worn through before the last state
-    ends_life = len(shares) < 3 or not shares[:-1].max() > 0.0
-    if ends_life:
+    has_gone_on = len(shares) > 2 and shares[:-1].max() > 0.0  # worn through before the last state
+    if not has_gone_on:
         return None
     races = [name for name, share in zip(("inner", "outer"), shares[-1], strict=True) if share]
     return {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}
