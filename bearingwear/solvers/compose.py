@@ -106,7 +106,7 @@ def solver_of(
     tolerance: unbalanced force on a rotor, over the larger one, if it is not that of the accuracy.
     """
     sides = tuple(
-        _with_warmth(Steady(side, accuracy) if fidelity == "steady" else RaceControl(side))
+        _with_wrappers(Steady(side, accuracy) if fidelity == "steady" else RaceControl(side))
         for side in scene.symmetric_half.sides
     )
     if len(sides) == 1:
@@ -117,8 +117,8 @@ def solver_of(
     return Remembered(OnRotor(scene, scene.pair, sides, tolerance))
 
 
-def _with_warmth(solver: Solver) -> Solver:
-    """Returns the solver, within a `Warm` if its scene has a thermal network."""
+def _with_wrappers(solver: Solver) -> Solver:
+    """Returns the solver within the wrappers that its scene requires: `Warm` with a network."""
     return solver if solver.scene.thermal is None else Warm(solver)
 
 
@@ -139,7 +139,7 @@ def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | On
         worn = Worn(side.scene, unworn, cells)
         if worn.bearing.status != code.OK:
             return worn.bearing.status, bearings
-        sides.append(_with_warmth(worn))
+        sides.append(_with_wrappers(worn))
     return rotor.status, _in_arrangement(scene, bearings, sides)
 
 
@@ -152,7 +152,7 @@ def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
     scene: with that speed or temperature.
     """
     sides = [
-        _with_warmth(innermost(side).elsewhere(side_scene))
+        _with_wrappers(innermost(side).elsewhere(side_scene))
         for side, side_scene in zip(bearings.sides, scene.symmetric_half.sides, strict=True)
     ]
     arranged = _in_arrangement(scene, bearings, sides)
