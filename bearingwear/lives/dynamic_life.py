@@ -86,8 +86,9 @@ def length_and_errors(life: Life) -> dict:
 def _error_bound(life: Life) -> float:
     """Returns a bound on the error of a life [s]; NaN where a part of it has only two nodes.
 
-    It is the sum of the error of the root search and, for each film that goes and for the end, of
-    the integration error of its depth over its rate at that time.
+    It is the error of the root search plus the integration errors of the parts. A part ends where a
+    film is gone or the life ends. Its error is that of the depth or measure that ends it, over the
+    rate at that time.
     """
     wearing: Motion = life.wearing
     time = np.array([node.x for node in life.nodes])
@@ -110,11 +111,11 @@ def life_histories(life: Life) -> dict:
     A node that was not solved is the last one. Its rates and the values of its run are NaN.
     """
     wearing: Motion = life.wearing
-    p = wearing.parts.layout
+    layout = wearing.parts.layout
     nodes = life.tried_nodes
     runs = [run_at(node) for node in nodes]
     worn = np.array([node.worn for node in nodes])
-    missing = np.full(p.size, math.nan)
+    missing = np.full(layout.size, math.nan)
     rates = np.array([run.rates if run.status == code.OK else missing for run in runs])
     states = [node.states[0] for node in nodes]
     times = np.array([node.time for node in nodes])
@@ -123,11 +124,11 @@ def life_histories(life: Life) -> dict:
         "history_status": [run.status for run in runs],
         "history_start": [int(run.carried_on) for run in runs],
         "history_simulated_turns": [run.values.get("simulated_turns", math.nan) for run in runs],
-        "history_worn_diameter": worn[:, p.diameter],
-        "history_groove_depth": worn[:, p.groove].sum(axis=1),
-        "history_ball_worn_volume": worn[:, p.ball],
-        "history_race_worn_volume": worn[:, p.race],
-        "history_each_ball_wear_rate": rates[:, p.ball],
+        "history_worn_diameter": worn[:, layout.diameter],
+        "history_groove_depth": worn[:, layout.groove].sum(axis=1),
+        "history_ball_worn_volume": worn[:, layout.ball],
+        "history_race_worn_volume": worn[:, layout.race],
+        "history_each_ball_wear_rate": rates[:, layout.ball],
     }
     values |= film_values(wearing.scene, states, times)
     if any(GROWTHS[0] in run.values for run in runs):
@@ -136,10 +137,10 @@ def life_histories(life: Life) -> dict:
     if wearing.scene.cage is None:
         return values
     return values | {
-        "history_pocket_worn_volume": worn[:, p.pocket],
-        "history_land_worn_volume": worn[:, p.land],
-        "history_pocket_wear_rate": rates[:, p.pocket],
-        "history_land_wear_rate": rates[:, p.land],
+        "history_pocket_worn_volume": worn[:, layout.pocket],
+        "history_land_worn_volume": worn[:, layout.land],
+        "history_pocket_wear_rate": rates[:, layout.pocket],
+        "history_land_wear_rate": rates[:, layout.land],
         **history_values(states, wearing.parts.cage_values(nodes[0].worn)),
     }
 

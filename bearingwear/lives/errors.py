@@ -28,7 +28,7 @@ from bearingwear.solvers.state import State
 from bearingwear.solvers.worn.bearing import ARC_STEP
 
 SCATTER = 2.0  # standard errors
-EVERY = 4  # states of worn grooves that are compared
+EVERY = 4  # one in this many states of worn grooves is compared
 WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
 
 
@@ -57,10 +57,10 @@ def surface_error(scene: Scene, life: Life) -> dict:
 
 
 def _change_by_solver(life: Life, solver: Remembered, ends: Criteria) -> float | None:
-    """Returns the relative change of a life by another solver of its start, middle and end [1].
+    """Returns the magnitude of the relative change of a life by another solver [1].
 
-    The life is that of one bearing, over its loss. The change is a magnitude. None where a state is
-    not solved, or another criterion ends the life.
+    That solver solves the start, the middle and the end of the life, which is that of one bearing
+    over its loss. None where a state is not solved, or another criterion ends the life.
     """
     nodes = life.three_nodes()
     solver.bearings.near = nodes[0].states[0].answer  # or the first would be solved from nothing
@@ -80,14 +80,15 @@ def relative_life_change(
     other_end: Sequence[State],
     ends: Criteria,
 ) -> Any:
-    """Returns the magnitude of the relative change of a life by other states (...) [1].
+    """Returns the magnitude of the relative change of a life by other states of its bearings [1].
 
-    The change of the inverse wear rates is integrated over time. The margin of the other states at
-    the end shifts the end, by the last slope of that margin. None if the other states at the end
-    meet another criterion than that of the life.
+    It is a number, or one for each bearing if `slowing` has them. The change of the inverse wear
+    rates is integrated over time. The margin of the other states at the end shifts the end, by the
+    last slope of that margin. None if the other states at the end meet another criterion than that
+    of the life.
 
-    slowing: relative changes (nodes, ...) of the inverse wear rates, of one bearing or more [1].
-    nodes: those of the life at which `slowing` is known.
+    slowing: relative changes of the inverse wear rates, (nodes,) or (nodes, bearings) [1].
+    nodes: nodes of the life at which `slowing` is known.
     other_end: the other states of the bearings, at the wear of the last node.
     """
     times = np.array([node.time for node in nodes])
@@ -165,13 +166,13 @@ class _ComparedGrooves(Grooves):
 def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
     """Returns result variables of the errors of a groove life: of its steps, and of all settings.
 
-    They are the bound on the error of its steps [s], NaN if the life with longer steps ends
-    otherwise, and the estimate of its relative error [1] if that is finite. The dictionary is empty
-    for a life of no length.
+    `life_error_bound` is a bound on the error of its steps [s], NaN if the life with longer steps
+    ends by another criterion. `life_error_estimate` is its relative error [1], left out where it is
+    not finite. The dictionary is empty for a life of no length.
 
     Steps 1.5 times as long show the error of the steps, of which the bound is twice the change.
-    A life with fewer cells shows the error of the cells. Along that life, half of v_r and twice
-    the points change its rates and its end.
+    A life with fewer cells shows the error of the cells. Its states are solved again with half of
+    the slip regularisation, and with twice the points, for the error of these.
 
     length, criterion: of the life [s], and the index of the criterion that ended it.
     """
@@ -179,7 +180,7 @@ def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
         return {}
 
     def length_of(life: Life) -> float:
-        """Returns the length of another life [s]; NaN if it ends otherwise."""
+        """Returns the length of another life [s]; NaN if it ends by another criterion."""
         ends_alike = life.status == code.OK and life.criterion == criterion
         return life.last.time if ends_alike else math.nan
 
@@ -199,12 +200,13 @@ def groove_errors(scene: Scene, length: float, criterion: int) -> dict:
 
 
 def _accuracy_error(grooves: _ComparedGrooves, life: Life, ends: Criteria) -> float:
-    """Returns the estimated error of a life by v_r and by points, relative to the life [1].
+    """Returns the relative error of a life by the slip regularisation and by quadrature points [1].
 
-    It is the sum over `WEIGHTS`, for the bearing with the larger change. It is NaN where a state
-    is not solved, or where another criterion ends the life with another accuracy.
+    It is the weighted sum of the changes by each accuracy of `WEIGHTS`, each of the bearing with
+    the larger one. It is NaN where a state is not solved, or where another criterion ends the life
+    with another accuracy.
 
-    grooves: those that the life was computed with; the last node is compared if it was not yet.
+    grooves: those that the life was computed with; its last node is compared here if need be.
     """
     compared = grooves.compared
     if compared[-1].node is not life.last:

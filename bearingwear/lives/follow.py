@@ -143,6 +143,7 @@ class Method:
         negligible = self.root_tolerance * margin(a.x)
 
         def rounded(x: float) -> float:
+            """Returns the margin at a place, 0 where it is negligible."""
             value = margin(x)
             return value if abs(value) > negligible else 0.0
 
@@ -240,8 +241,8 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
     """Returns the life from the present wear to a criterion, or to where it cannot be followed.
 
     Its status is OK if a criterion is met, and that of the node if one is not solved. It is
-    CRITERION_NOT_REACHED if nothing wears, if the way to wear ends at an event or by its range, or
-    after the `most_steps` of the method.
+    CRITERION_NOT_REACHED if nothing wears, or if the way to wear ends at an event or by its range.
+    The same is true after the `most_steps` of the method.
 
     wearing: what wears, and how fast.
     ends: criteria that end the life.
@@ -249,6 +250,7 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
     """
 
     def margins(node: Node) -> np.ndarray:
+        """Returns the margins of a node to each criterion, then to each event."""
         return np.concatenate([ends.margins(node.states), wearing.events(node)])
 
     life = Life([method.first(wearing)], wearing)
@@ -284,7 +286,7 @@ class _Zero(NamedTuple):
 
     x: float
     margin_index: int
-    failed: Node | None  # on which the bracket closed, if the margin is not zero there
+    failed: Node | None  # at which the root search ended, if the margin is not zero there
 
 
 def _step_to_zero(life: Life, method: Method, margins: Margins, bound: float) -> int | None:
@@ -359,7 +361,7 @@ class _Margin:
         return self.values[x]
 
     def failed_at(self, root: float, start: float) -> Node | None:
-        """Returns the unsolved node on which a bracket closed; None if the criterion is met there.
+        """Returns the unsolved node at which a root search ended; None if the criterion is met.
 
         It counts as met where the margin of the last solved place up to the root is at most `_MET`
         of that at the start.
@@ -374,7 +376,7 @@ def _first_zero(
     """Returns the first zero of any margin along solved nodes, and margins after it.
 
     The margins are those of the node after the zero; without a zero, None and those of the last
-    node. The bracket of a zero closes on a solve that fails in between.
+    node. Where a solve fails in between, the search for the zero ends there.
 
     before: margins of the first node.
     """

@@ -159,8 +159,8 @@ def life_groove_values(life: Life) -> dict:
 def groove_values(side: Worn, states: Sequence[State]) -> dict:
     """Returns result variables of the wear of one bearing along a life [SI].
 
-    Histories have the states as their first dimension, then the races (inner, outer) if they are of
-    these. The profiles of grooves and pressure are those of up to `SHOWN` states.
+    Histories have the states as their first dimension, then inner and outer race if they belong to
+    the races. The profiles of grooves and pressure are those of up to `SHOWN` states.
 
     side: solver of the bearing.
     """
@@ -174,7 +174,7 @@ def groove_values(side: Worn, states: Sequence[State]) -> dict:
     race_volume[1:] = np.cumsum(np.diff(area, axis=0) * np.pi * (track[1:] + track[:-1]), axis=0)
     deepest = depth.max(axis=2)
     is_groove = depth > EDGE_DEPTH * np.maximum(deepest, TINY_DEPTH)[:, :, None]
-    shown = np.unique(np.linspace(0, len(points) - 1, SHOWN).round().astype(int))
+    shown_steps = np.unique(np.linspace(0, len(points) - 1, SHOWN).round().astype(int))
     return {
         "history_approach_loss": np.array([side.approach_loss(point) for point in points]),
         "history_equivalent_loss": np.array([state.loss for state in states]),
@@ -183,17 +183,17 @@ def groove_values(side: Worn, states: Sequence[State]) -> dict:
         "history_contact_half_length": np.array([half_lengths(point) for point in points]),
         "history_race_worn_volume": race_volume,
         "history_one_ball_worn_volume": np.pi / 6.0 * (bearing.D**3 - D**3),
-        "groove_step": shown,
+        "groove_step": shown_steps,
         "groove_arc": bearing.arc,
-        "groove_depth": depth[shown],
-        "groove_pressure": np.array([pressures(bearing, points[k]) for k in shown]),
+        "groove_depth": depth[shown_steps],
+        "groove_pressure": np.array([pressures(bearing, points[k]) for k in shown_steps]),
     }
 
 
 def half_lengths(point: WornPoint) -> np.ndarray:
     """Returns half of the length of both contacts along the major axis (2,) [m].
 
-    It is that of the cells with a pressure, with the whole first and last of them.
+    The length is that of the cells with a pressure, both end cells included in full.
     """
     lengths = []
     for x, pressure in zip(point.x, point.pressure, strict=True):
@@ -207,10 +207,10 @@ def pressures(bearing: WornBearing, point: WornPoint) -> np.ndarray:
 
     It is 0 on arcs outside the contact.
     """
-    on_arcs = []
+    arc_pressures = []
     for k, force in enumerate(point.forces):
         places = point.x[k] + bearing.shift(k, force.alpha, point.problem.g)
         # row 0 of the cells lies on the major axis
-        in_middle = point.pressure[k][0] * force.peak / point.pressure[k].max()
-        on_arcs.append(np.interp(bearing.arc[k], places, in_middle, left=0.0, right=0.0))
-    return np.array(on_arcs)
+        axis_pressure = point.pressure[k][0] * force.peak / point.pressure[k].max()
+        arc_pressures.append(np.interp(bearing.arc[k], places, axis_pressure, left=0.0, right=0.0))
+    return np.array(arc_pressures)

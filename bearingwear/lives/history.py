@@ -15,7 +15,7 @@ from bearingwear.solvers.state import State, history_values
 
 
 def life_values(scene: Scene, life: Life) -> dict:
-    """Returns the result variables of a life [SI]; those of two bearings are as by `joined`.
+    """Returns the result variables of a life [SI]; those of two bearings are stacked by `joined`.
 
     They are its status and criterion alone if its start is not solved, or if a bearing does not
     wear and no criterion is met.
@@ -35,29 +35,29 @@ def life_values(scene: Scene, life: Life) -> dict:
         "life_error_bound": life.error,
         "history_time": times,
     }
-    of_bearings = [
+    values_by_bearing = [
         history_values(states) | film_values(side, states, times) | {"loss_at_end": states[-1].loss}
         for side, states in zip(scene.sides, life.bearings, strict=True)
     ]
-    return values | joined(of_bearings)
+    return values | joined(values_by_bearing)
 
 
-def joined(of_bearings: Sequence[dict]) -> dict:
+def joined(values_by_bearing: Sequence[dict]) -> dict:
     """Returns the values of one bearing, or those of two stacked along a first dimension.
 
     Values that the bearings of a pair share, those of `SHARED`, are not stacked: they are taken
     from the first.
 
-    of_bearings: result variables of one or two bearings, by name.
+    values_by_bearing: result variables of one or two bearings, by name.
     """
-    if len(of_bearings) == 1:
-        return of_bearings[0]
-    shared = {name: value for name, value in of_bearings[0].items() if name in SHARED}
-    of_sides = [
+    if len(values_by_bearing) == 1:
+        return values_by_bearing[0]
+    shared = {name: value for name, value in values_by_bearing[0].items() if name in SHARED}
+    unshared = [
         {name: value for name, value in values.items() if name not in SHARED}
-        for values in of_bearings
+        for values in values_by_bearing
     ]
-    return shared | stacked_sides(of_sides)
+    return shared | stacked_sides(unshared)
 
 
 def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dict:
@@ -90,8 +90,8 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
 def _time_worn_through(time: np.ndarray, left: np.ndarray) -> float:
     """Returns the time at which a film is gone [s], linear between two states; NaN if it never is.
 
-    time, left: of the states (n,) [s], and thickness left [m]. Where the latter is negative, so
-        much has worn beyond the film.
+    time: of the states (n,) [s].
+    left: thickness left in them (n,) [m]; negative by what has worn beyond the film.
     """
     without = np.flatnonzero(left <= 0.0)
     if not without.size:

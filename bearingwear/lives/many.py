@@ -97,7 +97,7 @@ def _worn_life(scene: Scene, kind: type[Grooves], quick: bool) -> Life | None:
 
 
 def lives_by_case(scene: Scene, quick: bool = False) -> dict[str, Life]:
-    """Returns the lives along which requirements of a scene hold, by the names of its cases.
+    """Returns the lives along which the requirements of a scene are checked, by names of cases.
 
     Over a duty, all cases have the same life, each with the states of the bearings in that case.
     Otherwise each case in which a race turns has its life alone, or every case if none turns; the
@@ -167,7 +167,7 @@ def _worse(first: Any, second: Any, measure: Measure) -> Any:
     is NaN, it is the other.
     """
     is_second = second < first if measure.falls else np.abs(second) > np.abs(first)
-    return np.where(is_second | np.isnan(first), second, first)[()]
+    return np.where(is_second | np.isnan(first), second, first)[()]  # a number if both are
 
 
 def lives_by_end(

@@ -97,7 +97,7 @@ def arrangement_torque(scene: Scene, losses: Losses, is_bare: bool = False) -> t
     is_bare: whether no contact has a film.
     """
     solver = solver_of(scene)
-    side_losses = (losses * 2)[:2]  # twice the same one for a pair that is worn alike
+    side_losses = losses * 2 if len(losses) == 1 else losses
     bare = (True, True) if is_bare else COVERED
     # one condition stands for a single bearing, and for both of a symmetric pair
     pairs = zip(solver.bearings.start, side_losses, strict=False)

@@ -104,7 +104,7 @@ class Simpson(Method):
         return step
 
     def _part_of_step(self, start: Node, step: LifeStep, end: float) -> LifeStep:
-        """Returns the part of a solved step up to an end within it, which is solved as well.
+        """Returns the part of a solved step up to an end within it, with the node at that end.
 
         The inverse rate is the quartic through the nodes of the step.
 
@@ -124,8 +124,8 @@ class Simpson(Method):
 
         It is the tolerance of the end times the whole loss of the life, over the rate at its end.
         """
-        way = life.last.x - life.nodes[0].x
-        return self.root_tolerance * way / self.wearing.loss_rate(life.last)
+        loss = life.last.x - life.nodes[0].x
+        return self.root_tolerance * loss / self.wearing.loss_rate(life.last)
 
 
 class RungeKutta(Method):
@@ -234,7 +234,7 @@ class InTime(Method):
     previous: Any  # the one before, if rates are smooth from there to the last; else None
     rates: Any = None  # at the last node
     rates_before: Any  # at the one before
-    nodes_by_time: dict[float, Node]  # solved ones after the last node, by their time [s]
+    nodes_by_time: dict[float, Node]  # those tried after the last node, by their time [s]
     nearest = 0.0  # `shortest`, over the longest step
 
     def is_smooth_between(self, before: Node, now: Node) -> bool:
@@ -316,8 +316,8 @@ class Adams(InTime):
     def node_after(self, x: float) -> Node:
         """Returns the node at a time [s], by a predictor and a corrector.
 
-        Both use the rates of the last node. If the state after the predictor is not solved, its
-        node is returned, which says so by its status.
+        Both use the rates of the last node. Where the state after the predictor is not solved, the
+        node has that state.
         """
         wearing, now, rates = self.wearing, self.now, self.rates
         h = x - now.x
@@ -331,12 +331,12 @@ class Adams(InTime):
                 ratio, rates_before = stretch, self.rates_before
         predictor = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, rates_before)
         worn = wearing.worn_on(now.worn, predictor)
-        ahead = Node(x, worn, wearing.middle_state(worn), x)
-        if ahead.status != code.OK:
-            return ahead
+        predicted = Node(x, worn, wearing.middle_state(worn), x)
+        if predicted.status != code.OK:
+            return predicted
         share = h / (6.0 * (1.0 + ratio))
         corrector = (
-            (share * (3.0 + 2.0 * ratio), wearing.rates(ahead)),
+            (share * (3.0 + 2.0 * ratio), wearing.rates(predicted)),
             (h * (3.0 + ratio) / 6.0, rates),
             (-share * ratio * ratio, rates_before),
         )
@@ -378,13 +378,13 @@ class Trapezoid(InTime):
         return node._replace(worn=worn, states=wearing.with_worn(node.states, worn))
 
     def root(self, margin: Callable[[float], float], a: Node, b: Node) -> float:
-        """Returns an end [s] between two nodes at which a margin is about zero, by false position.
+        """Returns a time [s] between two nodes at which a margin is about zero, by false position.
 
-        margin: of a time, negative at that of node b and not at that of a; it scatters from run to
-            run, so that more accuracy than `_END_OF_RUNS` would have no meaning.
+        The search is also over after `_MOST_TRIALS` runs, or at one that fails. It returns the last
+        time whose run was solved, or that of node b. Keeps its error for `error_of_end`. A margin
+        scatters from run to run, so that a closer search would have no meaning.
 
-        Ends also after `_MOST_TRIALS`, or at a run that fails, with the last place that was solved;
-        node b is the first one. Keeps the error of the place for `error_of_end`.
+        margin: of a time; positive at that of node a, zero or negative at that of node b.
         """
         low, high, best = a.x, b.x, b.x
         low_margin, high_margin = margin(low), margin(high)

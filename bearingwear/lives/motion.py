@@ -70,7 +70,7 @@ class Motion:
         self.end = scene.wear.end_of_life or EndOfLife()
         self.start = np.zeros(self.parts.layout.size)
         self.surfaces = FilmWear(scene)
-        self._mounted = parameters.static_place(scene)
+        self._mounted = parameters.static_place(scene)  # axial displacement as mounted [m]
         self.films_gone: list[int] = []  # indices of `events`, as films wore through
         self._event_time = 0.0  # when a film was last gone [s]
         self._event_worn = self.start  # wear at that time
@@ -79,7 +79,8 @@ class Motion:
         """Returns the state (1,) of a run at some wear.
 
         worn: of all parts, as in `WornLayout`.
-        near: state of a run nearby, from whose end this one starts; else it starts as the scene.
+        near: state of a run at a similar wear, from whose end this one starts; if empty, it is a
+            first run.
         """
         run = self._run(worn, near[0].answer if near else None)
         return self.with_worn((State(run.status, {}, run),), worn)
@@ -127,8 +128,8 @@ class Motion:
     def _quasistatic_stiffness(self, scene: Scene) -> float:
         """Returns the quasi-static axial stiffness of a worn scene, which no run has [N/m].
 
-        It is that of the steady state at the mean loss. A scene without a steady state, whatever
-        its balls have lost, has that by race control. NaN where the steady state is not solved.
+        It is that of the steady state at the mean loss. A scene that has no steady state before any
+        wear has the stiffness by race control. NaN where the steady state is not solved.
         """
         if asymmetries(self.scene):
             solver: Solver = RaceControl(scene)
@@ -183,27 +184,27 @@ class Motion:
             values |= {"friction_power": power} | run.warmth
             factors = None
             if self.surfaces.changes:
-                of_state = run.values | run.warmth
-                factors = self.surfaces.wear_factors(of_state, self.surface_wear(worn))
+                state_values = run.values | run.warmth
+                factors = self.surfaces.wear_factors(state_values, self.surface_wear(worn))
             run = replace(run, rates=self.parts.rates(run.values, factors))
             values |= self._wear_values(run, worn)
         return (replace(state.with_values(values), answer=run),)
 
     def _wear_values(self, run: Run, worn: np.ndarray) -> dict[str, Any]:
-        """Returns the greatest groove depth [m], and films and wear rates if the depth counts.
+        """Returns result variables of the wear: the greatest groove depth [m].
 
-        The latter are those where surfaces have films or run in.
+        Where surfaces have films or run in, the films and the wear rates are there as well.
         """
-        p, rates = self.parts.layout, run.rates
-        values = {"greatest_depth": worn[p.deepest].max()}
+        layout, rates = self.parts.layout, run.rates
+        values = {"greatest_depth": worn[layout.deepest].max()}
         if not self.surfaces.changes:
             return values
         values |= self.surfaces.film_values(self.surface_wear(worn))
-        ball_rate = rates[p.diameter].mean()
+        ball_rate = rates[layout.diameter].mean()
         return values | {
-            "ball_diameter_loss_rate": self.surfaces.loss_rate(ball_rate, rates[p.groove]),
-            "ball_wear_rate": rates[p.ball].mean(),
-            "race_wear_rate": rates[p.race],
+            "ball_diameter_loss_rate": self.surfaces.loss_rate(ball_rate, rates[layout.groove]),
+            "ball_wear_rate": rates[layout.ball].mean(),
+            "race_wear_rate": rates[layout.race],
         }
 
     def rates(self, node: Node) -> np.ndarray:
@@ -251,11 +252,11 @@ class Motion:
         return CRITERIA[criterion] in OF_CAGE
 
     def end_rate(self, node: Node, criterion: int, film: int | None = None) -> float:
-        """Returns the rate at which a film wears, or a limited measure grows [m/s].
+        """Returns the rate at which a film wears, or the measure of a criterion grows [m/s].
 
-        A criterion limits a measure of the cage or the depth of a groove. For any other one, such
-        as a preload, it is the rate of the mean loss. That of the worn share of a film of the cage
-        is in 1/s.
+        The measure is one of the cage or the depth of a groove. For any other criterion, such as a
+        preload fraction, the rate is that of the mean loss. The worn share of the cage's film has a
+        rate in 1/s.
 
         criterion: index in `CRITERIA`, not used for a film.
         film: its index among the `events`; None for the criterion.
@@ -273,21 +274,20 @@ class Motion:
     def horizon(self, node: Node) -> float:
         """Returns the time of the first estimated end, of life or of a film [s].
 
-        Estimates are the steady life, and the limits of loss, clearances and films at the mean wear
-        rates since the last film was gone; at its time, at the present rates. Infinite where no
-        wear leads to an end.
+        Estimates are the steady life, and the times at which loss, clearances and films reach their
+        limits. Wear rates are means since the last film was gone; just after that, they are the
+        present ones. Infinite where no wear leads to an end.
         """
         elapsed = node.x - self._event_time
         wear = node.worn - self._event_worn
         if elapsed == 0.0:
-            elapsed = 1.0  # [s], in which the wear is that of a second
-            wear = self.rates(node)
+            elapsed, wear = 1.0, self.rates(node)  # one second at the present rates
         before = self._limited_values(self._event_worn)
         after = self._limited_values(self._event_worn + wear)
         with np.errstate(divide="ignore", invalid="ignore"):
             ends = self._event_time + elapsed * (self._limits() - before) / (after - before)
-        ahead = [end for end in (self.steady, *ends[after > before]) if end > self._event_time]
-        return float(min(ahead, default=math.inf))
+        later_ends = [end for end in (self.steady, *ends[after > before]) if end > self._event_time]
+        return float(min(later_ends, default=math.inf))
 
     def _limits(self) -> np.ndarray:
         """Returns the limits of the `_limited_values` (8,) [m]; NaN without one."""

@@ -34,7 +34,7 @@ FIRST_STEP = 2.5e-5  # loss over the ball diameter: 0.05 um on 2 mm
 ABOVE_ROUNDING = 1.0 + 1e-15  # factor on the limit of a loss that is met despite rounding
 _QUICK = 1e-4  # tolerance of quick lives
 _LONGER_FIRST = 4.0  # their first step, over that of others
-RUNNING_IN_STEP = 0.25  # of the depth of running in, and of what has worn
+RUNNING_IN_STEP = 0.25  # wear of a step, over the running-in depth plus what has worn below films
 # a life in looser steps shows how well another is integrated
 _LOOSER_TOLERANCE = 30.0  # over that of the life
 _LOOSEST_TOLERANCE = 1e-2
@@ -67,8 +67,9 @@ class Coating:
         return np.where(self.is_left, 1.0 - depths / thickness, np.inf)
 
     def remove(self, part: int, depths: np.ndarray) -> None:
-        """Removes the film of a part, if it is one of these, and any other that is worn through.
+        """Removes the film of one part, and any other that is worn through.
 
+        part: index of the part; one out of range is no part of this coating.
         depths: worn off each part [m].
         """
         self.is_left &= (self.share_left(depths) > 0.0) & (np.arange(self.is_left.size) != part)
@@ -79,7 +80,6 @@ def remove_film(films: Iterable[tuple[Coating, np.ndarray]], film: int) -> None:
 
     films: coatings, and the depths of their parts [m].
     """
-    # an index before the parts of a coating or beyond them matches none of these
     for coating, depths in films:
         coating.remove(film, depths)
         film -= coating.is_left.size
@@ -157,10 +157,9 @@ class FilmWear(EvenWear):
         return np.array([worn[1], worn[2], 0.5 * worn[0]])
 
     def running_in_time(self, worn: np.ndarray, rates: np.ndarray) -> float:
-        """Returns the time in which surfaces that run in wear by `RUNNING_IN_STEP` [s].
+        """Returns the shortest time in which a surface that runs in wears by `RUNNING_IN_STEP` [s].
 
-        That is a share of their running-in depth and of what has worn below their film. Infinite
-        where no surface without film runs in.
+        Infinite where no surface without film runs in.
 
         worn, rates: loss of ball diameter and depths of both grooves [m], and their rates [m/s].
         """
@@ -195,8 +194,8 @@ class FilmWear(EvenWear):
     def film_values(self, worn: np.ndarray) -> dict[str, Any]:
         """Returns result variables of the films.
 
-        They are the thickness left on inner race, outer race and balls (3,) [m], and whether each
-        contact is without film, as a share of 0 or 1 (2,).
+        `film_left` is the thickness left on inner race, outer race and balls (3,) [m].
+        `film_worn_share` is 1 for a contact without film, else 0 (2,).
         """
         return {
             "film_left": np.maximum(self.coating.thickness - self.depths(worn), 0.0),
@@ -383,8 +382,8 @@ def surface_steps_error(scene: Scene, solver: Remembered, life: Life) -> float:
 def steps_error(wearing: Any, ends: Criteria, scene: Scene, life: Life) -> float:
     """Returns the error of the length of a life by its steps [s].
 
-    It is its own if the life is one integral. Otherwise it is the difference from a life in looser
-    steps, which follows `wearing` to its end.
+    It is `life.error` if the life is one integral. Otherwise it is the difference from a life in
+    looser steps, which follows `wearing` to its end.
 
     wearing: a new way to wear, at the start of the life.
     """

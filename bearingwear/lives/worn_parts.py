@@ -59,7 +59,7 @@ CAGE_PARTS = ("pocket", "land")
 
 
 class WornParts:
-    """Wear of the balls, grooves and cage of a scene: without its cage where it is not solved.
+    """Wear of the balls, grooves and cage of a scene, which has no cage if none is solved.
 
     Wear since the start of the life is a vector `worn`, or one of `rates` per second, as in
     `WornLayout`. `coating` is the film of the `CAGE_PARTS`.
@@ -82,8 +82,8 @@ class WornParts:
 
         It includes the depth of the grooves if the scene counts them.
         """
-        p = self.layout
-        return self.start_loss + worn[p.diameter] + self._counted_depth(worn)
+        layout = self.layout
+        return self.start_loss + worn[layout.diameter] + self._counted_depth(worn)
 
     def _counted_depth(self, worn: np.ndarray) -> float:
         """Returns the depth of both grooves [m]; 0 where the scene does not count it."""
@@ -92,12 +92,13 @@ class WornParts:
     def cage_depths(self, worn: np.ndarray) -> np.ndarray:
         """Returns the wear depths of pocket walls and guiding surface (2,) [m]; NaN without cage.
 
-        The wear of all pockets and of the land is spread evenly over `worn_share` of the surface.
+        The mean wear of the pockets, and that of the land, is spread evenly over `worn_share` of
+        the surface.
         """
-        cage, p = self.scene.cage, self.layout
+        cage, layout = self.scene.cage, self.layout
         if cage is None:
             return np.full(len(CAGE_PARTS), math.nan)
-        volumes = np.array([worn[p.pocket].mean(), worn[p.land]])
+        volumes = np.array([worn[layout.pocket].mean(), worn[layout.land]])
         return volumes / (cage.worn_share * np.array(cage_surfaces(self.scene)))
 
     def clearances(self, worn: np.ndarray) -> tuple[float, float]:
@@ -133,8 +134,8 @@ class WornParts:
     def cage_rate(self, criterion: str, rates: np.ndarray) -> float:
         """Returns the rate of the measure that a criterion of the cage limits.
 
-        It is in m/s for a clearance, and in 1/s for the worn share of a film.
-        Of the variables of the measure, it is the faster one: the change in a second from new on.
+        It is in m/s for a clearance, and in 1/s for the worn share of a film. If the measure has
+        several variables, it is the rate of the fastest.
 
         criterion: one of `OF_CAGE`.
         rates: wear per second of all parts.
@@ -152,11 +153,11 @@ class WornParts:
         values: result variables with wear rates of the material of the cage. A rate that is not
             there is 0.
         """
-        p = self.layout
-        rates = np.zeros(p.size)
+        layout = self.layout
+        rates = np.zeros(layout.size)
         pocket, land = np.where(self.coating.is_left, film_wear_ratio(self.scene), 1.0)
-        rates[p.pocket] = values.get("pocket_wear_rate", 0.0) * pocket
-        rates[p.land] = values.get("cage_land_wear_rate", 0.0) * land
+        rates[layout.pocket] = values.get("pocket_wear_rate", 0.0) * pocket
+        rates[layout.land] = values.get("cage_land_wear_rate", 0.0) * land
         return rates
 
     def worn_scene(self, worn: np.ndarray) -> Scene:
@@ -181,12 +182,12 @@ class WornParts:
         return replace(self.scene, wear=wear, cage=cage, model=self.model)
 
     def rates(self, values: dict[str, Any], factors: Factors | None = None) -> np.ndarray:
-        """Returns the wear per second of a run.
+        """Returns the wear per second in a run, as in `WornLayout`.
 
         values: result variables of the run, by ball and contact (n, 2).
         factors: K_s/H of balls and races [1/Pa], if not those of new surfaces.
         """
-        p = self.layout
+        layout = self.layout
         rates = self.cage_rates(values)
         n = self.scene.bearing.ball_count
         D = self.scene.bearing.ball_diameter_mm * parameters.MM - values["ball_diameter_loss"]
@@ -194,14 +195,14 @@ class WornParts:
         new_ball, _ = wear_rates(self.scene, qv, a, None)
         ball, race = wear_rates(self.scene, qv, a, factors)
         # the rate of a run includes the wear in the pockets
-        rates[p.ball] = values["ball_wear_rate"] + (ball - new_ball).sum(axis=1)
-        rates[p.diameter] = 2.0 * rates[p.ball] / (math.pi * D**2)
-        rates[p.race] = n * race.mean(axis=0)
+        rates[layout.ball] = values["ball_wear_rate"] + (ball - new_ball).sum(axis=1)
+        rates[layout.diameter] = 2.0 * rates[layout.ball] / (math.pi * D**2)
+        rates[layout.race] = n * race.mean(axis=0)
         semi_axis = np.where(a > 0.0, a, np.inf)
         track = values["contact_track_radius"]
-        rates[p.groove] = groove_depth_rates(n, race, semi_axis, track).mean(axis=0)
+        rates[layout.groove] = groove_depth_rates(n, race, semi_axis, track).mean(axis=0)
         peak = depth_peak(values, values["gyroscopic_slip"], values["rolling_slip"])
-        rates[p.deepest] = peak * rates[p.groove]
+        rates[layout.deepest] = peak * rates[layout.groove]
         return rates
 
     def mean_loss_rate(self, rates: np.ndarray) -> float:

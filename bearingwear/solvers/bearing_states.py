@@ -101,8 +101,10 @@ def margin_values(
     def heats(temperatures: np.ndarray) -> np.ndarray | None:
         """Returns the heat of all parts at other temperatures; None without a state."""
         bearings_there = bearings_at_temperatures(bearings, temperatures)
-        rotor_there = None if bearings_there is None else bearings_there.solve(conditions)
-        if bearings_there is None or rotor_there is None or rotor_there.status not in USABLE:
+        if bearings_there is None:
+            return None
+        rotor_there = bearings_there.solve(conditions)
+        if rotor_there.status not in USABLE:
             return None
         return heat_of_parts(heats_of(bearings_there, rotor_there))
 

@@ -57,7 +57,7 @@ class Remembered:
     def __call__(self, conditions: Conditions) -> States:
         """Returns the states of the bearings in their conditions."""
         if conditions not in self._states:
-            near = self._nearest(conditions[0]) if len(conditions) == 1 else None
+            near = self._nearest_solution(conditions[0]) if len(conditions) == 1 else None
             rotor = self.bearings.solve(conditions, near)
             if rotor.status != code.OK:
                 self.failed += 1
@@ -68,7 +68,7 @@ class Remembered:
             self._states[conditions] = states_of(self.bearings, conditions, rotor)
         return self._states[conditions]
 
-    def _nearest(self, condition: Condition) -> SolvedBearing | None:
+    def _nearest_solution(self, condition: Condition) -> SolvedBearing | None:
         """Returns the solution at the nearest loss, None if there is none.
 
         It is one with the same films if there is any.
@@ -118,17 +118,17 @@ def solver_of(
 
 
 def _with_wrappers(solver: Solver) -> Solver:
-    """Returns the solver within the wrappers that its scene requires."""
+    """Returns the solver within the wrappers that its scene requires: `Warm` with a network."""
     return solver if solver.scene.thermal is None else Warm(solver)
 
 
 def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | OnRotor]:
     """Returns a status, and the bearings of a scene with grooves that can wear.
 
-    Where the unworn state is not found, or its contacts do not fit into cells, the status is that
-    of the failure, and the bearings are the unworn ones.
+    The unworn state may not be found, or its contacts may not fit into cells. The status is then
+    that of the failure, and the bearings are the unworn ones.
 
-    cells: along and across a contact.
+    cells: numbers along the major axis, and on each side of it.
     """
     bearings = solver_of(scene, accuracy=Accuracy.CHECKED).bearings
     rotor = bearings.solve(bearings.start)
@@ -146,8 +146,8 @@ def worn_bearings(scene: Scene, cells: tuple[int, int]) -> tuple[int, Alone | On
 def worn_elsewhere(bearings: Alone | OnRotor, scene: Scene) -> Alone | OnRotor:
     """Returns bearings of `worn_bearings` with their grooves at another speed or temperature.
 
-    The grooves of the bearings that are passed wear no further, either. The rotor starts where it
-    stood last: even wear says little of where it is.
+    The grooves of the bearings that are passed wear no further, either. The rotor starts from its
+    last place, as the losses alone say little about it.
 
     scene: with that speed or temperature.
     """

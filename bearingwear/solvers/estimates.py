@@ -73,9 +73,10 @@ def regularisation_error(reference: np.ndarray, with_half: np.ndarray) -> np.nda
 def error_values(parts: Iterable[np.ndarray]) -> dict[str, Any]:
     """Returns result variables of the sum of errors; empty if one of the first three is not finite.
 
-    These are of QV, preload and loss rate. Torque and power are left out alone if theirs is not.
+    Those three are the errors of QV, preload and loss rate. Torque and power are left out by
+    themselves where theirs is not finite.
 
-    parts: relative errors (5,) of the quantities in the order of `QUANTITY_COUNT`, of each setting.
+    parts: relative errors (5,) by each setting, of the quantities in the order of `QUANTITY_COUNT`.
     """
     total = sum(parts, start=np.full(QUANTITY_COUNT, ROUNDING))
     qv, preload, wear_rate, torque, power = total.tolist()

@@ -81,7 +81,7 @@ class RaceControl:
         return Mechanics(g, float(self.problem.D.mean()) - (loss - self.start.loss), Omega)
 
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
-        """Returns the bearing solved; its answer are values and attributes. `near` is not used.
+        """Returns the bearing solved; its answer is values and attributes. `near` is not used.
 
         Without a solution it has a status and this answer, and NaN for all numbers.
         """
@@ -115,9 +115,9 @@ class RaceControl:
         return heat_of_values(self.scene, values)
 
     def state(self, solution: SolvedBearing) -> State:
-        """Returns the state of a life, without the measures that need a balance of slip.
+        """Returns the state of a life, without `NEEDS_SLIP`: those require a balance of friction.
 
-        They are `NEEDS_SLIP`. Of a failure it is the status and the loss alone.
+        A failure has its status and loss alone.
         """
         values, _ = solution.answer
         loss = solution.condition.loss
@@ -175,7 +175,9 @@ def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None
 def contact_solution(
     problem: RaceControlProblem, balance: Balance, models: np.ndarray, rule: Rule
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`.
+    """Returns motions (n, 4) of the balls [rad/s] and rows of their contacts.
+
+    The rows (n, 2, COLUMNS) are those of `kernels.contact.summary`.
 
     models: controlling race of each ball (n,), OUTER_CONTROL or INNER_CONTROL.
     """
@@ -287,9 +289,9 @@ def controlled_torque_loss(
 def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
     """Returns values and attributes of the solution of a problem.
 
-    The problem may be held otherwise than the scene says. With the statuses PRELOAD_GONE,
-    NOT_CONVERGED, BEYOND_GROOVE and OUTSIDE_HERTZ_RANGE, the values are that, loss of diameter and
-    initial displacement alone. Other failures keep all values.
+    The problem may hold the bearing in another way than the scene, as on a rotor. With the statuses
+    PRELOAD_GONE, NOT_CONVERGED, BEYOND_GROOVE and OUTSIDE_HERTZ_RANGE, the values are status, loss
+    of diameter and initial displacement alone. Other failures keep all values.
     """
     g, D = problem.g, problem.D
     values: dict = {
@@ -363,7 +365,8 @@ def _verified_status(problem: RaceControlProblem, balance: Balance, is_balanced:
     if not is_balanced:
         return code.UNVERIFIED
     if problem.constant_force:
-        # Rounding of loads a million times as large swallows a spring's force; none is never lost.
+        # the rounding of loads a million times as large hides a spring's force; without a force of
+        # the spring, the other loads count
         force = problem.F[0] or float(np.linalg.norm(problem.F))
         if not balance.race_residual <= LARGEST_PRELOAD_ERROR * force:
             return code.BELOW_ROUNDING

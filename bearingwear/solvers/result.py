@@ -67,10 +67,10 @@ def status_sentence(status: str, scene: Mapping[str, Any]) -> str:
 def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]:
     """Returns the names of values of a solved case or life that must be finite and are not.
 
+    One bearing of a pair may lack a value that the other one has; it is then NaN.
+
     values: result variables.
     scene: as plain data, see `Result.scene`.
-
-    One bearing of a pair may lack a value that the other one has; it is then NaN.
     """
     if "end_criterion" not in values and _all_finite(values):
         return []  # this takes a tenth of the time of a look at every value
@@ -79,7 +79,7 @@ def not_finite(values: Mapping[str, Any], scene: Mapping[str, Any]) -> list[str]
         name
         for name, value in _values_to_check(values)
         if not np.isfinite(value).all()
-        and not (is_pair and name not in SHARED and _is_of_one_bearing(value))
+        and not (is_pair and name not in SHARED and _is_finite_in_a_bearing(value))
     ]
 
 
@@ -96,9 +96,9 @@ def _all_finite(values: Mapping[str, Any]) -> bool:
 
 
 def _values_to_check(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
-    """Yields names and values that must be finite; numbers that may be infinite are 0 in them.
+    """Yields names and values that must be finite, with 0 in place of permitted infinity.
 
-    Of a life they are those in `_OF_A_LIFE`, of stiffnesses the first and last alone.
+    Of a life they are the values in `_OF_A_LIFE`, of whose stiffnesses the first and last alone.
     """
     is_life = "end_criterion" in values
     for name, any_value in values.items():
@@ -114,7 +114,7 @@ def _values_to_check(values: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarra
         yield name, value
 
 
-def _is_of_one_bearing(value: np.ndarray) -> bool:
+def _is_finite_in_a_bearing(value: np.ndarray) -> bool:
     """Returns whether a value of a pair is finite for one of its bearings at least.
 
     value: (2, ...), of both bearings.

@@ -6,7 +6,9 @@ from collections.abc import Callable
 def brent_root(f: Callable[[float], float], a: float, b: float, **tolerances: float) -> float:
     """Returns the root of a function between two places at which its signs differ.
 
-    tolerances: `xtol` and `rtol` of `scipy.optimize.brentq`. Raises ValueError if the signs agree.
+    Raises ValueError if the signs agree.
+
+    tolerances: `xtol` and `rtol` of `scipy.optimize.brentq`.
     """
     from scipy.optimize import brentq
 

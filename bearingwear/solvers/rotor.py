@@ -93,15 +93,15 @@ def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> Rotor
     mounted: axial displacement at mounting [m].
     """
     method = scene.operation.preload_method
-    holding = bearings_holding(method)  # how many: two at a fixed position, one on a spring
+    holding_count = bearings_holding(method)  # two at a fixed position, one on a spring
     shift = 0.0 if method == "fixed_position" else solution.place - mounted
     return RotorState(
         status=solution.status,
         sides=(solution,),
         shift=shift,
         travel=2.0 * shift,
-        stiffness=holding * solution.stiffness,
-        quasistatic=holding * solution.quasistatic,
+        stiffness=holding_count * solution.stiffness,
+        quasistatic=holding_count * solution.quasistatic,
     )
 
 
@@ -130,9 +130,9 @@ class Alone:
         near: SolvedBearing | None = None,
         tolerance: float | None = None,
     ) -> RotorState:
-        """Returns the bearing in a condition, solved from a solution nearby.
+        """Returns the bearing in a condition, solved from `near` if given, else from `self.near`.
 
-        That is `near`, or else `self.near`, which becomes the new solution if that is usable.
+        A usable solution becomes the new `self.near`.
 
         tolerance: unused, as no rotor is balanced; `OnRotor` has it.
         """
@@ -205,8 +205,8 @@ class OnRotor:
         """Returns both bearings in their conditions, solved from their last state.
 
         `self.near` and `self.nearby` become those of this one. With thermal networks the rotor is
-        balanced roughly first, then at the temperatures of that; where that fails because a bearing
-        has no temperatures by itself, those of both are sought together.
+        balanced roughly first, then to the tolerance at the temperatures found. Where a bearing has
+        no temperatures by itself, those of both are sought together.
 
         near: unused; `Alone` has it.
         tolerance: unbalanced force on the rotor, over the larger one, if not that of `self`.
@@ -220,17 +220,20 @@ class OnRotor:
         if rough.status in USABLE:
             # the last steps of the rotor, at the temperatures of the rough balance
             balances = [solution.warmed for solution in rough.sides]
-            return self._balance(self._at_balances(balances), conditions, tolerance)
+            return self._balance(self._solvers_at(balances), conditions, tolerance)
         if rough.status not in NO_BALANCE_ALONE:
             return rough
         joint_balances = self._joint_balances(conditions)
         if joint_balances is None:
             return rough
-        exact = self._balance(self._at_balances(joint_balances), conditions, tolerance)
+        exact = self._balance(self._solvers_at(joint_balances), conditions, tolerance)
         return exact if exact.status in USABLE else rough
 
-    def _at_balances(self, balances: Sequence[Warmed | None]) -> tuple[Solver, ...]:
-        """Returns the solvers at given balances; a bearing without a thermal network has None."""
+    def _solvers_at(self, balances: Sequence[Warmed | None]) -> tuple[Solver, ...]:
+        """Returns the solvers of both bearings at the temperatures of given heat balances.
+
+        balances: of each bearing; None without a thermal network.
+        """
         return tuple(
             Warm(side.solver, balance) if isinstance(side, Warm) else side
             for side, balance in zip(self.sides, balances, strict=True)
@@ -243,14 +246,14 @@ class OnRotor:
         """
         warm = [k for k, side in enumerate(self.sides) if isinstance(side, Warm)]
 
-        def of_all_sides(warmed: Sequence[Warmed]) -> list[Warmed | None]:
+        def by_side(warmed: Sequence[Warmed]) -> list[Warmed | None]:
             """Returns the balances of the warm sides, with None for the other one."""
-            of_warm_sides = dict(zip(warm, warmed, strict=True))
-            return [of_warm_sides.get(k) for k in range(len(self.sides))]
+            by_warm_side = dict(zip(warm, warmed, strict=True))
+            return [by_warm_side.get(k) for k in range(len(self.sides))]
 
         def heats(scenes: Sequence[Scene]) -> list[HeatFlow] | None:
             """Returns the heats of the warm sides at temperatures; None without a balance."""
-            sides = self._at_balances(of_all_sides([Warmed.as_given(scene) for scene in scenes]))
+            sides = self._solvers_at(by_side([Warmed.as_given(scene) for scene in scenes]))
             state = self._balance(sides, conditions, WARM_BALANCED)
             if state.status not in USABLE:
                 return None
@@ -258,7 +261,7 @@ class OnRotor:
 
         error = max(self.sides[k].heat_error for k in warm)
         joint_balance = find_joint_heat_balance([self.sides[k].scene for k in warm], heats, error)
-        return None if joint_balance is None else of_all_sides(joint_balance)
+        return None if joint_balance is None else by_side(joint_balance)
 
     def _balance(
         self, sides: tuple[Solver, ...], conditions: Conditions, tolerance: float
@@ -328,7 +331,7 @@ class OnRotor:
     ) -> RotorState:
         """Returns the balance of a spring pair: F_2 = F_s - k_s e for the spring's extension e.
 
-        It extends as far as both bearings give way.
+        It extends as far as both bearings allow.
 
         solve_side: returns a bearing, 0 or 1, under an axial force.
         losses: of ball diameter [m].
@@ -348,18 +351,18 @@ class OnRotor:
             if not (F_1 > 0.0 and F_2 > 0.0):
                 return code.LIFTED_OFF
             states = solve_side(0, Force(F_1)), solve_side(1, Force(F_2))
-            given_way = sum(
+            allowed_extension = sum(
                 state.place - side.mounted for state, side in zip(states, self.sides, strict=True)
             )
-            yielding = sum(
+            relative_compliance = sum(
                 k_s / (n * state.steepness)
                 for n, state in zip(a.tandem, states, strict=True)
                 if state.is_usable
             )
             return RotorTrial(
                 states=states,
-                unbalanced=k_s * (e - given_way),
-                slope=k_s * (1.0 + yielding),
+                unbalanced=k_s * (e - allowed_extension),
+                slope=k_s * (1.0 + relative_compliance),
                 scale=max(F_1, F_2),
             )
 
@@ -373,7 +376,7 @@ class OnRotor:
         rounded: float,
         tolerance: float,
     ) -> RotorState:
-        """Returns the balance, from where earlier ones lead or else from the place of the last one.
+        """Returns the balance, sought from the place that earlier ones predict, then from the last.
 
         trial_at: returns the bearings at a place of the rotor [m], or the status of a failure.
         losses: of ball diameter [m].
@@ -428,12 +431,14 @@ class OnRotor:
             quasistatic=self.stiffness([side.quasistatic for side in sides]),
         )
 
-    def stiffness(self, of_bearings: Sequence[float]) -> float:
+    def stiffness(self, bearing_stiffnesses: Sequence[float]) -> float:
         """Returns the axial stiffness of the arrangement [N/m].
 
-        of_bearings: stiffness of one bearing of each side [N/m].
+        bearing_stiffnesses: stiffness of one bearing of each side [N/m].
         """
-        k_1, k_2 = (n * k for n, k in zip(self.arrangement.tandem, of_bearings, strict=True))
+        k_1, k_2 = (
+            n * k for n, k in zip(self.arrangement.tandem, bearing_stiffnesses, strict=True)
+        )
         if self.arrangement.kind == "rigid_pair":
             return k_1 + k_2
         k_s = self.arrangement.spring_stiffness_N_um * N_UM
@@ -442,7 +447,7 @@ class OnRotor:
     def _first_place(self, losses: tuple[float, float], F_ext: float) -> float:
         """Returns the place of the rotor [m] by the mechanics of rolling balls, without friction.
 
-        It is rough (`NEAR_START`), and 0 where none is found.
+        It is accurate to `NEAR_START` alone, and 0 where none is found.
 
         losses: of ball diameter [m].
         F_ext: external axial force on the rotor [N].
@@ -516,7 +521,7 @@ def pair_case(
     a = scene.pair
     side_values = [values for values, _ in cases]
     assert a is not None
-    solutions = state.sides * (2 if len(state.sides) == 1 else 1)
+    solutions = state.sides * 2 if len(state.sides) == 1 else state.sides
     resting = tuple(
         in_tandem(side.at(solution.scene).mechanics(side.start.loss, 0.0), n)
         for side, solution, n in zip(sides, solutions, a.tandem, strict=True)

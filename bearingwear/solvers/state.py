@@ -91,7 +91,9 @@ def case_state(loss: float, values: Mapping[str, Any]) -> State:
     status = int(values["status"])
     if status != code.OK:
         return State.unsolved(status, loss)
-    state_values = {name: _over_balls(name, values[name]) for name in _OF_A_CASE if name in values}
+    state_values = {
+        name: _mean_or_largest(name, values[name]) for name in _OF_A_CASE if name in values
+    }
     # a case has it only with friction; else nothing carries the moment
     state_values.setdefault("friction_used_by_gyroscopic_moment", math.inf)
     return State(status, state_values | {"ball_diameter_loss": loss})
@@ -104,7 +106,7 @@ _OF_A_CASE = {*HISTORY, "axial_stiffness", "quasistatic_axial_stiffness", "frict
 _OF_A_CASE -= {"ball_diameter_loss"}
 
 
-def _over_balls(name: str, values: Any) -> Any:
+def _mean_or_largest(name: str, values: Any) -> Any:
     """Returns one value for all balls: the largest or the mean, by the variable's name.
 
     A variable that is not of balls keeps its value.

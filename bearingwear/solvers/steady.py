@@ -134,7 +134,7 @@ class Steady:
     def state(self, solution: SolvedBearing) -> State:
         """Returns the state of a life, with the wear rates of new surfaces.
 
-        Of a failure, also of an unverified solution, it is the status and the loss alone.
+        A failure or an unverified solution has its status and loss alone.
         """
         loss, problem, case = solution.condition.loss, solution.problem, solution.answer
         if solution.status != code.OK:
@@ -349,18 +349,18 @@ class UnwornRates(NamedTuple):
     diameter_loss: float  # see `diameter_loss_rate` [m/s]
 
 
-def rates_when_new(scene: Scene, films: Films, D: float, c: np.ndarray) -> UnwornRates:
+def rates_when_new(scene: Scene, films: Films, D: float, contacts: np.ndarray) -> UnwornRates:
     """Returns the wear rates of a bearing with new surfaces.
 
     All balls are alike. Numbers are used, since NumPy takes ten times as long.
 
     D: ball diameter [m].
-    c: summary of the contacts (2, COLUMNS).
+    contacts: (2, COLUMNS) of `kernels.contact.summary`.
     """
-    major = c[:, summary.MAJOR]
-    track = c[:, summary.TRACK].tolist()
+    major = contacts[:, summary.MAJOR]
+    track = contacts[:, summary.TRACK].tolist()
     factors = unworn_factors(scene, films, major)
-    ball_rate, race_rate = ((factor * c[:, summary.QV]).tolist() for factor in factors)
+    ball_rate, race_rate = ((factor * contacts[:, summary.QV]).tolist() for factor in factors)
     loss_rate = diameter_loss_rate(scene, D, ball_rate, race_rate, major.tolist(), track)
     return UnwornRates(ball_rate, race_rate, loss_rate)
 

@@ -231,6 +231,7 @@ def _verified_balance(
 
     scene, warm: with the thermal network, and at the temperatures found.
     error: relative error of the heat.
+    solves, slope: see `Warmed`.
     """
     assert scene.thermal is not None and warm.temperature is not None
     residual = heat_flow_residual(scene.thermal, warm.temperature, heat)
@@ -250,8 +251,8 @@ def find_joint_heat_balance(
 ) -> list[Warmed] | None:
     """Returns bearings on one rotor at their temperatures; None if no stable ones are found.
 
-    The temperatures of all are sought together. A bearing that is held at a place of the rotor may
-    run away there, though with the other one, by which the rotor gives way, it does not.
+    The temperatures of all are sought together. A bearing may run away where the rotor is held at a
+    place, and yet be stable where the rotor moves to its balance.
 
     scenes: bearings with thermal networks.
     heats: the heat of each in scenes with given temperatures; None without a state.
@@ -372,12 +373,12 @@ def all_conductances(networks: Sequence[Thermal]) -> np.ndarray:
 def thermal_margin(networks: Sequence[Thermal], slopes: np.ndarray | None) -> float:
     """Returns conductance over slope of the heat: above 1 the state is stable, at its fold 1.
 
-    networks: of the bearings.
-    slopes: (parts, parts) [W/K], see `heat_slopes`.
-
     It is the inverse of the largest real part of the eigenvalues of G^-1 dQ/dT. It is infinite
     where no heat grows with warmth, and zero where the slope is not known because a state beside
     this one is missing.
+
+    networks: of the bearings.
+    slopes: (parts, parts) [W/K], see `heat_slopes`.
     """
     if slopes is None:
         return 0.0

@@ -26,13 +26,14 @@ their states.
 
 
 def ramp_points(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Returns n speeds over the full one, and weights of the wear rates there, of a linear ramp.
+    """Returns n points of a linear ramp: shares of the full speed, and weights of the rates there.
 
-    The weights give the mean rate over a ramp from rest to full speed; the first is at full speed.
+    The weighted sum of the wear rates is the mean rate of a ramp from rest to full speed. The first
+    point is the full speed.
 
     A wear rate is the speed times a smooth function of its square, because of the centrifugal
-    effects: the mean over a ramp is half the integral of rate over speed over that square. Gauss
-    and Radau's points on it include the full speed, at which the phase is solved anyway.
+    effects. So the mean rate is half the integral of rate/speed over the square of the speed. Gauss
+    and Radau's points of this integral include the full speed, at which the phase is solved anyway.
     """
     legendre = np.polynomial.legendre
     low, high = legendre.Legendre.basis(n - 1), legendre.Legendre.basis(n)
@@ -74,19 +75,21 @@ class Cycle:
     @property
     def shares(self) -> np.ndarray:
         """Returns the weights of the conditions in the mean rate over a cycle (conditions,)."""
-        of_conditions = np.concatenate([self.running, self.starting]).T
+        shares_by_condition = np.concatenate([self.running, self.starting]).T
         # an exact sum does not depend on the order of the phases
-        return np.array([math.fsum(shares) for shares in of_conditions])
+        return np.array([math.fsum(shares) for shares in shares_by_condition])
 
 
 def cycle_of(scene: Scene, points: int = 2) -> Cycle:
-    """Returns the cycle of a scene's duty, with a number of points of each ramp.
+    """Returns the cycle of a scene's duty.
 
     Raises NotAvailable for a duty that warms up, where a start does not become steady.
+
+    points: number of speeds of each ramp, the full speed included.
     """
     duty = scene.duty
     assert duty is not None
-    scene_of_case = _solved_alike(phase_cases(scene))
+    scene_of_case = _with_equal_bearing_count(phase_cases(scene))
     cases = [*scene_of_case]
     case_of_phase = tuple(cases.index(duty.case_of(name)) for name in duty.phases)
     phases = [*zip(case_of_phase, duty.phases.values(), strict=True)]
@@ -116,9 +119,10 @@ def cycle_of(scene: Scene, points: int = 2) -> Cycle:
 
 
 def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
-    """Returns the cycle with the instants of its starts, which warm the bearings.
+    """Returns the cycle with the instants of its starts as further conditions.
 
-    The time that a start takes to warm up is taken off the running time of its phase.
+    The bearings warm up in a start. The time that this takes is subtracted from the running time of
+    the phase.
     """
     from bearingwear.lives.duty.warm import warm_start  # loads slowly; few lives need it
 
@@ -127,13 +131,13 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
     starting = cycle.starting
     phases = [*zip(cycle.case_of_phase, duty.phases.values(), strict=True)]
 
-    def order(k: int) -> tuple[float, ...]:
-        """Returns what the phases are sorted by: case, hours and starts."""
+    def sort_key(k: int) -> tuple[float, ...]:
+        """Returns the case, the hours and the starts of phase k."""
         case, phase = phases[k]
         return case, phase.hours, phase.starts
 
     # the conditions are in one order, whatever that of the phases
-    for k in sorted(range(len(phases)), key=order):
+    for k in sorted(range(len(phases)), key=sort_key):
         case, phase = phases[k]
         if not phase.starts:
             continue
@@ -150,8 +154,8 @@ def _with_warm_starts(cycle: Cycle, duty: Duty) -> Cycle:
 def at_speed(scene: Scene, share: float) -> Scene:
     """Returns the scene with both races at a share of their speeds.
 
-    A regularisation of the slip that the scene gives is scaled alike, as its error depends on its
-    ratio to the slip. It is `LEAST_REGULARISATION` at least.
+    A slip regularisation that the scene gives is scaled by the same share, as its error depends on
+    its ratio to the slip. It is at least `LEAST_REGULARISATION`.
     """
     slower = at_speed_share(scene, share)
     if not regularisation_is_given(scene):
@@ -161,13 +165,16 @@ def at_speed(scene: Scene, share: float) -> Scene:
     return with_regularisation(replace(slower, friction=friction), is_given=True)
 
 
-def _solved_alike(scenes: dict[str, Scene]) -> dict[str, Scene]:
-    """Returns the scenes of cases with as many bearings to solve in each: one or two."""
+def _with_equal_bearing_count(scenes: dict[str, Scene]) -> dict[str, Scene]:
+    """Returns the scenes of cases, changed so that each has the same number of bearings to solve.
+
+    That number is one if every case has one bearing or a symmetric pair, and two otherwise.
+    """
     reduced = {case: scene.symmetric_half for case, scene in scenes.items()}
     if len({len(scene.sides) for scene in reduced.values()}) == 1:
         return reduced
-    of_two = {"arrangement.external_axial_N": NO_FORCE_N}
+    tiny_force = {"arrangement.external_axial_N": NO_FORCE_N}
     return {
-        case: scene if len(reduced[case].sides) > 1 else scene.with_(of_two)
+        case: scene if len(reduced[case].sides) > 1 else scene.with_(tiny_force)
         for case, scene in scenes.items()
     }

@@ -28,9 +28,10 @@ from bearingwear.solvers.estimates import ROUNDING
 def duty_errors(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, float]:
     """Returns result variables of the errors of a life over a duty.
 
-    They are a bound on the error by steps [s], and relative errors by all settings and by ramps.
-    A life without an end has only the error of its steps. The estimate is left out where it is not
-    known, as by another fidelity than `steady`. That by the ramps is 1 where it is not known.
+    They are `life_error_bound`, by the steps [s], and `life_error_estimate`, by all settings and
+    relative to the life. With starts, `ramp_error_estimate` is the error by the points of the
+    ramps, 1 where it is not known. A life without an end has only the bound. The estimate is left
+    out where it is not known, as by another fidelity than `steady`.
     """
     life, cycle = over_duty.life, over_duty.cycle
     length = life.last.time
@@ -61,12 +62,12 @@ def duty_errors(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[str, f
 def _groove_errors(cycle: Cycle, life: Life) -> tuple[float, float]:
     """Returns a bound on the error of the steps [s], and the relative error of steps and cells [1].
 
-    They come from lives with longer steps, and with fewer cells as well. A figure is NaN where a
-    life that it needs ends otherwise.
+    They come from a life with longer steps, and one that also has fewer cells. A figure is NaN
+    where a life that it needs ends by another criterion or status.
     """
 
     def length(mode: GrooveMode) -> float:
-        """Returns the length of the life in a mode [s]; NaN if it ends otherwise."""
+        """Returns the length of the life in a mode [s]; NaN if it ends by another criterion."""
         other = worn_duty_life(cycle, mode, Grooves)
         return other.last.time if other.ends_like(life) else math.nan
 
@@ -77,9 +78,9 @@ def _groove_errors(cycle: Cycle, life: Life) -> tuple[float, float]:
 
 
 def _accuracy_error(cycle: Cycle, life: Life) -> float:
-    """Returns the relative error of a life by v_r and by points [1]; NaN where it is not known.
+    """Returns the relative error of a life by the slip regularisation and by quadrature points [1].
 
-    It is the weighted sum of the changes by each accuracy of `WEIGHTS`.
+    It is the weighted sum of the changes by each accuracy of `WEIGHTS`; NaN where one is not known.
     """
     total = 0.0
     for accuracy, weight in WEIGHTS.items():

@@ -72,6 +72,7 @@ class DutyLife:
         failed = life.tried_nodes[-1]
         if failed.status == code.OK:
             return 0
+        # the states end with the first condition that is not solved
         condition = (len(failed.states) - 1) // cycle.bearings
         if condition < len(cycle.cases):
             return condition
@@ -92,8 +93,8 @@ def duty_life(
 ) -> DutyLife:
     """Returns the life of a scene over its duty; its grooves are followed if any phase requires it.
 
-    They are not needed where the new bearings meet a criterion, even if their grooves cannot be
-    solved.
+    Bearings that meet a criterion when new have a life of length zero, even if their grooves cannot
+    be solved.
 
     quick: whether steps are longer and, along grooves, cells are fewer.
     kind: of grooves. States of the kind `Grooves` have no stiffness unless the life ends by it,
@@ -227,8 +228,9 @@ def present_losses(cycle: Cycle) -> list[float]:
 def cycle_with_enough_points(scene: Scene, fidelity: str = "steady") -> Cycle:
     """Returns the cycle of a scene's duty with the ramp points that its wear needs when new.
 
-    Points suffice from an error up to `RAMP_ENOUGH` on; there are `MOST_RAMP_POINTS` at most. They
-    are two where the whole wear of the ramps is a smaller share, or where the error is not known.
+    Their number rises from two until the error is at most `RAMP_ENOUGH`, or to `MOST_RAMP_POINTS`.
+    It stays two where the ramps cause at most a share `RAMP_ENOUGH` of the wear, or where the error
+    is not known.
     """
     points = 2
     cycle = cycle_of(scene, points)

@@ -75,8 +75,8 @@ def life_over_duty(scene: Scene, fidelity: str | None = None) -> Result:
     attrs |= end_attribute(scene.in_cases[ending_case], values)
     warnings = warnings_over_cases(
         {
-            case: warnings_of(scene.in_cases[case], choices[case], of_case)
-            for case, of_case in values_by_case.items()
+            case: warnings_of(scene.in_cases[case], choices[case], case_values)
+            for case, case_values in values_by_case.items()
         }
     )
     if over_duty.life.nodes[0].status == code.OK:
@@ -97,12 +97,12 @@ def _values_by_case(scene: Scene, over_duty: DutyLife, fidelity: str) -> dict[st
     if life.nodes[0].status != code.OK:
         return {ending_case: {"status": life.status, "end_criterion": life.criterion}}
     by_case = {}
-    for case_scene, (case, of_case) in zip(
+    for case_scene, (case, case_life) in zip(
         cycle.case_scenes, over_duty.by_case.items(), strict=True
     ):
-        values = life_values(case_scene, of_case)
-        if over_duty.is_worn and of_case.nodes[0].status == code.OK:
-            values |= life_groove_values(of_case)
+        values = life_values(case_scene, case_life)
+        if over_duty.is_worn and case_life.nodes[0].status == code.OK:
+            values |= life_groove_values(case_life)
         by_case[case] = values
     ending_values = by_case[ending_case]
     if "life" in ending_values:

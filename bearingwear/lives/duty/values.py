@@ -52,11 +52,11 @@ def duty_values(duty: Duty, over_duty: DutyLife, alone: Mapping[str, Life]) -> d
         "palmgren_miner_life": linear_life,
         "palmgren_miner_error": linear_life / life.last.time - 1.0,
     }
-    of_bearings = [
+    values_by_bearing = [
         wear_shares(cycle, worn_volumes(over_duty, k)) | acceleration_values(duty, over_duty, k)
         for k in range(cycle.bearings)
     ]
-    return values | joined(of_bearings)
+    return values | joined(values_by_bearing)
 
 
 def palmgren_miner_life(shares: np.ndarray, lives: np.ndarray) -> float:
@@ -84,12 +84,14 @@ def worst_by_case(over_duty: DutyLife) -> dict[str, np.ndarray]:
     ]
     values = {}
     for name, measure in WORST.items():
-        extremes = [
+        extremes_by_case = [
             [measure.extreme(state[name]) for state in states if name in state.values]
             for states in states_of_cases
         ]
-        if all(extremes):
-            worst = [_worst_along_life(measure, of_life) for of_life in extremes]
+        if all(extremes_by_case):
+            worst = [
+                _worst_along_life(measure, case_extremes) for case_extremes in extremes_by_case
+            ]
             values[f"worst_{name}"] = np.array(worst)
     preloads = [[state["residual_preload"] for state in states] for states in states_of_cases]
     values["history_phase_residual_preload"] = np.array(preloads).T
@@ -110,8 +112,8 @@ def _worst_along_life(measure: Measure, extremes: Sequence[float]) -> float:
 def worn_volumes(over_duty: DutyLife, k: int) -> np.ndarray:
     """Returns the volumes worn off bearing k (nodes, conditions, surfaces) [m3].
 
-    They are those from the start of the life to each of its nodes, off inner race, outer race and
-    all balls, as if each condition took all the time.
+    They are worn off inner race, outer race and all balls from the start of the life to each node,
+    as if each condition took all the time.
     """
     cycle, life = over_duty.cycle, over_duty.life
     balls = cycle.scenes[0].symmetric_half.sides[k].bearing.ball_count
@@ -149,12 +151,12 @@ def _integrals(times: np.ndarray, rates: np.ndarray) -> np.ndarray:
 def wear_shares(cycle: Cycle, worn: np.ndarray) -> dict[str, np.ndarray]:
     """Returns result variables of the shares of the wear [1].
 
-    They are the shares of the phases in the wear of inner race, outer race, balls and all these
-    together (phases, 4), and likewise those of starts and stops alone. The history has the wear of
-    each phase up to each node over all wear at the end (nodes, phases). A surface that does not
-    wear has NaN.
+    `phase_wear_share` is the share of each phase in the wear of inner race, outer race, balls and
+    all these together (phases, 4). `start_wear_share` is the part of it in starts and stops. The
+    history has the wear of each phase up to each node over all wear at the end (nodes, phases). A
+    surface that does not wear has NaN.
 
-    worn: as of `worn_volumes` (nodes, conditions, surfaces) [m3].
+    worn: volumes by `worn_volumes` (nodes, conditions, surfaces) [m3].
     """
     surfaces = np.concatenate([worn, worn.sum(axis=-1, keepdims=True)], axis=-1)
     total = np.einsum("c,cs->s", cycle.shares, surfaces[-1])
@@ -217,9 +219,9 @@ def acceleration_share(state: State, ramp_s: float) -> float:
 def duty_warnings(
     duty: Duty, over_duty: DutyLife, values: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
-    """Returns the warnings of a duty: balls that take much friction to accelerate, long cycles.
+    """Returns up to two warnings: of balls that take much friction to accelerate, of long cycles.
 
-    They have the form of `warnings_of`. The list is empty where neither is above its limit.
+    They have the form of `warnings_of`.
 
     values: result variables of the life.
     """

@@ -43,18 +43,18 @@ class DutyCriteria(Criteria):
         ]
 
 
-class _Weighted(NamedTuple):
+class _WeightedNode(NamedTuple):
     """A condition of a cycle in one node of a life."""
 
-    share: float
-    way: Any  # to wear
-    node: Node
+    share: float  # of the condition, in the mean over a cycle
+    way: Any  # to wear in the condition
+    node: Node  # with the states of the condition alone
 
 
 class _DutyWear:
     """The common part of both ways to wear over a duty.
 
-    ways: to wear in each condition of the cycle, `Surfaces` or `Grooves`.
+    ways: the way to wear of each condition of the cycle, `Surfaces` or `Grooves`.
     """
 
     cycle: Cycle
@@ -79,11 +79,11 @@ class _DutyWear:
                 break
         return tuple(states)
 
-    def weighted(self, node: Node) -> list[_Weighted]:
+    def weighted(self, node: Node) -> list[_WeightedNode]:
         """Returns the share, the way to wear and the node of each condition."""
         shares = self.cycle.shares.tolist()
         return [
-            _Weighted(share=share, way=way, node=part)
+            _WeightedNode(share=share, way=way, node=part)
             for share, way, part in zip(shares, self.ways, self.nodes(node), strict=True)
         ]
 
@@ -148,7 +148,7 @@ class DutyGrooves(_DutyWear, Grooves):
         self, cycle: Cycle, mode: GrooveMode = EXACT_GROOVES, kind: type[Grooves] = StiffGrooves
     ):
         self.cycle, self.mode = cycle, mode
-        # on the way to a speed, nobody asks for stiffnesses
+        # stiffnesses are not needed on the way to a speed
         self.ways = [kind(scene, mode) for scene in cycle.case_scenes]
         self.ways += [Grooves(scene, mode) for scene in cycle.scenes[len(cycle.cases) :]]
         self.scene = self.ways[0].scene
@@ -169,12 +169,12 @@ class DutyGrooves(_DutyWear, Grooves):
         return sum(way.solves for way in self.ways)
 
     def nodes(self, node: Node) -> list[Node]:
-        """Returns a node for each condition, with the very states that its way solved last.
+        """Returns a node for each condition, with `last` of its way where that has the same states.
 
-        `completed` of a way takes those as solved, and no copy of them.
+        `StiffGrooves.completed` solves any other tuple again, even one of the same states.
         """
         return [
-            part._replace(states=way.last) if _are_same(way.last, part.states) else part
+            part._replace(states=way.last) if _are_identical(way.last, part.states) else part
             for way, part in zip(self.ways, super().nodes(node), strict=True)
         ]
 
@@ -225,7 +225,7 @@ class DutyGrooves(_DutyWear, Grooves):
     def bares(self, before: Node, now: Node) -> bool:
         """Returns whether any contact has lost more of its film, see `Grooves.bares`.
 
-        The first condition tells, as the wear is the same in all.
+        It is that of the first condition, as the wear is the same in all.
         """
         return bool(self.ways[0].bares(before, now))
 
@@ -239,6 +239,6 @@ class DutyGrooves(_DutyWear, Grooves):
         return np.asarray(np.min(events, axis=0))
 
 
-def _are_same(states: Sequence[Any], others: Sequence[Any]) -> bool:
+def _are_identical(states: Sequence[Any], others: Sequence[Any]) -> bool:
     """Returns whether two sequences hold the very same objects."""
     return len(states) == len(others) and all(map(operator.is_, states, others))

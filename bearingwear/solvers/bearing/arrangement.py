@@ -117,9 +117,9 @@ def rotor_balance(
 ) -> float:
     """Returns the residual of the rotor's axial balance over the larger force of a side [1].
 
-    It is computed from the results of both bearings alone, as the larger of two, without sign: the
-    unbalanced force on the rotor; and the error of the bearings' distance times the larger
-    stiffness (rigid pair), or that of the second side's force by the spring's extension.
+    The residual is the larger of two forces, computed from the results alone. One is unbalanced on
+    the rotor. The other is the error of the bearings' distance times the larger stiffness (rigid
+    pair), or the second side's force less that of the extended spring.
 
     mounted: axial displacements of both bearings at mounting [m].
     sides: result variables of both bearings.
@@ -151,7 +151,10 @@ def stacked_sides(sides: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _stacked(values: Sequence[Any]) -> np.ndarray:
-    """Returns values of both bearings as in `stacked_sides`; None where one has no value."""
+    """Returns the values of both bearings as one array, filled as in `stacked_sides`.
+
+    values: of each bearing; None where it has none.
+    """
     arrays = [np.asarray(value) for value in values if value is not None]
     shapes = {array.shape for array in arrays}
     if len(arrays) == len(values) and len(shapes) == 1:

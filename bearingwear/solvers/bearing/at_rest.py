@@ -97,10 +97,12 @@ class RestingPair(NamedTuple):
         return AxialRotor((self.bearing, self.bearing), (mounted, mounted)).opening_force
 
     def clearance(self, measuring_load: float) -> float:
-        """Returns the axial clearance of the pair, as makers give it by a measuring load [N] [m].
+        """Returns the axial clearance of the pair under a measuring load, as makers state it [m].
 
-        It is that load's displacement less the preload's, of both bearings: negative where the
-        preload is the larger one.
+        It is the displacement of both bearings under that load less that under the preload. It is
+        negative where the preload is the larger load.
+
+        measuring_load: [N].
         """
         return 2.0 * (self.bearing.place(measuring_load) - self.bearing.place(self.preload))
 
@@ -133,10 +135,10 @@ class AxialRotor(NamedTuple):
         """
         first, second = self.sides
         mounted = sum(self.mounted)
-        slide = 0.0
         if k == 0:
             return float(first.force(delta_a) - self._force_of_second(mounted - delta_a))
         F_2 = second.force(delta_a)
+        slide = 0.0  # of the second outer ring
         if self.spring is not None:
             F_s, k_s, stop = self.spring
             pressed = (F_s - F_2) / k_s if k_s else math.copysign(math.inf, F_s - F_2)

@@ -45,14 +45,17 @@ class Archard(NamedTuple):
 class Surface:
     """A ball, or the groove of a race, as it wears."""
 
-    substrate: Archard  # below the film, run in
-    film: Archard | None  # its own film, None without one
+    substrate: Archard  # of the material below the film, after running in
+    film: Archard | None  # of its own film, None without one
     thickness: float  # of the film: 0 without one, infinite if it never wears through [m]
     initial_K_s: float  # wear coefficient of the substrate before running in [1]
-    running_in: float  # depth over which it approaches the final one, 0 without running in [m]
+    running_in: float  # depth over which it approaches its final value, 0 without running in [m]
 
     def substrate_factor(self, depth: float | np.ndarray) -> float | np.ndarray:
-        """Returns K_s/H of the substrate as it runs in: K + (K_0 - K) exp(-depth/h_0) [1/Pa]."""
+        """Returns K_s/H of the substrate as it runs in: K + (K_0 - K) exp(-h/h_0) [1/Pa].
+
+        depth: worn off the surface [m]; h is the part of it below the film.
+        """
         if not self.running_in:
             return self.substrate.factor
         depths_run_in = np.maximum(depth - self.thickness, 0.0) / self.running_in
@@ -65,8 +68,8 @@ class Surface:
 class WearTable:
     """K_s of films by peak pressure and temperature, from their lives in tests.
 
-    In a test the depth worn off grows as K_s p^2 with the pressure p, because the load goes as p^3
-    and the width of the track as p. So K_s goes as 1/(p^2 x life).
+    In a test the worn depth grows as K_s p^2 with the pressure p: the load goes as p^3, the width
+    of the track as p. So K_s goes as 1/(p^2 x life).
     """
 
     pressure: np.ndarray  # (P,) of the rows, rising [Pa]
@@ -82,7 +85,8 @@ class WearTable:
         """
         (reference,) = (row for row in rows if row.relative_life == 1.0)
         life = {(row.pressure_MPa, row.temperature_C): row.relative_life for row in rows}
-        pressures, temperatures = (sorted(set(column)) for column in zip(*life, strict=True))
+        pressures = sorted({row.pressure_MPa for row in rows})
+        temperatures = sorted({row.temperature_C for row in rows})
         factors = [
             [
                 2.0 * math.log(reference.pressure_MPa / p) - math.log(life[p, T])
@@ -101,7 +105,7 @@ class WearTable:
         """Returns K_s relative to the reference row at peak pressures [Pa], temperatures [degC].
 
         Its logarithm is linear in that of the pressure and in temperature. Beyond the rows the
-        nearest row holds. NaN as a temperature stands for that of the reference row.
+        nearest row applies. NaN as a temperature stands for that of the reference row.
         """
         T = np.where(np.isnan(temperature), self.reference, temperature)
         with np.errstate(divide="ignore"):  # no load, no pressure
@@ -146,11 +150,11 @@ class Films:
         """Returns the surfaces of a scene's balls and races."""
         b = scene.bearing
         ball, race = (scene.materials[name] for name in (b.ball_material, b.race_material))
-        return cls._between(ball, race, scene.friction.film)
+        return cls._of_materials(ball, race, scene.friction.film)
 
     @classmethod
     @functools.lru_cache(maxsize=64)  # used several times in each solve
-    def _between(cls, ball: Material, race: Material, film: FilmFriction | None) -> "Films":
+    def _of_materials(cls, ball: Material, race: Material, film: FilmFriction | None) -> "Films":
         """Returns surfaces of two materials, with the film that the scene's friction names."""
         # a film that never wears through is on the races alone where no material has one
         endless = film is not None and film.thickness_um is None
@@ -215,9 +219,10 @@ class Films:
     def contact_factors(
         self, cover: np.ndarray, ball_depth=0.0, race_depths=0.0, table_factor=1.0
     ) -> Factors:
-        """Returns K_s/H of balls and of races in both contacts (..., 2) at worn depths [m] [1/Pa].
+        """Returns K_s/H of balls and of races in both contacts [1/Pa], numbers or (..., 2).
 
         cover: whether inner race, outer race and balls still have their film (3,).
+        ball_depth, race_depths: worn off them [m].
         table_factor: on K_s, see `table_factor`.
         """
         return self.factors(cover[2], cover[:2], ball_depth, race_depths, table_factor)

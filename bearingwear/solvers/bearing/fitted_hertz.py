@@ -75,6 +75,8 @@ def fitted_displacement(g: Geometry, F_x: float) -> float:
 
     The contact angle is found by secants, and by halves where one leaves its bracket: to rounding,
     or as far as `_MOST_SECANTS` steps lead. Below the free angle the bearing has no thrust.
+
+    F_x: preload [N].
     """
     radial = g.BD * math.cos(g.alpha0)
 

@@ -42,6 +42,8 @@ class Ring(NamedTuple):
         """Returns the outward displacement at a radius under pressure on both faces [m].
 
         Lame's solution in plane stress.
+
+        p_in, p_out: pressures on the inner and the outer face [Pa].
         """
         a2 = self.inside**2
         b2 = self.outside**2
@@ -87,7 +89,7 @@ class Growth(NamedTuple):
 def temperatures(scene: Scene) -> Temperature:
     """Returns the temperatures of the parts, with a number for both rings and the balls.
 
-    Of a thermal network they are those without friction heat.
+    With a thermal network they are those without friction heat.
     """
     t = scene.temperature or Temperature()
     network = scene.thermal
@@ -285,12 +287,13 @@ def axial_change(
 ) -> float:
     """Returns the change of the axial distance A1 of the groove centres by shaft and housing [m].
 
-    The inner grooves of a symmetric pair, back to back, lie span - A1 apart on the shaft, and the
-    outer ones span + A1 in the housing. A longer shaft then reduces the preload; face to face it
-    increases the preload. A single bearing is half of a pair without span: its A1 grows with the
-    mean of shaft and housing.
+    The grooves of a symmetric pair, back to back, lie span - A1 apart on the shaft and span + A1
+    apart in the housing. A longer shaft then reduces the preload; face to face it increases the
+    preload. A single bearing is half of a pair without span: its A1 grows with the mean of shaft
+    and housing.
 
     span: distance between the middles of the bearings [m].
+    orientation: of the pair, back_to_back or face_to_face.
     """
     side = -1.0 if orientation == "back_to_back" else 1.0
     return 0.5 * (A1 * (heat.shaft + heat.housing) + side * span * (heat.shaft - heat.housing))

@@ -19,7 +19,7 @@ SLOPE = 0.1  # ds/dz at 0 of a split rule: benchmarks/rules.py
 
 
 def equal_strips(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Returns positions and load shares (n,) of n equal strips, as in the paper.
+    """Returns positions and load shares (n,) of n equal strips, as in the published model.
 
     The share is the strip's own part of the semi-ellipsoidal pressure, exact for constant slip.
     """
@@ -71,7 +71,7 @@ def gauss_legendre(m: int) -> tuple[np.ndarray, np.ndarray]:
 def gauss_halves(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Returns positions and load shares of Gauss-Legendre points on each half of the major axis.
 
-    n points in all (one more if n is odd).
+    There are n points in all, one more if n is odd.
     """
     x, w = gauss_legendre((n + 1) // 2)
     half = 0.5 * (x + 1.0)
@@ -132,9 +132,9 @@ def area_shares_across(across: np.ndarray, halves: bool) -> np.ndarray:
 def chebyshev_halves(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Returns Gauss points on each half of the strip and their shares, for a bend in its middle.
 
-    n points in all (one more if n is odd, but for 1), exact under the semi-ellipse on either half.
-    They are the eigenvalues of the Jacobi matrix of the polynomials orthogonal there (Golub and
-    Welsch 1969), found by Stieltjes' procedure.
+    There are n points in all, one more if n is odd and not 1. They are exact under the semi-ellipse
+    on either half: the eigenvalues of the Jacobi matrix of the polynomials orthogonal there (Golub
+    and Welsch 1969), found by Stieltjes' procedure.
     """
     if n == 1:
         return chebyshev(1)

@@ -145,8 +145,9 @@ class RaceControlProblem:
     def failure_status(self) -> int:
         """Returns the status of a scene that has no equilibrium under race control.
 
-        It is solved again without the friction that carries the gyroscopic moments. NO_RACE_CONTROL
-        if that has an equilibrium, RACE_UNSEATED if a ball leaves its groove, else its failure.
+        It is solved again without the friction that carries the gyroscopic moments. The status is
+        NO_RACE_CONTROL if that has an equilibrium, RACE_UNSEATED if a ball leaves its groove, and
+        otherwise that of the second solve.
         """
         op, alpha0 = self.op, self.g.alpha0
         k = race_control(

@@ -129,9 +129,10 @@ class _Secants:
             self.low = x
         if self.runs_away:
             return -_FASTER * unbalanced / trial.slope
-        if not self.low < x - unbalanced / slope < self.high and self.low < self.high:
+        step = -unbalanced / slope
+        if self.low < self.high and not self.low < x + step < self.high:
             return 0.5 * (self.low + self.high) - x
-        return -unbalanced / slope
+        return step
 
 
 def balanced_place(

@@ -71,10 +71,10 @@ def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray | 
     K = np.zeros((DOF, DOF))
     K[0, 0] = N * case.S_quasistatic
     # inertia times i Omega on the diagonal of the motion; tractions have none
-    inert = -J.astype(complex)
+    impedance = -J.astype(complex)
     inertia = [ball_inertia(m, D)] * 3 + [m * case.r * case.r]
-    inert.flat[: 4 * (k + 1) : k + 1] += 1j * Omega * np.array(inertia)
-    motion = np.linalg.solve(inert, B)
+    impedance.flat[: 4 * (k + 1) : k + 1] += 1j * Omega * np.array(inertia)
+    motion = np.linalg.solve(impedance, B)
     force, lead = S + C @ motion, motion[3] / (1j * Omega)
     # amplitudes of the groove's displacement by those of the race, over exp(i psi)
     amplitude = np.array([[0.0, 0.0, g.R_i, -1j * g.R_i], [1j, 1.0, 0.0, 0.0]])

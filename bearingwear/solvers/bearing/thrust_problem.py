@@ -97,7 +97,7 @@ class ThrustProblem:
         return case
 
     def _solve(self, D: float, start: np.ndarray | None, rule: Rule, fine: Rule) -> ThrustCase:
-        """Returns the steady state with a rule, and a finer one that the checks compare with."""
+        """Returns the steady state by a rule, checked by a finer one."""
         op = self.op
         u, v_start = start, op.v_r
         if u is None:
@@ -153,11 +153,11 @@ class ThrustProblem:
         if rates.real.max() < 0.0:
             return True
         many = parameters.ellipse_rule("split", STABILITY_POINTS, self.rule.across.size)
-        again = replace(self, rule=many, fine_rule=many).solve(D, start=case.motion)
-        is_same = np.abs(again.u - case.u).max() <= LIKE_STATE * np.abs(case.u).max()
-        return bool(
-            again.status == code.OK and is_same and self.decay_rates(D, again).real.max() < 0.0
-        )
+        rechecked = replace(self, rule=many, fine_rule=many).solve(D, start=case.motion)
+        is_same = np.abs(rechecked.u - case.u).max() <= LIKE_STATE * np.abs(case.u).max()
+        if rechecked.status != code.OK or not is_same:
+            return False
+        return bool(self.decay_rates(D, rechecked).real.max() < 0.0)
 
     def other_states(self, D: float, case: ThrustCase, stable: bool, most: int) -> list[ThrustCase]:
         """Returns steady states other than `case`, from a search over the orbit rate.

@@ -42,8 +42,8 @@ def dynamic_error_estimates(
 ) -> dict[str, Any]:
     """Returns result variables of the numerical errors of a dynamic run.
 
-    Empty if the drift is not known (fewer than three turns in the window), if one of the reruns
-    fails, or if an error is infinite, see `error_values`.
+    Empty if the drift is not known (`Trend.is_known`), if one of the reruns fails, or if an error
+    is infinite, see `error_values`.
 
     The end of the last window is run again with each setting of accuracy changed. That misses the
     motion of a ball's spin axis, which takes hundreds of turns. So the steady state under the
@@ -92,7 +92,10 @@ class _Rerun(NamedTuple):
 def _reruns(
     scene: Scene, system: DynamicSystem, tolerance: float, other_tolerance: float
 ) -> list[_Rerun]:
-    """Returns a run as it was, and those with half v_r, twice the points, and another tolerance."""
+    """Returns four runs: as it was, with half v_r, with twice the points, and with other steps.
+
+    tolerance, other_tolerance: of a step, in the first three and in the last.
+    """
     bearing = system.bearing
     v_r = 0.5 * system.bearing.op.v_r
     half_slip = system.variant(op=bearing.op._replace(v_r=v_r), cage=bearing.cage._replace(v_r=v_r))
@@ -113,6 +116,8 @@ def thrust_slip_error(scene: Scene, start: Start) -> np.ndarray:
 
     It is 0 where there is no such state, or none with half the regularisation. The order is that of
     `QUANTITY_COUNT`.
+
+    start: of the run, with the steady state if there is one.
     """
     case = start.case
     if case is None or case.status != code.OK:

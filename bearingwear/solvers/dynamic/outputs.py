@@ -32,8 +32,8 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
     """
     system, sums, bearing = run.system, run.recorder.sums, run.system.bearing
     now = system.snapshot()
-    then = run.opening
-    time, integrals = now.time - then.time, now.integrals - then.integrals
+    opening = run.opening
+    time, integrals = now.time - opening.time, now.integrals - opening.integrals
     count = sums.count[0]
     contacts = sums.contacts / count
     loads = run.loads
@@ -49,12 +49,12 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
         "minimum_contact_load": loads.smallest,
         "unloaded_share": loads.unloaded / count,
     }
-    change = {key: value - then.energy[key] for key, value in now.energy.items()}
+    change = {key: value - opening.energy[key] for key, value in now.energy.items()}
     values |= account_values(change, system.energy()["kinetic"])
     if scene.cage is not None:
         add_cage_values(scene, system, integrals, time, values)
         values["cage_speed"] = sums.bearing[record.CAGE_SPEED] / count
-        values["cage_momentum_rate"] = (now.momentum - then.momentum) / time
+        values["cage_momentum_rate"] = (now.momentum - opening.momentum) / time
     return values
 
 
@@ -63,7 +63,7 @@ def averages(
 ) -> dict[str, Any]:
     """Returns the result variables that are means over the instants of a window.
 
-    But for `equilibrium_residual`, which is the largest of any instant.
+    `equilibrium_residual` alone is the largest of all instants.
 
     sums: over the instants.
     contacts: (n, 2, COLUMNS) of `kernels.contact.summary`, means already.
@@ -150,13 +150,13 @@ def histories(scene: Scene, history: record.History, length: int) -> dict:
     length: number of instants.
     """
     log = record.History._make(column[:length] for column in history)
-    ball, race = parameters.wear_factors(scene)
+    ball_factor, race_factor = parameters.wear_factors(scene)
     films = Films.of(scene)
     wearing_qv = log.qv
     if films.table is not None:
         pressure = PEAK_OVER_MEAN * pressure_of_load(scene, log.load)
         wearing_qv = log.qv * films.table_factor(pressure, contact_temperatures(scene))
-    pocket_wear = wear_per_joule(scene, scene.bearing.ball_material)
+    ball_in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     values = {
         "time": log.time,
         "history_contact_load": log.load,
@@ -165,19 +165,19 @@ def histories(scene: Scene, history: record.History, length: int) -> dict:
         "history_orbit_lead": log.lead,
         "history_residual_preload": log.preload,
         "history_race_displacement": log.displacement,
-        "history_ball_wear_rate": ball
-        * (wearing_qv.sum(axis=2) + pocket_wear / ball * log.pocket_power),
-        "history_race_wear_rate": race * wearing_qv.sum(axis=1),
+        "history_ball_wear_rate": ball_factor * wearing_qv.sum(axis=2)
+        + ball_in_pocket * log.pocket_power,
+        "history_race_wear_rate": race_factor * wearing_qv.sum(axis=1),
     }
     if scene.cage is None:
         return values
-    cage = wear_per_joule(scene, scene.cage.material)
+    cage_factor = wear_per_joule(scene, scene.cage.material)
     return values | {
         "history_cage_position": log.cage[:, record.POSITION : record.POSITION + 3],
         "history_cage_tilt": log.cage[:, record.TILT : record.TILT + 3],
         "history_cage_speed": log.cage[:, record.SPEED],
         "history_pocket_force": log.force[:, :-2],
         "history_land_force": log.force[:, -2:],
-        "history_cage_pocket_wear_rate": cage * log.pocket_power.sum(axis=1),
-        "history_cage_land_wear_rate": cage * log.land_power,
+        "history_cage_pocket_wear_rate": cage_factor * log.pocket_power.sum(axis=1),
+        "history_cage_land_wear_rate": cage_factor * log.land_power,
     }

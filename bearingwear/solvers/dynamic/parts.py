@@ -100,7 +100,7 @@ def cage_of(scene: Scene) -> CageModel:
         present=True,
         mass=mass,
         gravity=(float(g_x), float(g_y), float(g_z)),
-        imbalance=cage.imbalance_um * 1e-6,
+        imbalance=cage.imbalance_um * parameters.UM,
         I_x=0.5 * mass * (r_i**2 + r_o**2),
         I_t=mass * (3.0 * (r_i**2 + r_o**2) + width**2) / 12.0,
         clearance=clearance,

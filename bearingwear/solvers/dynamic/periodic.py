@@ -127,10 +127,11 @@ class Passing:
         return (balls / self.scale).ravel()
 
     def change(self, states: np.ndarray) -> np.ndarray | None:
-        """Returns the change (5 n + 1,) of scaled states by a passing, less the next ball's.
+        """Returns the states after a passing less those of the next balls before it (5 n + 1,).
 
-        The last number is their mean azimuth less `middle`, which fixes the phase [rad].
-        All are zero for a periodic motion. None if the passing cannot be simulated.
+        They are over the scale of the states. The last number is the mean azimuth less `middle`,
+        which fixes the phase [rad]. All are zero for a periodic motion. None if the passing cannot
+        be simulated.
 
         states: unknowns, as the method `states` returns them.
         """
@@ -144,7 +145,7 @@ class Passing:
         return 0.0 < passing < LONGEST_PASSING * self.system.turn
 
     def change_after(self, states: np.ndarray) -> np.ndarray:
-        """Returns the change in a passing from states, once it has been simulated; see `change`."""
+        """Returns `change` of states from which a passing has just been simulated."""
         after = self.system.balls.copy()
         after[:, PSI] -= self.load_rate * states[-1] * self.system.turn
         next_balls = np.roll(states[:-1].reshape(self.n, BALL), -self.ahead, axis=0)
@@ -281,6 +282,7 @@ def periodic_motion(
     these cannot be simulated, or where a passing is longer than `LONGEST_PASSING`. The system ends
     in another state.
 
+    tolerance, method: of the integration in time.
     near: motion of much the same system, at which the balls already are. The growth of disturbances
         is then not computed again.
     """

@@ -134,8 +134,8 @@ def dynamic_run(
 ) -> tuple[dict, dict]:
     """Returns values and attributes of one run of `solve_dynamic`.
 
-    Without an equilibrium at the start, or without a periodic motion where the scene requires one,
-    the values are status, loss of diameter and initial displacement. A run that stops adds its
+    A run may have no equilibrium at its start, or no periodic motion where the scene requires one.
+    The values are then status, loss of diameter and initial displacement. A run that stops adds its
     final time and the counts of its steps. One whose checks fail is UNVERIFIED, or has the reason
     as its status, and all values but the error estimates.
 

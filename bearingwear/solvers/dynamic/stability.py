@@ -28,6 +28,7 @@ def why_not_periodic(scene: Scene) -> str:
     has_fixed_load = any(operation.radial_load_N) or operation.tilt_mrad
     if scene.cage is not None:
         return "a cage"
+    # losses are in um, the diameter in mm
     if 1e-3 * np.ptp(scene.wear.ball_diameter_loss_um) > LIKE * scene.bearing.ball_diameter_mm:
         return "unequal ball diameters"
     if has_fixed_load and operation.rotating_load_N:
@@ -95,20 +96,25 @@ class GrowthRates:
     def sentence(self) -> str:
         """Returns the stability in words."""
         if self.slip_and_spin > LEAST_GROWTH:
-            return f"unstable: disturbances grow by a factor of e in {_turns(self.slip_and_spin)}"
+            return (
+                f"unstable: disturbances grow by a factor of e in {_time_words(self.slip_and_spin)}"
+            )
         spacing_words = (
-            f"grow by a factor of e in {_turns(self.spacing)}"
+            f"grow by a factor of e in {_time_words(self.spacing)}"
             if self.spacing > LEAST_GROWTH
             else "do not grow"
         )
         return (
-            f"disturbances decay by a factor of e in {_turns(self.slip_and_spin)}; "
+            f"disturbances decay by a factor of e in {_time_words(self.slip_and_spin)}; "
             f"disturbances to the even ball spacing {spacing_words}"
         )
 
 
-def _turns(rate: float) -> str:
-    """Returns the time in which a disturbance changes by a factor of e, in words."""
+def _time_words(rate: float) -> str:
+    """Returns the time in which a disturbance changes by a factor of e, in words.
+
+    rate: at which it grows or decays [1/turn].
+    """
     return f"{float(f'{1.0 / abs(rate):.2g}'):g} turns"
 
 
@@ -121,12 +127,12 @@ def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | N
     """
     spacing, disturbances = (values.get(name, -np.inf) for name in GROWTHS)
     if disturbances > LEAST_GROWTH:
-        phrase = f"disturbances grow by a factor of e in {_turns(disturbances)}"
+        phrase = f"disturbances grow by a factor of e in {_time_words(disturbances)}"
         return {"phrase": phrase, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
         phrase = (
             "without a cage, disturbances to the even ball spacing grow by a factor of e in "
-            f"{_turns(spacing)}"
+            f"{_time_words(spacing)}"
         )
         return {"phrase": phrase, "advice": "add a cage to the scene"}
     return None

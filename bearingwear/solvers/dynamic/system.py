@@ -62,7 +62,7 @@ class Snapshot:
     """Integrals and energies at an instant of a run, for differences."""
 
     time: float  # [s]
-    integrals: np.ndarray
+    integrals: np.ndarray  # the part of the state vector from `layout.qv` on
     energy: dict[str, float]  # see `DynamicSystem.energy`
     momentum: float  # of the cage about the bearing axis [kg m2/s]
 
@@ -72,8 +72,8 @@ class DynamicSystem:
     """State of balls, cage and inner race of a scene, and its integration in time."""
 
     bearing: BearingModel
-    y: np.ndarray
-    time: float = 0.0
+    y: np.ndarray  # state vector, see `layout`
+    time: float = 0.0  # [s]
 
     def __post_init__(self) -> None:
         bearing = self.bearing
@@ -309,6 +309,7 @@ class DynamicSystem:
         Returns the tally of the steps, with the status, and the time and next step at the end.
 
         duration: of each interval [s].
+        intervals: number of intervals; `_ONLY_READY` for none.
         """
         grid = record.TimeGrid(origin=self.time, dt=duration, first=0)
         return record.advance_and_record(

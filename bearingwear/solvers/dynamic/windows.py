@@ -35,8 +35,8 @@ RECENT_REPORTS = 3  # lines of progress from which the remaining time is estimat
 class Trend:
     """Straight lines through the values of successive turns, or passings, without keeping them.
 
-    The values are QV, wear of all parts, wear as counted, preload, shaft torque, and last the room
-    between the cage and its land, as a share of their clearance.
+    The six values are QV, wear of all parts, wear as counted, preload, shaft torque and room. The
+    room is the distance of the cage from its land, as a share of their clearance.
 
     turns: shaft turns of each value.
     """
@@ -47,7 +47,7 @@ class Trend:
         self.values = np.zeros((3, 6))  # (value, k value, value^2) of each
 
     def add(self, values: np.ndarray) -> None:
-        """Adds the values (6,) of a turn, in the order of the class."""
+        """Adds the six values (6,) of a turn."""
         k = self.sums[0]
         self.sums += (1.0, k, k * k)
         self.values += [values, k * values, values * values]
@@ -60,7 +60,7 @@ class Trend:
     def slopes(self) -> np.ndarray | None:
         """Returns relative changes per turn of all values but the room (5,); None if not known.
 
-        Of a value whose mean is 0 it is the change itself.
+        For a value whose mean is 0, it is the change itself.
         """
         n, k, kk = self.sums
         total, weighted, _ = self.values[:, :-1]
@@ -79,8 +79,8 @@ class Trend:
     def turns_to_land(self) -> float:
         """Returns the turns until a drifting cage meets its land.
 
-        Infinite with too few turns, for a cage that rides on its land already, and where the slope
-        towards it is below `_SIGNIFICANT` of its standard errors.
+        Infinite with too few turns, and for a cage that rides on its land already. Infinite also
+        where the slope towards it is below `_SIGNIFICANT` of its standard errors.
         """
         n, k, kk = self.sums
         total, weighted, square = self.values[:, -1]
@@ -105,8 +105,8 @@ def wear_per_joule(scene: Scene, material: str) -> float:
 def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
     """Returns weights (3, m) that turn time integrals of the state [J] into QV and worn volumes.
 
-    The rows are QV in the contacts of balls and races [J], wear of all parts, and wear as counted,
-    of the balls or of balls and races [m3].
+    The rows are QV in the contacts of balls and races [J], wear of all parts [m3], and wear as
+    counted [m3]: that of the balls, or of balls and races.
     """
     layout = system.layout
     ball, race = parameters.wear_factors(scene)
@@ -140,7 +140,7 @@ class LoadRange:
         self.roots += np.cbrt(loads, dtype=float).sum(axis=0)
 
     def of_like_balls(self) -> "LoadRange":
-        """Returns the range of balls that all move alike, each with that of all."""
+        """Returns the range with the values of all balls for each, as they all move alike."""
         alike = LoadRange(len(self.largest))
         alike.largest[:] = self.largest.max(axis=0)
         alike.smallest[:] = self.smallest.min(axis=0)
@@ -406,8 +406,8 @@ class TimeRun:
                 sums_gain = sums.bearing - sums_before
                 preload, torque = sums_gain[[record.PRELOAD, record.INNER_RACE_TORQUE]]
                 self.trend.add(np.array([*self.weights @ gain, preload, torque, self.room]))
-            shown = self.trend if self.trend.is_known else before_last
-            self.report(self.turns, shown.slopes())
+            reported_trend = self.trend if self.trend.is_known else before_last
+            self.report(self.turns, reported_trend.slopes())
         return code.OK
 
     def counts(self, evaluated: float) -> dict:

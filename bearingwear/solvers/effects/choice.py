@@ -70,8 +70,8 @@ def stands_still(scene: Scene) -> bool:
 def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     """Returns the choice of the model; `fidelity` overrides `model.fidelity` of the scene.
 
-    Raises NotAvailable if the requested fidelity does not exist or cannot solve this scene, or if
-    the scene requests a periodic motion that it does not have.
+    Raises NotAvailable if the requested fidelity does not exist or cannot solve this scene. It is
+    also raised if the scene requests a periodic motion that it does not have.
     """
     wanted = fidelity or scene.model.fidelity
     _check_fidelity(scene, wanted)
@@ -146,8 +146,8 @@ def _choice_of(scene: Scene, fidelity: str, why: str) -> Choice:
 def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     """Returns the choice for a wear life: that of a solve, if it evaluates any of the criteria.
 
-    Raises NotAvailable if the requested fidelity cannot solve this scene, evaluates none of its
-    criteria, or is race control for a scene that the steady model solves.
+    Raises NotAvailable if the requested fidelity cannot solve this scene or evaluates none of its
+    criteria. It is also raised for race control if the steady model solves the scene.
     """
     chosen = choice(scene, fidelity)
     if chosen.fidelity == "race_control" and not asymmetries(scene):

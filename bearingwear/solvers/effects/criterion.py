@@ -15,7 +15,7 @@ from bearingwear.sides import OF_ARRANGEMENT, SHARED
 def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
     """Returns the critical value [SI] and its variable by the names of a scene's criteria.
 
-    A criterion is left out if the case holds none of its variables, or if it compares with a
+    A criterion is left out if the case contains none of its variables, or if it compares with a
     preload and the scene has none.
 
     case: result variables of the solved scene.
@@ -28,14 +28,14 @@ def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[f
             values[system_name] = holding * np.asarray(values[bearing_name])
 
     def known_value(variable: str) -> Any:
-        """Returns the value of a variable; NaN if the case does not hold it."""
+        """Returns the value of a variable; NaN if the case does not contain it."""
         return values.get(variable, np.nan)
 
     critical = {}
     for name in end.criteria if end else ():
         measure = ENDS[name]
-        is_held = not values.keys().isdisjoint(measure.variables)
-        if is_held and (preload or not measure.over_preload):
+        is_known = any(variable in values for variable in measure.variables)
+        if is_known and (preload or not measure.over_preload):
             critical[name] = measure.critical(known_value, preload)
     return critical
 
@@ -44,7 +44,7 @@ class Reached(NamedTuple):
     """A criterion, and a value that has reached its limit."""
 
     measure: Measure
-    limit: float
+    limit: float  # [as in the scene]
     value: float  # [SI]
     variable: str
 

@@ -54,8 +54,8 @@ _SOLVED = (
 def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
     """Yields the evidence of a case, or that of the first and of the last state of a life.
 
-    Before a solve, and of one that failed or was not verified, it has only temperatures: those of
-    the values, else of the scene.
+    Before a solve, and for a solve that failed or was not verified, it has only temperatures: those
+    of the values, else of the scene.
 
     values: result variables of the case or life, or none before a solve.
     """

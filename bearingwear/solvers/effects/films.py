@@ -62,6 +62,7 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
 
 def _table_range(table: WearTable) -> str:
     """Returns the range of pressures and temperatures of a table, in words."""
+    # a table with a single pressure or temperature has no range of it
     pressures, temperatures = (
         " to ".join(dict.fromkeys(map(plain, values[[0, -1]])))
         for values in (table.pressure / MPA, table.temperature)
@@ -81,7 +82,7 @@ the one published test of a sputtered film in an angular contact bearing (docs/f
 
 
 def film_too_fast(evidence: Evidence) -> Finding | None:
-    """Returns the finding of speed times pitch diameter, whose limit is that of films in tests.
+    """Returns the finding of speed times pitch diameter, whose limit is `FILM_SPEED`.
 
     None without a film.
     """
@@ -106,7 +107,7 @@ class _Distance(NamedTuple):
 def film_beyond_tests(evidence: Evidence) -> Finding | None:
     """Returns the finding of the pressure or temperature farthest beyond a film's tests.
 
-    None without a table of tests, or without load.
+    None without a table of tests, and where neither a pressure nor a temperature is known.
     """
     table = Films.of(evidence.scene).table
     if table is None:
@@ -153,9 +154,8 @@ def film_worn(evidence: Evidence) -> Finding | None:
     shares, film = evidence.life["history_film_worn_share"], evidence.scene.friction.film
     if not shares.max() > 0.0 or (film is not None and film.bare_ball_race is not None):
         return None
-    # no film was worn through before the last state
-    ends_life = len(shares) < 3 or not shares[:-1].max() > 0.0
-    if ends_life:
+    has_gone_on = len(shares) > 2 and shares[:-1].max() > 0.0  # worn through before the last state
+    if not has_gone_on:
         return None
     races = [name for name, share in zip(("inner", "outer"), shares[-1], strict=True) if share]
     return {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}

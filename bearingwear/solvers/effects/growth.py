@@ -57,16 +57,18 @@ def preload_change(scene: Scene, growth: Growth) -> float:
     F = scene.operation.preload_N
     if not F > 0.0:
         return math.nan
-    return _preload_change(
+    return _change_of_preload(
         mounted_geometry(scene), F, growth, (a.span_mm or 0.0) * MM, a.orientation
     )
 
 
 @functools.lru_cache(maxsize=64)
-def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientation: str) -> float:
+def _change_of_preload(
+    g: Geometry, F: float, growth: Growth, span: float, orientation: str
+) -> float:
     """Returns the relative change of a preload by growth at rest [1].
 
-    It is cached, because a solve asks for it several times.
+    It is cached, because a solve requires it several times.
 
     g: geometry as mounted.
     F: preload at rest, without growth [N].
@@ -233,7 +235,7 @@ def tried_fits(scene: Scene, running_preload: Callable[[Scene, Growth], float]) 
 def change_by_fits(scene: Scene) -> float:
     """Returns the change of a fixed-position preload by the fits of a scene [1].
 
-    If none is tight, it is the largest change by `TRIED_UM`; NaN without a preload.
+    If none is tight, it is the largest change by `TRIED_UM`; NaN without a preload or a bore.
     """
     if has_interference(scene):
         growth = growth_of(scene)
@@ -275,10 +277,9 @@ def frictionless_preload(scene: Scene, growth: Growth) -> float:
 
 
 def interference_sizes(tried: Sequence[TriedFit], running: float | None) -> str:
-    """Returns the preload with fits of usual size, in words.
+    """Returns the preload without a fit and with each tried fit, in words.
 
     tried: no interference, then fits of usual size.
-
     running: preload at speed without a fit [N]; None before a solve: an estimate without the
         centrifugal force of the balls would be far too small.
     """

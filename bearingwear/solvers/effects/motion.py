@@ -48,9 +48,9 @@ def gyroscopic_share(scene: Scene) -> float:
 
 
 def rolling_rates(scene: Scene) -> tuple[float, float]:
-    """Returns the orbit rate of the balls relative to the outer race, without sign, and in space.
+    """Returns the orbit rate of the balls relative to the outer race, and that in space [rad/s].
 
-    Both are in rad/s. The balls roll at the free contact angle.
+    The first is without sign. The balls roll at the free contact angle.
     """
     b, operation = scene.bearing, scene.operation
     omega_i, omega_o = (RPM * rpm for rpm in (operation.shaft_speed_rpm, operation.outer_speed_rpm))
@@ -62,7 +62,7 @@ def rolling_rates(scene: Scene) -> tuple[float, float]:
 def spin_across_share(scene: Scene) -> float:
     """Estimates the share of spin friction due to slip across the ellipse [1].
 
-    It is E(m) - 1 at the free contact angle, for the race with the larger value, by the fit E =
+    It is E(m) - 1 at the free contact angle, for the race with the larger value. E is the fit
     1.0003 + 0.5968 A/B of Brewe and Hamrock (1977).
     """
     g = mounted_geometry(scene)
@@ -130,15 +130,15 @@ def pair_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _set_preload_words(scene: Scene, a: Arrangement) -> str:
-    """Returns which force the preload of a set is, and the one of a maker's pair, in words."""
+    """Returns which force the preload of a set is, and the pair that gives it, in words."""
     preload = scene.operation.preload_N
-    of_side = f"operation.preload_N, {preload:g} N, is the force of each side"
+    side_words = f"operation.preload_N, {preload:g} N, is the force of each side"
     if a.kind != "rigid_pair":
-        return of_side
+        return side_words
     ratio = set_preload_ratio(a.tandem)
     return (
-        f"{of_side}; bearings matched for a pair of {plain(preload / ratio)} N give it, because a "
-        f"set has {ratio:.3g} times the preload of the pair (if {preload:g} N is that of a pair, "
+        f"{side_words}; bearings matched for a pair of {plain(preload / ratio)} N give it, because "
+        f"a set has {ratio:.3g} times the preload of the pair (if {preload:g} N is that of a pair, "
         f"set {plain(preload * ratio)} N)"
     )
 
@@ -176,7 +176,7 @@ def ball_sentences(chosen: Choice) -> Iterator[str]:
 
 
 def _force_sentences(scene: Scene) -> Iterator[str]:
-    """Yields sentences on the forces on a ball; neglecting one saves no time (reductions.py)."""
+    """Yields sentences on the forces on a ball; neglecting one saves no time."""
     share = centrifugal_share(scene)
     size = "its magnitude is unknown before the solve"
     if not math.isnan(share):

@@ -13,7 +13,8 @@ from bearingwear.measures import plain
 from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
 from bearingwear.scene.new.minimum_preload import minimum_preload
 from bearingwear.scene.scene import Bearing, Scene
-from bearingwear.solvers.bearing.mounted import STEEL_YIELD, yield_pressure
+from bearingwear.solvers.bearing.films import MPA
+from bearingwear.solvers.bearing.mounted import GPA, MM, RPM, STEEL_YIELD, yield_pressure
 from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import INNER_SIDE, OUTER_SIDE, Evidence, Finding
 
@@ -74,7 +75,6 @@ LARGEST_RADIANS = math.pi / 2.0
 """Contact angle [degree] below which it may have been given in radians; so small an angle needs a
 clearance below 1e-4 of the ball diameter."""
 
-_GPA, _MPA, _MM = 1e9, 1e6, 1e-3
 _CONTACT = "contact_angle", "contact_load", "semi_major_axis"
 
 
@@ -87,7 +87,7 @@ def _pressure_advice(evidence: Evidence) -> str:
 def pressure_above_yield(evidence: Evidence) -> Finding:
     """Returns the finding of the peak pressure, whose limit is the yield pressure [GPa]."""
     limit, source = yield_pressure(evidence.scene)
-    value = float(np.max(evidence.state["maximum_pressure"])) / _GPA
+    value = float(np.max(evidence.state["maximum_pressure"])) / GPA
     return {"value": value, "limit": limit, "source": source, "take": _pressure_advice(evidence)}
 
 
@@ -97,7 +97,7 @@ def pressure_above_practice(evidence: Evidence) -> Finding | None:
     None above the yield pressure, of which `pressure_above_yield` warns.
     """
     limit, _ = yield_pressure(evidence.scene)
-    value = float(np.max(evidence.state["maximum_pressure"])) / _GPA
+    value = float(np.max(evidence.state["maximum_pressure"])) / GPA
     if value > limit:
         return None
     return {"value": value, "limit": LONG_LIVED * limit, "take": _pressure_advice(evidence)}
@@ -130,7 +130,7 @@ def _ellipse_edges(evidence: Evidence, radii: np.ndarray) -> np.ndarray:
         with np.errstate(invalid="ignore", divide="ignore"):
             growth = np.cbrt(np.asarray(evidence.case["maximum_contact_load"]) / load)
         major = major * np.where(np.isfinite(growth), growth, 1.0)
-    edges = np.degrees(angle + major / (_MM * radii))
+    edges = np.degrees(angle + major / (MM * radii))
     return np.where(load > 0.0, edges, -np.inf).max(axis=0)  # not where a ball is lifted off
 
 
@@ -198,13 +198,13 @@ def hoop_stress(evidence: Evidence) -> Finding | None:
     if bearing.bore_mm is None:
         return None
     material = evidence.scene.materials[bearing.race_material]
-    inside = 0.5 * _MM * bearing.bore_mm
+    inside = 0.5 * MM * bearing.bore_mm
     bottom = bearing.pitch_diameter_mm - bearing.ball_diameter_mm
-    outside = 0.5 * _MM * (bearing.inner_shoulder_mm or bottom)
+    outside = 0.5 * MM * (bearing.inner_shoulder_mm or bottom)
     nu = material.poisson_ratio
-    omega = math.pi / 30.0 * evidence.scene.operation.shaft_speed_rpm
+    omega = RPM * evidence.scene.operation.shaft_speed_rpm
     shape = (3.0 + nu) * outside**2 + (1.0 - nu) * inside**2
-    value = 0.25 * material.density_kg_m3 * omega**2 * shape / _MPA
+    value = 0.25 * material.density_kg_m3 * omega**2 * shape / MPA
     return {"value": value, "limit": HOOP_MPA}
 
 
@@ -365,7 +365,7 @@ def preload_grown(evidence: Evidence) -> Finding | None:
     preload = evidence.mean("residual_preload")
     ratio = preload / operation.preload_N
     excess = ratio / MOST_GROWN
-    when = "at speed" if operation.turns else "at rest"  # which temperatures or fits raised
+    when = "at speed" if operation.turns else "at rest"  # there, temperatures or fits raise it
     return {
         "ratio": ratio,
         "value": preload,
@@ -411,7 +411,7 @@ def units_in_doubt(scene: Scene) -> Iterator[str]:
     for name in dict.fromkeys((b.ball_material, b.race_material)):
         material = scene.materials[name]
         hardness = material.brinell_hardness_GPa
-        factor = material.wear_coefficient / (_GPA * hardness)
+        factor = material.wear_coefficient / (GPA * hardness)
         if factor < LEAST_WEAR:
             yield (
                 f"K_s/H of {name} is {factor:.2g} m2/N, below any that was measured: "

@@ -78,10 +78,12 @@ def effect_sizes(chosen: Choice) -> Iterator[EffectSize]:
     yield EffectSize(
         name="cage", is_on=chosen.cage, size=UNSIZED, limit=IF_ASKED, note="model.cage_results"
     )
-    key = "drag_density_kg_m3"
-    drag = getattr(scene.lubricant, key) > 0.0 and fidelity != "race_control"
     yield EffectSize(
-        name="lubricant drag", is_on=drag, size=UNSIZED, limit=IF_GIVEN, note=f"lubricant.{key}"
+        name="lubricant drag",
+        is_on=scene.lubricant.drag_density_kg_m3 > 0.0 and fidelity != "race_control",
+        size=UNSIZED,
+        limit=IF_GIVEN,
+        note="lubricant.drag_density_kg_m3",
     )
     if fidelity == "dynamic":
         yield EffectSize(name="Coriolis force", is_on=False, size=UNSIZED, limit=NEVER_ON)
@@ -90,7 +92,8 @@ def effect_sizes(chosen: Choice) -> Iterator[EffectSize]:
 def _force_effects(scene: Scene, fidelity: str) -> Iterator[EffectSize]:
     """Yields the effects of forces on a ball.
 
-    Neglecting one saves no time, so all but one are modelled.
+    Neglecting one saves no time: race control alone has no friction balance, and traction is
+    neglected only on request.
     """
     load_note, axial_note = "of the contact load at rest", "of a ball's axial load"
     centrifugal = centrifugal_share(scene)
@@ -151,10 +154,11 @@ def _slip_effect(scene: Scene) -> EffectSize:
 def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
     """Yields the effects of speed, heat and fits, by their changes of a fixed-position preload."""
     limit = 100.0 * MOST_LEFT_OUT
+    is_fixed = is_held(scene)
 
     def effect(name: str, is_on: bool, change: float, note: str) -> EffectSize:
         """Returns an effect by its relative change of the preload [1]."""
-        if not is_held(scene):
+        if not is_fixed:
             return EffectSize(name=name, is_on=is_on, size=SECOND_ORDER, limit=IF_GIVEN, note=note)
         return EffectSize(
             name=name,
@@ -165,7 +169,6 @@ def _growth_effects(scene: Scene) -> Iterator[EffectSize]:
             note=f"of preload; {note}",
         )
 
-    is_fixed = is_held(scene)
     at_speed = change_at_speed(scene) if is_fixed else UNSIZED
     yield effect("growth at speed", scene.bearing.bore_mm is not None, at_speed, "bearing.bore_mm")
     by_warmth = change_by_warmth(scene) if is_fixed else UNSIZED

@@ -13,6 +13,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.measures import ENDS, plain
+from bearingwear.solvers.bearing.mounted import MM, UM
 from bearingwear.solvers.dynamic.stability import instability
 from bearingwear.solvers.effects import films, growth, motion, practice
 from bearingwear.solvers.effects.choice import Choice, unevaluated_criteria
@@ -28,8 +29,6 @@ SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
 
 JUST_MET = math.nextafter(1.0, 2.0)
 """Excess of a criterion that is met exactly; that ends a life too."""
-
-_UM, _MM = 1e-6, 1e-3
 
 
 @dataclass(frozen=True)
@@ -59,18 +58,13 @@ def _groove_worn(evidence: Evidence) -> Finding | None:
     if evidence.life is not None and "groove_depth" in evidence.life:
         return None
     bearing = evidence.scene.bearing
-    radii = (
-        _MM
-        * bearing.ball_diameter_mm
-        * np.array([bearing.inner_groove_factor, bearing.outer_groove_factor])
-    )
-    curvature = 0.5 * (2.0 / (_MM * bearing.ball_diameter_mm) - 1.0 / radii)
-    loss, major = (
-        evidence.mean("ball_diameter_loss"),
-        evidence.contacts("semi_major_axis").mean(axis=0),
-    )
+    D = MM * bearing.ball_diameter_mm
+    radii = D * np.array([bearing.inner_groove_factor, bearing.outer_groove_factor])
+    curvature = 0.5 * (2.0 / D - 1.0 / radii)
+    loss = evidence.mean("ball_diameter_loss")
+    major = evidence.contacts("semi_major_axis").mean(axis=0)
     value = loss / np.min(curvature * major**2)
-    return {"loss": loss / _UM, "value": value, "limit": FLAT_GROOVE}
+    return {"loss": loss / UM, "value": value, "limit": FLAT_GROOVE}
 
 
 def _slip_rounded(evidence: Evidence) -> Finding | None:
@@ -130,7 +124,7 @@ def _over_limit_when_new(evidence: Evidence) -> Finding | None:
 
 
 def _nothing_wears(evidence: Evidence) -> Finding | None:
-    """Returns a finding, which is empty, of a life at rest, which does not end; else None."""
+    """Returns an empty finding for a life without end whose races turn alike; else None."""
     operation = evidence.scene.operation
     at_rest = evidence.chosen.of_life and operation.shaft_speed_rpm == operation.outer_speed_rpm
     return {} if at_rest and evidence.state.status == code.CRITERION_NOT_REACHED else None

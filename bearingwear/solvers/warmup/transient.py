@@ -38,10 +38,10 @@ STEP_TOLERANCE = 1e-5
 """Relative error of a step, of the largest temperature rise."""
 
 COARSER = 10.0
-"""How much coarser the steps are of the warm-up that the error is estimated by."""
+"""Factor on the tolerance of the steps in a second warm-up, by which the error is estimated."""
 
 LEAST_RISE = 0.01
-"""Temperature rise that the absolute tolerance is taken of at least [K]."""
+"""Least temperature rise by which the absolute tolerance of a step is scaled [K]."""
 
 SETTLED_TO = 1e-3
 """Distance to the steady temperatures at which a warm-up ends, over the rise to them."""
@@ -128,7 +128,8 @@ class ThermalBearings:
         check_heat_capacities(self.sides, scene.name)
         self.near: list[SolvedBearing | None] = [None] * len(self.sides)
         self.solves = 0
-        self._at: tuple[float, Alone | OnRotor] = (np.nan, solver_of(scene).bearings)
+        # the last share of the speed, and the bearings at that share
+        self._last: tuple[float, Alone | OnRotor] = (np.nan, solver_of(scene).bearings)
 
     def networks(self) -> list[Thermal]:
         """Returns the thermal network of each bearing, which all have."""
@@ -188,9 +189,11 @@ class ThermalBearings:
 
     def _bearings(self, share: float) -> Alone | OnRotor:
         """Returns the bearings at a share of their speed, the last ones if the share is theirs."""
-        if share != self._at[0]:
-            self._at = share, solver_of(at_speed_share(self.scene, share)).bearings
-        return self._at[1]
+        last_share, bearings = self._last
+        if share != last_share:
+            bearings = solver_of(at_speed_share(self.scene, share)).bearings
+            self._last = share, bearings
+        return bearings
 
     def heat_slopes(self, instant: Instant) -> np.ndarray | None:
         """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K].
@@ -240,9 +243,9 @@ class HeatEquation:
     def heat_from_surroundings(self, time: float) -> np.ndarray:
         """Returns the heat that shaft and housing conduct into parts at 0 degC (parts,) [W]."""
         flows = []
-        for n in self.networks:
-            G = n.conductance_W_K
-            now = network_at(n, time)
+        for network in self.networks:
+            G = network.conductance_W_K
+            now = network_at(network, time)
             flows += [G.inner_ring_shaft * now.shaft_C, 0.0, G.outer_ring_housing * now.housing_C]
         return np.array(flows)
 
@@ -260,15 +263,15 @@ class HeatEquation:
 
 def network_at(network: Thermal, time: float) -> Thermal:
     """Returns the network with the temperatures of shaft and housing at a time [s]."""
-    n = network
+    start = network.reference_C
     return replace(
-        n,
-        shaft_C=_approach(time, n.reference_C, n.shaft_C, n.shaft_time_constant_s),
-        housing_C=_approach(time, n.reference_C, n.housing_C, n.housing_time_constant_s),
+        network,
+        shaft_C=_temperature_at(time, start, network.shaft_C, network.shaft_time_constant_s),
+        housing_C=_temperature_at(time, start, network.housing_C, network.housing_time_constant_s),
     )
 
 
-def _approach(time: float, start: float, end: float, constant: float) -> float:
+def _temperature_at(time: float, start: float, end: float, constant: float) -> float:
     """Returns a temperature that approaches its end exponentially, or at once if constant is 0.
 
     constant: time constant [s].
@@ -366,8 +369,8 @@ def _steps(
 def _distance_left(equation: HeatEquation, instant: Instant) -> float:
     """Returns the distance to the steady temperatures by one Newton step, over the rise so far [1].
 
-    It is that of shafts and housings alone, without further solves, while they are too far away. It
-    is infinite where a state beside that of the instant is missing.
+    While shafts and housings alone are farther away than `SETTLED_TO`, it is their distance, which
+    takes no solves. It is infinite where a state beside that of the instant is missing.
     """
     y = instant.temperatures.ravel()
     rise = max(float(np.abs(y - equation.start).max()), LEAST_RISE)

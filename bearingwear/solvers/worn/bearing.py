@@ -284,7 +284,7 @@ class WornBearing:
     ) -> bool:
         """Sets the state with evenly worn balls as the start; returns whether there is one.
 
-        It is not tried after a failure other than NOT_CONVERGED (`status`).
+        status: of the solve that failed; only after NOT_CONVERGED is this start tried.
         """
         if status != code.NOT_CONVERGED:
             return False
@@ -293,10 +293,10 @@ class WornBearing:
     def _start_at_present_loads(
         self, status: int, p: ThrustProblem, D: float, wear: WornDepths
     ) -> bool:
-        """Counts depths so that the contacts of the start approach as under their loads.
+        """Sets the depths from which wear is counted to those of the contacts of the start.
 
-        They were counted from another state, maybe with more wear, and scale the cells. Returns
-        whether both contacts carry load.
+        Each contact then has the approach of its load. The depths were set by another state, maybe
+        with more wear, and they scale the cells. Returns whether both contacts carry load.
         """
         forces = self.seat.inner, self.seat.outer
         if not all(force.Q > 0.0 for force in forces):
@@ -614,9 +614,9 @@ class WornBearing:
         return SIDES[k] * (g.r_i, g.r_o)[k] * (alpha - float(self.angle[k]))
 
     def count_from(self, point: WornPoint) -> None:
-        """Counts the depths of the next states from the approaches of the contacts in this one.
+        """Sets the depths from which wear is counted to those of the contacts in a state.
 
-        The cells then lie as the contacts are loaded.
+        Each contact then has the approach of its load, and the cells fit it.
         """
         self.reference = np.array(
             [

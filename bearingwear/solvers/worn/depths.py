@@ -110,13 +110,13 @@ def spread_by_wander(
     if total > 0.0:
         on_grid *= values.sum() * (places[1] - places[0]) / total
     if wander > 0.0:
-        weights = _gaussian(float(wander / step))
+        weights = _gaussian_weights(float(wander / step))
         on_grid = np.convolve(on_grid, weights)[weights.size // 2 :][: grid.size]
     return on_grid
 
 
 @functools.lru_cache(maxsize=16)
-def _gaussian(rms: float) -> np.ndarray:
+def _gaussian_weights(rms: float) -> np.ndarray:
     """Returns weights of a Gaussian at whole places about its middle, out to six times its rms."""
     reach = int(_TAILS * rms + 0.5)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / rms) ** 2)

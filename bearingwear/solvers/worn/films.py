@@ -107,9 +107,9 @@ class WornFilms:
     def longest_time(self, wear: WornDepths, rate: WornDepths, share: float, least: float) -> float:
         """Returns the time in which a film wears by a share of its thickness, or begins to go [s].
 
-        While its deepest place becomes bare, this is half of that time at most. Once it is bare,
-        the film beside it goes: half of the share is allowed, but at least the time `least` [s].
-        Infinite without a film that wears.
+        While its deepest place becomes bare, it is half of the time from the first bare share to
+        the whole. Once it is bare, the film beside it goes: half of the share is allowed, but at
+        least the time `least` [s]. Infinite without a film that wears.
 
         rate: wear per second.
         """

@@ -26,9 +26,8 @@ from bearingwear.solvers.worn.bearing import ROUGH, WornBearing
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint, seat_force
 from bearingwear.solvers.worn.films import WornFilms
 
-_NEAR = 0.02  # of the approaches: first range about the guess in which an even loss is sought
 _HEAT_OF_ROUGH = 10.0  # error of the heat of a rough state over that of its balance
-
+_NEAR = 0.02  # of the approaches: first range about the guess in which an even loss is sought
 _FURTHER = 12  # extensions of this range, each twice as long
 _CLOSE = 1e-9  # of the approaches: accuracy of the even loss
 
@@ -58,21 +57,21 @@ class Worn(Steady):
     """A bearing with worn grooves; each solve starts from the last one.
 
     unworn: its solution without wear, by `Steady`.
-    cells: numbers along and across a contact.
+    cells: numbers along the major axis, and on each side of it.
     """
 
     def __init__(self, scene: Scene, unworn: SolvedBearing, cells: tuple[int, int]):
         self.scene, self.problem, self.start = scene, unworn.problem, unworn.condition
         self.mounted = parameters.static_place(scene)
         self.factors = parameters.wear_factors(scene)
-        filmed = scene.friction.film is not None or friction_changes_with_wear(scene)
+        has_films = scene.friction.film is not None or friction_changes_with_wear(scene)
         self.bearing = WornBearing(
             self.problem,
             unworn.answer,
             self.start.loss,
             cells,
             wander=scene.wear.track_wander,
-            films=WornFilms.of(scene) if filmed else None,
+            films=WornFilms.of(scene) if has_films else None,
             most_worn=_largest_loss_of_life(scene),
         )
         self.memory = _Memory(unworn.steepness)
@@ -168,6 +167,7 @@ class Worn(Steady):
         preload = seat_force(g, seat)
         load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
         state = cold_start()
+        scale = seat.inner.approach + seat.outer.approach
 
         @functools.cache
         def difference(loss: float) -> float:
@@ -180,7 +180,6 @@ class Worn(Steady):
                 return (delta_a - seat.delta_a) / scale
             return 1.0 - g.n_balls * state.F_ix / preload
 
-        scale = seat.inner.approach + seat.outer.approach
         guess = self.approach_loss(point) + self.memory.ahead * scale
         width = _NEAR * scale
         low = guess
@@ -202,7 +201,7 @@ class Worn(Steady):
         These need the states beside it, and more solves.
         """
         point = solution.answer
-        values = self._values(point) | self._film_values(solution)
+        values = self._values_without_films(point) | self._film_values(solution)
         values["friction_power"] = self.heat(solution).total
         return State(point.status, values, solution)
 
@@ -231,7 +230,7 @@ class Worn(Steady):
             "film_worn_share": np.array(shares),
         }
 
-    def _values(self, point: WornPoint) -> dict[str, Any]:
+    def _values_without_films(self, point: WornPoint) -> dict[str, Any]:
         """Returns the result variables of a state, as if it had no films."""
         g, op, D = point.problem.g, point.problem.op, point.D
         forces = point.forces
