@@ -104,7 +104,7 @@ def land_edge(system):
     edge = 9 + int(np.argmax(buffers.normal[9:]))
     x = system.bearing.cage.half_width * (1.0 if edge == 10 else -1.0)
     across = system.cage_state[CENTRE : CENTRE + 3] + x * buffers.R[:, 0]
-    if system.bearing.cage.land == 2:
+    if system.bearing.cage.land == 2:  # an inner one, which moves with the race
         across = across - system.buffers.balls.delta
     across[0] = 0.0
     return edge, across / np.linalg.norm(across)
@@ -164,7 +164,7 @@ def test_the_linear_force_of_a_pocket_agrees_with_differences(scene, j):
     def call():
         return contacts(system).ball_force[j, [0, 2]]
 
-    # A ball that goes outward also orbits faster, which the line leaves out: hold r Omega.
+    # A ball that goes outward also moves faster along its orbit, which the lines leave out: 1 %.
     computed = np.array([difference(call, balls.X, (j, k), 1e-12) for k in range(2)]).T
     assert_close(lines[:, 0], -computed[:, 0], 1e-4)
     assert_allclose(lines[:, 1], -computed[:, 1], rtol=1e-2, atol=1e-3 * np.abs(computed).max())
