@@ -79,7 +79,7 @@ def test_slopes_of_friction_heat_and_damping_power_agree_with_differences(speed)
 
 @pytest.mark.parametrize("j", TOUCHING)
 def test_the_stiffness_of_a_pocket_agrees_with_differences(scene, j):
-    """Force on a ball by the displacement of the cage, without damping.
+    """It is the slope of the force on a ball by the place of the cage, here without damping.
 
     The matrix leaves out how the force of a damped contact depends on the place.
     """
@@ -91,7 +91,7 @@ def test_the_stiffness_of_a_pocket_agrees_with_differences(scene, j):
 
 @pytest.mark.parametrize("j", TOUCHING)
 def test_the_damping_of_a_pocket_agrees_with_differences(scene, j):
-    """Force on a ball by the velocity of the cage: friction, and damping along the orbit."""
+    """It is the slope of the force on a ball by the velocity of the cage: friction and damping."""
     system = touching_system(scene)
     C = system.buffers.cage.C[j].copy()
     numerical = by_vector(lambda: force_on_ball(system, j), system.cage_state, VELOCITY, 1e-8)
@@ -118,7 +118,7 @@ def force_of_land(system):
 
 @pytest.mark.parametrize("guiding", ["outer", "inner"])
 def test_the_damping_of_the_land_agrees_with_differences(scene, guiding):
-    """Force on the cage by its velocity: friction and damping."""
+    """It is the slope of the force on the cage by its velocity, of friction and damping."""
     system = touching_system(scene, guiding)
     edge, _ = land_edge(system)
     assert system.buffers.cage.normal[9:].min() == 0.0  # one edge alone
@@ -129,7 +129,7 @@ def test_the_damping_of_the_land_agrees_with_differences(scene, guiding):
 
 @pytest.mark.parametrize("guiding", ["outer", "inner"])
 def test_the_stiffness_of_the_land_agrees_with_differences(scene, guiding):
-    """Force on the cage by its displacement, which also changes speed and normal of the contact."""
+    """It is the slope by the place of the cage, which also changes slip and normal."""
     system = touching_system(scene, guiding)
     edge, _ = land_edge(system)
     K = system.buffers.cage.K[edge].copy()
@@ -138,7 +138,7 @@ def test_the_stiffness_of_the_land_agrees_with_differences(scene, guiding):
 
 
 def test_the_linear_force_of_an_inner_land_agrees_with_differences(scene):
-    """Force of the cage on the inner race, by the displacement of the race along the normal."""
+    """It is the force on the race, by the displacement of the race along the normal."""
     system = touching_system(scene, "inner")
     balls, buffers = system.buffers.balls, system.buffers.cage
     _, n = land_edge(system)
@@ -155,7 +155,7 @@ def test_the_linear_force_of_an_inner_land_agrees_with_differences(scene):
 
 @pytest.mark.parametrize("j", TOUCHING)
 def test_the_linear_force_of_a_pocket_agrees_with_differences(scene, j):
-    """Axial and radial force on a ball, by the axial and radial displacement of its centre."""
+    """It has the axial and radial force, by the axial and radial displacement of the ball."""
     system = touching_system(scene, changes={"cage.restitution": 1.0})
     balls, buffers = system.buffers.balls, system.buffers.cage
     linearise_cage_forces(system.bearing, balls, buffers)

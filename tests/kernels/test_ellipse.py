@@ -36,7 +36,8 @@ surface_height = in_python(surface_height)
 
 R, MU, V_R = 1e-3, 0.07, 2e-3
 CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0, MU)
-# Slip coefficients of sticking, of rolling, of spin with gyroscopic slip, of gross slip; steps.
+# Slip coefficients of sticking, of rolling, of spin with gyroscopic slip, of gross slip, and their
+# steps in differences.
 SLIPS = [(2.0, 1e-4, 0.3, 20.0), (9.0, -6.001, 6000.0, 10.0), (20.0, 0.02, 5.0, 4e3)]
 SLIPS += [(3e3, 0.2, -5.0, 40.0)]
 STEPS = (2e-4, 2e-7, 2e-4, 4e-3)

@@ -87,7 +87,7 @@ def spin_slip(gyroscopic, rolling, sign):
 
 @pytest.mark.parametrize("spin", SPINS)
 def test_few_points_give_qv_within_a_thousandth(spin):
-    """QV in time and of 20 x 8 steady points. Forces in time err by 5e-3 mu Q at most."""
+    """So do 20 x 8 points of the steady state. Forces in time err by 5e-3 mu Q at most."""
     c = spin_slip(*spin)
     few, many = friction(SPREAD, c, 1e-4)[0], friction(FINE, c, 1e-4)[0]
     steady = ellipse_sums(
@@ -108,7 +108,7 @@ def test_the_weights_of_points_add_up_to_the_load():
 
 
 def test_normalised_weights_integrate_parabolas_exactly():
-    """Integrals from 0 to 1 of 1, t and t^2. The weights change by 2 % at most."""
+    """The integrals of 1, t and t^2 from 0 to 1 are exact. Weights change by 2 % at most."""
     t, weight = gathered_points(4, power=2)
     exact = normalised_weights(t, weight)
     assert_allclose([exact @ t**k for k in range(3)], [1.0, 1 / 2, 1 / 3], rtol=1e-13)

@@ -56,7 +56,7 @@ def test_area_shares_give_the_area_and_the_moments_of_an_ellipse(name, c):
 
 @pytest.mark.parametrize("kappa", [1.5, 6.0, 20.0])
 def test_the_moment_of_pure_spin_on_a_film_has_a_closed_form(kappa):
-    """4/(3 pi) a E(m) times the force; that of Hertz's pressure is 3/8 a E(m), 1.132 times less."""
+    """It is 4/(3 pi) a E(m) times the force; Hertz's pressure has 3/8 a E(m), 1.132 times less."""
     contact, v_r = FILM._replace(b=FILM.a / kappa), 1e-9
     exact = 4.0 / (3.0 * math.pi) * MU_EVEN * contact.Q * contact.a * ellipe(1.0 - kappa**-2)
     for rule, error in (

@@ -1,7 +1,7 @@
 """The matrix of the implicit integrator against differences of rates and unbalanced forces.
 
-States, ball centres and race together: a W-method keeps its order with inexact derivatives of the
-rates, so an order of convergence shows nothing of them.
+It is that of states, ball centres and race together. A W-method keeps its order with inexact
+derivatives of the rates, so that no order of convergence would show an error in them.
 """
 
 from typing import NamedTuple
@@ -175,8 +175,8 @@ def test_the_factors_of_a_step_are_those_of_the_matrix_of_differences(linearised
     """Errors are shares of the largest term of a row, for typical changes.
 
     Rows of the algebraic equations have to be exact: 5e-4 is the error of the differences. Rows of
-    the balls agree to 2e-3. Rows of the cage agree to 6e-2, because the matrix leaves out the
-    turning of the cage itself and the arm of a land that moves.
+    the balls agree to 2e-3. Rows of the cage agree to 6e-2: the matrix leaves out the turning
+    of the cage itself and the arm of a land that moves.
     """
     system, J, typical = linearised.system, linearised.J, linearised.typical
     cage, algebraic = system.layout.cage, system.layout.qv  # first rows

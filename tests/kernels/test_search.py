@@ -81,7 +81,7 @@ def test_the_force_on_the_orbit_changes_sign_at_the_steady_state(scene):
 
 @pytest.mark.parametrize("share", [0.6, 0.97, 1.01, 1.4])
 def test_the_slope_of_the_force_on_the_orbit_agrees_with_differences(scene, share):
-    """dF/dOmega of balls so light that the loads do not depend on the orbit rate."""
+    """The balls are so light that the loads do not depend on the orbit rate."""
     problem, D, case = solved_problem(scene("gyro_s1"), rho=1e-3)
     computed, u = balance_at_share(problem, D, case, share)
     step = 1e-5

@@ -64,7 +64,7 @@ def test_displacements_under_one_load_are_those_of_a_commercial_program(F_a, F_r
 
 
 def test_a_combined_load_with_free_tilt_agrees_with_a_commercial_program():
-    """1000 N radial and axial, clearance 0.01 mm, no moment.
+    """The loads are 1000 N radial and axial, the clearance is 0.01 mm, and there is no moment.
 
     The axial displacement counts from where both grooves have one plane.
     """

@@ -130,7 +130,7 @@ def ball_load(model, **changes):
 
 
 def test_the_stiffness_of_a_ball_agrees_with_differences(scene):
-    """S_xx, S_xr and S_rr, of the inner force, with a free centre of the ball."""
+    """S_xx, S_xr and S_rr are slopes of the inner force; the centre of the ball is free."""
     g = parameters.geometry(scene("gyro_s1"))
     A = np.array(groove_distance(g, 0.0, 1.2 * static_displacement(g, 7.0), 0.0, 0.0, 0.0))
     state = ball_equilibrium(g, g.D0, ball_load(ORBIT), *A, cold_start())
@@ -213,7 +213,7 @@ def test_the_stiffness_of_the_race_agrees_with_differences(scene):
 
 
 def test_the_axial_stiffness_is_that_of_a_race_that_yields_radially(scene):
-    """The Schur complement: force over displacement without a radial force."""
+    """It is the Schur complement: force over displacement without a radial force."""
     g, forces = race_of_gyro_s1(scene)
     _, k, _ = forces(np.array([1.5 * static_displacement(g, 7.0), 3e-7, -2e-7]))
     yielding = np.linalg.solve(k[1:, 1:], -k[1:, 0])

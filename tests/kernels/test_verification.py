@@ -34,7 +34,7 @@ def solved_case(scene):
     return p, seat.state, case
 
 
-def check(p, state, u, op=None):
+def friction_and_power_error(p, state, u, op=None):
     """Returns the friction residual and the power error of a state, of `p` or another operation."""
     residual, power, _, _ = friction_check(
         p.bearing.g, p.bearing.D, op or p.bearing.op, state, u, p.rule, False
@@ -44,7 +44,7 @@ def check(p, state, u, op=None):
 
 def test_a_solved_state_passes(solved_case):
     p, state, case = solved_case
-    assert max(check(p, state, case.u)) <= LARGEST_RESIDUAL
+    assert max(friction_and_power_error(p, state, case.u)) <= LARGEST_RESIDUAL
 
 
 @pytest.mark.parametrize("component", [0, 2, 3])
@@ -53,28 +53,28 @@ def test_a_wrong_speed_breaks_the_friction_balance(solved_case, component):
     p, state, case = solved_case
     u = case.u.copy()
     u[component] *= 1.0 + 1e-6
-    residual, _ = check(p, state, u)
+    residual, _ = friction_and_power_error(p, state, u)
     assert residual > LARGEST_RESIDUAL
-    assert residual > 1e3 * check(p, state, case.u)[0]
+    assert residual > 1e3 * friction_and_power_error(p, state, case.u)[0]
 
 
 def test_a_motion_that_is_too_fast_breaks_the_friction_balance(solved_case):
     """All its components are wrong by one part in a million."""
     p, state, case = solved_case
-    assert check(p, state, case.u * (1.0 + 1e-6))[0] > LARGEST_RESIDUAL
+    assert friction_and_power_error(p, state, case.u * (1.0 + 1e-6))[0] > LARGEST_RESIDUAL
 
 
 def test_missing_drag_breaks_the_friction_balance(solved_case):
     """A state solved with drag is checked without."""
     p, state, case = solved_case
-    residual, _ = check(p, state, case.u, p.bearing.op._replace(drag=0.0))
+    residual, _ = friction_and_power_error(p, state, case.u, p.bearing.op._replace(drag=0.0))
     assert residual > LARGEST_RESIDUAL
 
 
 def test_a_motion_that_is_too_fast_breaks_the_power_balance(solved_case):
     """Shaft power differs from heat and drag if the moments are not in balance."""
     p, state, case = solved_case
-    _, power = check(p, state, case.u * (1.0 + 1e-6))
+    _, power = friction_and_power_error(p, state, case.u * (1.0 + 1e-6))
     assert power > LARGEST_RESIDUAL
 
 

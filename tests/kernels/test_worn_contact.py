@@ -122,8 +122,8 @@ def test_the_contact_check_rejects_wrong_depths_and_pressures(cells):
 
 def test_a_failed_contact_solve_has_a_status(cells):
     work = contact_buffers(48, 10)
-    deep = -1.5 * np.ones(48)  # a hill, by which the contact outgrows its cells
-    assert worn_pressure(cells, deep, work, cells.fresh.copy())[0] == code.BEYOND_GROOVE
+    hill = -1.5 * np.ones(48)  # by which the contact outgrows its cells
+    assert worn_pressure(cells, hill, work, cells.fresh.copy())[0] == code.BEYOND_GROOVE
     unknown = np.full(48, math.nan)
     assert worn_pressure(cells, unknown, work, cells.fresh.copy())[0] == code.NOT_CONVERGED
 
