@@ -3,8 +3,8 @@
 import subprocess
 import sys
 
-# prints a result, and how often a signal that interrupts raised KeyboardInterrupt, of 300 times;
-# it comes after 0.1 to 0.2 ms, when the kernel has been called some times
+# prints a result, and how many of 300 signals raised KeyboardInterrupt; each comes after 0.1 to
+# 0.2 ms, in which the kernel is called again and again
 INTERRUPTED = """
 import signal
 from typing import NamedTuple
@@ -39,17 +39,17 @@ print(count)
 
 
 def test_ctrl_c_while_a_result_is_converted_raises_keyboardinterrupt(tmp_path, monkeypatch):
-    """Three hundred times in a process; numba unpatched ends the process at about every third.
+    """Each of 300 signals does. Unpatched, numba would end the process at about every third.
 
     The signal is an alarm that is handled as Ctrl-C is.
     """
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    computed = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-X", "faulthandler", "-c", INTERRUPTED],
         capture_output=True, text=True, timeout=120,
     )  # fmt: skip
-    assert computed.returncode == 0, computed.stderr[-2000:]
-    result, count = computed.stdout.splitlines()
+    assert completed.returncode == 0, completed.stderr[-2000:]
+    result, count = completed.stdout.splitlines()
     inner = "Inner(x=2.0, k=1)", "Inner(x=-2.0, k=2)"
     assert result == f"Outer(inner={inner[0]}, array=array([2., 2., 2.]), last={inner[1]})"
     assert count == "300"

@@ -82,7 +82,7 @@ def test_ctrl_c_ends_a_command_that_compiles_within_two_seconds(tmp_path):
 
 
 def test_one_process_compiles_and_the_others_wait(tmp_path):
-    """Only the one with the lock compiles. If all code is on disk, nothing is printed.
+    """Only the process with the lock compiles. If all code is on disk, nothing is printed.
 
     With the code removed and the lock taken here, a process waits, and then compiles.
     """
@@ -112,7 +112,7 @@ def test_a_kernel_stored_as_a_callee_can_be_called_from_python(tmp_path):
 
 
 def test_check_does_not_mention_compilation_if_all_is_compiled(capsys):
-    """Its line on the computing time is that of a second solve."""
+    """Its line on the computing time is then that of a second solve."""
     solve(load_scene(GYRO))
     assert main(["check", GYRO]) == 0
     (line,) = (text for text in capsys.readouterr().out.splitlines() if "computing time" in text)
@@ -154,29 +154,29 @@ def test_other_numba_code_can_call_a_kernel():
 
 
 @jit
-def diameter_ratio(new, old):
+def diameter_ratio(record, other):
     """Returns the ratio of ball diameters of two records, which are passed by address."""
-    return new.D0 / old.D0
+    return record.D0 / other.D0
 
 
 @jit
 def ratios(g, count, out):
     """Doubles the diameter of a record in a loop, and returns the last record.
 
-    Writes to `out` the ratio of new to old diameter plus that of the one before to the new.
+    Writes to `out` the diameter over the last but one, plus the last diameter over the present one.
     """
-    previous = g
+    last = g
     for k in range(count):
-        old, previous = previous, g
+        last_but_one, last = last, g
         g = Geometry(*g[:1], 2.0 * g.D0, *g[2:])
-        out[k] = diameter_ratio(g, old) + diameter_ratio(previous, g)
+        out[k] = diameter_ratio(g, last_but_one) + diameter_ratio(last, g)
     return g
 
 
 def test_a_kernel_gets_the_record_as_it_is_at_the_call():
     """Large records are passed by an address that another record may have afterwards.
 
-    Each ratio is 2 + 1/2 in the first step, where the old is the one before, and 4 + 1/2 later.
+    A sum of ratios is 2 + 1/2 in the first step, which has no last but one, and 4 + 1/2 later.
     """
     g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
     result, expected = np.empty(4), np.empty(4)

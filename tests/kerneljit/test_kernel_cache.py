@@ -31,13 +31,13 @@ def program_output(folder, **options):
 
     options: of `subprocess.run`.
     """
-    jit = {"NUMBA_CACHE_DIR": str(folder / "jit"), PROJECT.switch: ""}
+    cache = {"NUMBA_CACHE_DIR": str(folder / "jit"), PROJECT.switch: ""}
     completed = subprocess.run(
         [sys.executable, "-c", PROGRAM],
         capture_output=True,
         text=True,
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(folder)} | jit,
+        env=os.environ | {"PYTHONPATH": str(folder)} | cache,
         **options,
     )
     return completed.stdout.split()
@@ -117,7 +117,7 @@ def test_damaged_files_of_compiled_code_are_replaced(compiled_copy, suffix, leng
 
 
 def test_a_program_runs_without_space_for_compiled_code(changeable_copy):
-    """It prints the same, and leaves only empty files of code, with files of 1 byte at most."""
+    """Files may have 1 byte at most: it prints the same, and leaves only empty files of code."""
     resource = pytest.importorskip("resource")
     folder, printed = changeable_copy
     shutil.rmtree(folder / "jit")
@@ -132,7 +132,8 @@ def test_a_program_runs_without_space_for_compiled_code(changeable_copy):
 def test_compiled_code_in_an_unsafe_folder_is_not_loaded(changeable_copy):
     """An index of numba's cache is a pickle, which runs any code that somebody puts there.
 
-    Here it would make a folder. It does so only if nobody else may write to the compiled code.
+    The index planted here makes a folder. It is loaded only if nobody else may write to the
+    compiled code.
     """
     folder, printed = changeable_copy
     planted = folder / "planted"

@@ -1,4 +1,4 @@
-"""A bearing whose cage touches three balls and its land, and its contacts written out in NumPy."""
+"""A bearing whose cage touches three balls and its land."""
 
 import math
 
@@ -21,15 +21,15 @@ GUIDED = {
         "cage.guide_clearance_mm": 0.05,
     },
 }
-TOUCHING = 0, 4, 7
-DEPTH = 1e-7  # [m]
+TOUCHING = 0, 4, 7  # balls in contact with their pockets
+DEPTH = 1e-7  # interference of these contacts [m]
 
 
 def touching_system(scene, guiding="outer", changes=None):
     """Returns a system with three balls and one edge of the land touching a tilted, moving cage.
 
-    The contacts are those of the present places; the equilibrium of the balls does not include
-    them. changes: to the scene, by dotted keys.
+    The balls are in equilibrium without the forces of these contacts. changes: to the scene, by
+    dotted keys.
     """
     keys = {"friction.cage": 0.3, "operation.rotating_load_N": 1.0} | GUIDED[guiding]
     s = scene("gyro_s1", keys | (changes or {}))
@@ -41,7 +41,7 @@ def touching_system(scene, guiding="outer", changes=None):
     z[VELOCITY : VELOCITY + 3] = 0.01, -0.02, -0.03
     z[MOMENTUM + 1 : MOMENTUM + 3] += 1e-3 * z[MOMENTUM]
     for j in TOUCHING:
-        for _ in range(6):  # down to DEPTH, ahead in the pocket
+        for _ in range(6):  # Newton's steps ahead in the pocket, to DEPTH
             slope = 1e-9
             interference = approach(system, j)
             system.balls[j, PSI] += slope
@@ -62,7 +62,7 @@ def contacts(system):
 
 
 def approach(system, j):
-    """Returns the interference of pocket j [m], without its threshold."""
+    """Returns the interference of pocket j [m], which is negative if the pocket is open."""
     return contacts(system).approach[j]
 
 

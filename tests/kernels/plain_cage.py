@@ -46,7 +46,7 @@ def cage_contacts(bearing, balls, cage, R, X, delta, laws):
 
     balls: angular velocity (x, y, z), orbit rate and azimuth of each ball (n, 5). cage: centre,
     velocity and angular momentum (9,). X: axial and radial places of the balls (n, 2). delta:
-    displacement of the inner race (3,). laws: those of the model.
+    displacement of the inner race (3,). laws: `TODAY` or `STORED`.
     """
     c, g = bearing.cage, bearing.g
     centre, v, L = cage[:3], cage[3:6], cage[6:]
@@ -143,7 +143,10 @@ def cage_contacts(bearing, balls, cage, R, X, delta, laws):
 
 
 def unbalanced(bearing, balls, F, X, delta, contacts):
-    """Returns the force (2 n + 3,) on ball centres (axial, radial) and on the inner race [N]."""
+    """Returns the force (2 n + 3,) on ball centres (axial, radial) and on the inner race [N].
+
+    F: load on the inner race (3,) [N]. The others: `cage_contacts`, which returns `contacts`.
+    """
     g, ball_forces, race = bearing.g, [], F + contacts.on_race
     for j, (_, _, _, Omega, psi) in enumerate(balls):
         s, c, D = math.sin(psi), math.cos(psi), bearing.D[j]
@@ -170,7 +173,8 @@ def unbalanced(bearing, balls, F, X, delta, contacts):
 def solve(bearing, balls, cage, R, F, X, delta, laws):
     """Returns the contacts with balls and race in equilibrium, and the displacement of the race.
 
-    By Newton's method, which starts from X and delta.
+    By Newton's method in micrometres, which starts from X and delta. F: load on the inner race (3,)
+    [N]; the other arguments are those of `cage_contacts`.
     """
     x, n = np.r_[X.ravel(), delta] * 1e6, 2 * len(balls)
 

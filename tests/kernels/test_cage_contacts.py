@@ -79,7 +79,7 @@ def test_slopes_of_friction_heat_and_damping_power_agree_with_differences(speed)
 
 @pytest.mark.parametrize("j", TOUCHING)
 def test_the_stiffness_of_a_pocket_agrees_with_differences(scene, j):
-    """Force on a ball by the displacement of the cage, without damping.
+    """It is the slope of the force on a ball by the place of the cage, here without damping.
 
     The matrix leaves out how the force of a damped contact depends on the place.
     """
@@ -91,7 +91,7 @@ def test_the_stiffness_of_a_pocket_agrees_with_differences(scene, j):
 
 @pytest.mark.parametrize("j", TOUCHING)
 def test_the_damping_of_a_pocket_agrees_with_differences(scene, j):
-    """Force on a ball by the velocity of the cage: friction, and damping along the orbit."""
+    """It is the slope of the force on a ball by the velocity of the cage: friction and damping."""
     system = touching_system(scene)
     C = system.buffers.cage.C[j].copy()
     numerical = by_vector(lambda: force_on_ball(system, j), system.cage_state, VELOCITY, 1e-8)
@@ -104,7 +104,7 @@ def land_edge(system):
     edge = 9 + int(np.argmax(buffers.normal[9:]))
     x = system.bearing.cage.half_width * (1.0 if edge == 10 else -1.0)
     across = system.cage_state[CENTRE : CENTRE + 3] + x * buffers.R[:, 0]
-    if system.bearing.cage.land == 2:
+    if system.bearing.cage.land == 2:  # an inner one, which moves with the race
         across = across - system.buffers.balls.delta
     across[0] = 0.0
     return edge, across / np.linalg.norm(across)
@@ -118,7 +118,7 @@ def force_of_land(system):
 
 @pytest.mark.parametrize("guiding", ["outer", "inner"])
 def test_the_damping_of_the_land_agrees_with_differences(scene, guiding):
-    """Force on the cage by its velocity: friction and damping."""
+    """It is the slope of the force on the cage by its velocity, of friction and damping."""
     system = touching_system(scene, guiding)
     edge, _ = land_edge(system)
     assert system.buffers.cage.normal[9:].min() == 0.0  # one edge alone
@@ -129,7 +129,7 @@ def test_the_damping_of_the_land_agrees_with_differences(scene, guiding):
 
 @pytest.mark.parametrize("guiding", ["outer", "inner"])
 def test_the_stiffness_of_the_land_agrees_with_differences(scene, guiding):
-    """Force on the cage by its displacement, which also changes speed and normal of the contact."""
+    """It is the slope by the place of the cage, which also changes slip and normal."""
     system = touching_system(scene, guiding)
     edge, _ = land_edge(system)
     K = system.buffers.cage.K[edge].copy()
@@ -138,7 +138,7 @@ def test_the_stiffness_of_the_land_agrees_with_differences(scene, guiding):
 
 
 def test_the_linear_force_of_an_inner_land_agrees_with_differences(scene):
-    """Force of the cage on the inner race, by the displacement of the race along the normal."""
+    """It is the force on the race, by the displacement of the race along the normal."""
     system = touching_system(scene, "inner")
     balls, buffers = system.buffers.balls, system.buffers.cage
     _, n = land_edge(system)
@@ -155,7 +155,7 @@ def test_the_linear_force_of_an_inner_land_agrees_with_differences(scene):
 
 @pytest.mark.parametrize("j", TOUCHING)
 def test_the_linear_force_of_a_pocket_agrees_with_differences(scene, j):
-    """Axial and radial force on a ball, by the axial and radial displacement of its centre."""
+    """It has the axial and radial force, by the axial and radial displacement of the ball."""
     system = touching_system(scene, changes={"cage.restitution": 1.0})
     balls, buffers = system.buffers.balls, system.buffers.cage
     linearise_cage_forces(system.bearing, balls, buffers)
@@ -164,7 +164,7 @@ def test_the_linear_force_of_a_pocket_agrees_with_differences(scene, j):
     def call():
         return contacts(system).ball_force[j, [0, 2]]
 
-    # A ball that goes outward also orbits faster, which the line leaves out: hold r Omega.
+    # A ball that goes outward also moves faster along its orbit, which the lines leave out: 1 %.
     computed = np.array([difference(call, balls.X, (j, k), 1e-12) for k in range(2)]).T
     assert_close(lines[:, 0], -computed[:, 0], 1e-4)
     assert_allclose(lines[:, 1], -computed[:, 1], rtol=1e-2, atol=1e-3 * np.abs(computed).max())

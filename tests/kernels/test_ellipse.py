@@ -36,7 +36,8 @@ surface_height = in_python(surface_height)
 
 R, MU, V_R = 1e-3, 0.07, 2e-3
 CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0, MU)
-# Slip coefficients of sticking, of rolling, of spin with gyroscopic slip, of gross slip; steps.
+# Slip coefficients of sticking, of rolling, of spin with gyroscopic slip, of gross slip, and their
+# steps in differences.
 SLIPS = [(2.0, 1e-4, 0.3, 20.0), (9.0, -6.001, 6000.0, 10.0), (20.0, 0.02, 5.0, 4e3)]
 SLIPS += [(3e3, 0.2, -5.0, 40.0)]
 STEPS = (2e-4, 2e-7, 2e-4, 4e-3)
@@ -96,7 +97,7 @@ def differences(c, points, result):
 @pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])
 @pytest.mark.parametrize("c", SLIPS)
 def test_gradient_and_hessian_of_the_potential_agree_with_differences(c, rule):
-    """Points are held; 1e-5 and 1e-6 are the errors of differences (see test_friction.py)."""
+    """Points are held. The differences err by 1e-5 (rounding of the potential) and by 1e-6."""
     points = points_of(rule, c)
     _, gradient, hessian = sums(c, points)
     size = np.abs(gradient / SCALE).max()
@@ -174,7 +175,7 @@ def test_points_across_integrate_a_semi_ellipse(make, n):
     ],
 )
 def test_points_across_follow_where_the_slip_turns_round(c, turning_point):
-    """Their middle is moved there, at the most to EDGE."""
+    """Their middle is moved there, but no further from the middle of the ellipse than EDGE."""
     rule = ellipse_rule("split", 24, 8)
     *_, across, share = points_of(rule, c)
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
@@ -185,7 +186,7 @@ def test_points_across_follow_where_the_slip_turns_round(c, turning_point):
     assert_allclose(unshifted, rule.across, atol=1e-14)
 
 
-def test_points_across_of_a_contact_without_slip():
+def test_points_across_a_contact_without_slip_lie_within_it():
     *_, across, share = points_of(ellipse_rule("split", 24, 8), (0.0, 0.0, 0.0, 0.0))
     assert_allclose(share.sum(), 1.0, rtol=1e-13)
     assert np.abs(across).max() < 1.0
@@ -275,7 +276,7 @@ def test_share_of_gyroscopic_slip_counts_no_spin(c):
     *g, _, total = ellipse_sums(CONTACT, c, MU, V_R, points)
     assert_allclose(qv, total, rtol=1e-12)
     assert_allclose(heat, np.dot(c, g), rtol=1e-10)
-    lever = r * g[1] + CONTACT.sigma * CONTACT.cos_a * g[2] - CONTACT.sin_a * g[3]
-    assert_allclose(torque, -lever, rtol=1e-9)
+    on_ball = r * g[1] + CONTACT.sigma * CONTACT.cos_a * g[2] - CONTACT.sin_a * g[3]
+    assert_allclose(torque, -on_ball, rtol=1e-9)
     _, weight, h, *_ = points
     assert_allclose(share * qv, CONTACT.Q * (weight * np.abs(c[0] * h)).sum(), rtol=1e-10)

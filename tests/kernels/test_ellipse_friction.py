@@ -18,6 +18,7 @@ from bearingwear.solvers.bearing.quadrature import (
     spread_fixed,
 )
 
+# points of the motion in time: fixed ones, a few that move with the slip, many, and on a line
 FIXED = spread_fixed(ellipse_rule("gauss", 40, 5))
 SPREAD = spread_ellipse(5, 8)
 FINE = spread_ellipse(25, 32)
@@ -25,9 +26,10 @@ LINE = line_points(ellipse_rule("split", 40))
 
 
 def friction(points, c, v_r=V_R, size=5, contact=CONTACT, even=False):
-    """Returns the sums at a slip c, and the Hessian (size, size).
+    """Returns five generalised forces and QV (6,) at a slip c, and the Hessian (size, size).
 
-    Checks that they are the same with and without slopes.
+    Checks that they are the same with and without slopes. even: whether the force of a film is
+    spread over the area.
     """
     gradient, hessian = np.zeros(size), np.zeros((size, size))
     args = points, contact, R, c, v_r, even
@@ -73,6 +75,7 @@ def test_friction_at_many_points_agrees_with_fixed_points(c):
     assert_allclose(numerical / scale[:4], hessian[:4] / scale[:4], atol=2e-4 * size)
 
 
+# gyroscopic slip [m/s], place x/a of pure rolling and sense of the spin
 SPINS = list(itertools.product((0.0, 0.02, -0.2), (-0.9, -0.2, 0.0, 0.5), (1.0, -1.0)))
 
 
@@ -84,7 +87,7 @@ def spin_slip(gyroscopic, rolling, sign):
 
 @pytest.mark.parametrize("spin", SPINS)
 def test_few_points_give_qv_within_a_thousandth(spin):
-    """It holds in time and for 20 x 8 steady points; forces in time err by 5e-3 mu Q at most."""
+    """So do 20 x 8 points of the steady state. Forces in time err by 5e-3 mu Q at most."""
     c = spin_slip(*spin)
     few, many = friction(SPREAD, c, 1e-4)[0], friction(FINE, c, 1e-4)[0]
     steady = ellipse_sums(
@@ -96,12 +99,16 @@ def test_few_points_give_qv_within_a_thousandth(spin):
 
 
 def test_the_weights_of_points_add_up_to_the_load():
-    """QV of gross slip is load times slip, however few the points.
+    """QV of gross slip of 3 m/s is load times slip, however few the points.
 
     Points that are moved across the ellipse have small errors in their weights.
     """
     assert_allclose(friction(SPREAD, (0.0, 3.0, 0.0, 1e-9))[0][5], 3.0 * CONTACT.Q, rtol=1e-12)
     assert_allclose(friction(SPREAD, (1e-9, 3.0, 0.0, 0.0))[0][5], 3.0 * CONTACT.Q, rtol=2e-4)
+
+
+def test_normalised_weights_integrate_parabolas_exactly():
+    """The integrals of 1, t and t^2 from 0 to 1 are exact. Weights change by 2 % at most."""
     t, weight = gathered_points(4, power=2)
     exact = normalised_weights(t, weight)
     assert_allclose([exact @ t**k for k in range(3)], [1.0, 1 / 2, 1 / 3], rtol=1e-13)

@@ -56,7 +56,7 @@ def test_area_shares_give_the_area_and_the_moments_of_an_ellipse(name, c):
 
 @pytest.mark.parametrize("kappa", [1.5, 6.0, 20.0])
 def test_the_moment_of_pure_spin_on_a_film_has_a_closed_form(kappa):
-    """4/(3 pi) a E(m) times the force; that of Hertz's pressure is 3/8 a E(m), 1.132 times less."""
+    """It is 4/(3 pi) a E(m) times the force; Hertz's pressure has 3/8 a E(m), 1.132 times less."""
     contact, v_r = FILM._replace(b=FILM.a / kappa), 1e-9
     exact = 4.0 / (3.0 * math.pi) * MU_EVEN * contact.Q * contact.a * ellipe(1.0 - kappa**-2)
     for rule, error in (
@@ -88,12 +88,11 @@ def test_film_friction_in_time_is_that_of_the_steady_state(c):
 def test_slopes_of_film_friction_agree_with_differences(c):
     """Points are held in the steady state and move in time, where many are taken.
 
-    The potential is convex: the Hessian by the four slip coefficients is positive definite."""
-    points, gradient, hessian = (
-        film_points(ellipse_rule("split", 24, 8), c),
-        np.empty(5),
-        np.empty((5, 5)),
-    )
+    The differences err by 1e-6, the points in time by 1e-4. The potential is convex: the Hessian by
+    the four slip coefficients is positive definite.
+    """
+    points = film_points(ellipse_rule("split", 24, 8), c)
+    gradient, hessian = np.empty(5), np.empty((5, 5))
     ellipse_slopes(FILM, c, MU_EVEN, V_R, points, gradient, hessian)
     scale = SCALE[:, None] * SCALE
 
@@ -151,7 +150,7 @@ def mean_law(op, state):
 def balance_with_mean_law(problem):
     """Returns bearing, state, motion and law in balance with the film's mean coefficients."""
     law = problem.op
-    for _ in range(4):  # the coefficients of the state's own loads
+    for _ in range(4):  # substitutions, after which the coefficients are those of the own loads
         bearing, state, u = state_of(replace(problem, op=law))
         law = mean_law(problem.op, state)
     return bearing, state, u, law
@@ -160,7 +159,7 @@ def balance_with_mean_law(problem):
 def test_an_even_film_takes_an_eighth_more_power_than_hertz_pressure(film_problem):
     """Motion and mean coefficient are the same; pure spin would give 1.132 (closed form).
 
-    The ratios of both scenes are golden. QV, by which wear is counted, is the same.
+    The ratios of both scenes are regression values. QV, by which wear is counted, is the same.
     """
     name, problem = film_problem
     bearing, state, u, law = balance_with_mean_law(problem)

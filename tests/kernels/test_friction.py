@@ -1,4 +1,4 @@
-"""The friction law and what the contact's sums make of it: every derivative against differences."""
+"""The friction law and its sums over a contact: every derivative against differences."""
 
 import math
 

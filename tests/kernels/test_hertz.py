@@ -88,7 +88,7 @@ def test_the_ellipticity_does_not_depend_on_the_start_of_newton():
 def test_the_slope_of_the_stiffness_by_the_contact_angle_agrees_with_differences(
     scene, side, alpha
 ):
-    """The slope of ln K; differences of 1e-5 rad have an error of 1e-10 and rounding of 1e-11."""
+    """It is that of ln K; differences of 1e-5 rad have an error of 1e-10 and rounding of 1e-11."""
     g = geometry(scene("gyro_s1"))
     K = [race_contact(g, side, g.D0, math.cos(alpha + e), math.nan).K for e in (-1e-5, 1e-5)]
     hertz = race_contact(g, side, g.D0, math.cos(alpha), math.nan)

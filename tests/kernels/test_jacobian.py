@@ -1,7 +1,7 @@
-"""The matrix of the implicit integrator against differences of what it is the derivative of.
+"""The matrix of the implicit integrator against differences of rates and unbalanced forces.
 
-States, ball centres and race together: a W-method keeps its order with inexact derivatives of the
-rates, so an order of convergence shows nothing of them.
+It is that of states, ball centres and race together. A W-method keeps its order with inexact
+derivatives of the rates, so that no order of convergence would show an error in them.
 """
 
 from typing import NamedTuple
@@ -39,7 +39,7 @@ add_ball_powers, add_cage_powers = in_python(add_ball_powers), in_python(add_cag
 solve_factorised = in_python(solve_factorised)
 factor_in_place, solve_factored = in_python(factor_in_place), in_python(solve_factored)
 
-# Fixed points, a few: those of a split rule move with the slip. Smooth enough for differences.
+# A few fixed points, as those of a split rule move with the slip; v_r is wide, for differences.
 SMOOTH = {
     "model.quadrature": "strips",
     "model.strips": 8,
@@ -49,8 +49,9 @@ SMOOTH = {
     "operation.tilt_mrad": 0.1,
     "lubricant.drag_density_kg_m3": 250.0,
 }
-HARD = {"cage.restitution": 1.0}  # a damped pocket's force depends on places in ways left out
+UNDAMPED = {"cage.restitution": 1.0}  # the matrix leaves out how damping depends on places
 AXIAL = -3  # place of the axial displacement of the race
+# integrals in the state, by their fields of the layout; the first three without a cage
 NAMES = "shaft", "heat", "turning", "cage_heat", "damping", "pocket_torque", "land_torque"
 
 
@@ -90,14 +91,18 @@ def differences(system, small):
         assert rates_here(system.time, state, bearing, buf, dy, False) == OK
         return np.r_[dy[:qv], balls.left.ravel(), balls.race_left], dy[qv:]
 
-    computed = []
+    J, integral_slopes = [], []
     for k, step in enumerate(small):
         shift = np.zeros(point.size)
         shift[k] = step
-        pairs = zip(rates_at(point + shift), rates_at(point - shift), strict=True)
-        computed.append([(high - low) / (2.0 * step) for high, low in pairs])
+        (high, high_integrals), (low, low_integrals) = (
+            rates_at(point + shift),
+            rates_at(point - shift),
+        )
+        J.append((high - low) / (2.0 * step))
+        integral_slopes.append((high_integrals - low_integrals) / (2.0 * step))
     rates_at(point)
-    return (np.array(column).T for column in zip(*computed, strict=True))
+    return np.array(J).T, np.array(integral_slopes).T
 
 
 def system_without_cage(scene, changes):
@@ -134,7 +139,7 @@ def linearised(request, scene):
     if guiding is None:
         system = system_without_cage(scene, changes)
     else:
-        changes |= SMOOTH | HARD | {"operation.preload_method": method}
+        changes |= SMOOTH | UNDAMPED | {"operation.preload_method": method}
         system = touching_system(scene, guiding, changes)
     bearing, buf, stage = system.bearing, system.buffers, system.stages
     assert bearing.traction == (contact == "hertz")
@@ -169,9 +174,9 @@ def factorised_matrix(linearised, shift):
 def test_the_factors_of_a_step_are_those_of_the_matrix_of_differences(linearised, shift):
     """Errors are shares of the largest term of a row, for typical changes.
 
-    Rows of the algebraic equations have to be exact: 5e-4 for the differences; those of the balls
-    have 2e-3. Rows of the cage have 6e-2, because the matrix leaves out the turning of the cage
-    itself and the arm of a land that moves.
+    Rows of the algebraic equations have to be exact: 5e-4 is the error of the differences. Rows of
+    the balls agree to 2e-3. Rows of the cage agree to 6e-2: the matrix leaves out the turning
+    of the cage itself and the arm of a land that moves.
     """
     system, J, typical = linearised.system, linearised.J, linearised.typical
     cage, algebraic = system.layout.cage, system.layout.qv  # first rows

@@ -64,6 +64,7 @@ def test_the_tangent_of_a_contact_spring_agrees_with_differences():
     tangent = np.array([[s.k11, s.k12], [s.k12, s.k22]])
     # Rounding of the lengths, 1e-16 of 1e-4 m, over a step of 1e-12 m.
     assert_allclose(by_X, tangent, atol=1e-5 * np.abs(tangent).max())
+    # across its line the spring is as stiff as its force over its length
     assert_allclose(np.linalg.eigvalsh(tangent).min(), s.Q / np.hypot(*X), rtol=1e-12)
     slack = spring(K, *X, 1e-4)
     assert (slack.Q, slack.k11, slack.k12, slack.k22) == (0.0, 0.0, 0.0, 0.0)

@@ -16,7 +16,8 @@ from bearingwear.solvers.bearing.thrust_problem import ThrustProblem, is_new
 
 balance_at_rate = in_python(balance_at_rate, thrust_equilibrium)
 
-# The size of a dental drill's bearing, at high friction (docs/verification.md, "Several answers").
+# The size of a dental drill's bearing, at high friction (docs/verification.md, "Multiple steady
+# states"): it has two steady states.
 DRILL = {
     "cage": None,
     "operation.preload_N": 7.46,
@@ -36,7 +37,7 @@ DRILL = {
 def solved_problem(scene, **geometry):
     """Returns the problem of a scene, its ball diameter [m] and the case that it solves.
 
-    geometry: values to replace.
+    geometry: fields of the geometry to replace.
     """
     problem, D = ThrustProblem.of(scene), float(ball_diameters(scene)[0])
     problem = replace(problem, g=problem.g._replace(**geometry))
@@ -52,12 +53,13 @@ def balance_at_share(problem, D, case, share, w=None, v_r=0.03):
     """
     u = np.array([*(case.u[:3] if w is None else w), share * case.u[3]])
     near = Seat(delta_a=case.delta_a, state=cold_start())
-    return balance_at_rate(balance_of(problem, D), v_r, near, u, np.empty(3), 1e-10), u
+    tangent, moments_left = np.empty(3), 1e-10  # of the friction forces
+    return balance_at_rate(balance_of(problem, D), v_r, near, u, tangent, moments_left), u
 
 
 @pytest.mark.parametrize("share", [0.3, 0.9, 1.0, 1.2, 2.0])
 def test_each_orbit_rate_has_one_angular_velocity(scene, share):
-    """Different starts lead to the same balance of moments."""
+    """Eight unlike starts lead to the same angular velocity and the same force on the orbit."""
     problem, D, case = solved_problem(scene("gyro_s1"))
     computed, motion = balance_at_share(problem, D, case, share)
     assert computed.status == code.OK
@@ -79,7 +81,7 @@ def test_the_force_on_the_orbit_changes_sign_at_the_steady_state(scene):
 
 @pytest.mark.parametrize("share", [0.6, 0.97, 1.01, 1.4])
 def test_the_slope_of_the_force_on_the_orbit_agrees_with_differences(scene, share):
-    """dF/dOmega of balls so light that the loads do not depend on the orbit rate."""
+    """The balls are so light that the loads do not depend on the orbit rate."""
     problem, D, case = solved_problem(scene("gyro_s1"), rho=1e-3)
     computed, u = balance_at_share(problem, D, case, share)
     step = 1e-5
@@ -95,12 +97,13 @@ def test_without_gyroscopic_moment_the_force_on_the_orbit_only_falls(scene):
 
 
 def test_each_of_two_states_leads_to_the_other(scene):
-    """The ratio of their orbit rates is golden, to the five digits of docs/verification.md."""
+    """The ratio of their orbit rates is a regression value."""
     problem, D, case = solved_problem(scene("gyro_s1", DRILL))
-    (second_case,) = problem.other_states(D, case, True, 4)
+    starts = 4
+    (second_case,) = problem.other_states(D, case, True, starts)
     assert second_case.u[3] / case.u[3] == pytest.approx(1.18234, abs=1e-5)
     assert problem.stable(D, case) and problem.stable(D, second_case)
-    (first_case,) = problem.other_states(D, second_case, True, 4)
+    (first_case,) = problem.other_states(D, second_case, True, starts)
     assert not is_new(first_case.u, [case])
 
 

@@ -17,7 +17,8 @@ TOLERANCE = 1e-3  # of the reference program; re-solved independently to 1e-4
 def deep_groove(clearance):
     """Returns the geometry of the reference program's deep-groove bearing.
 
-    clearance: diametral [m]; the free contact angle is acos(1 - s/2A).
+    clearance: diametral [m]; the free contact angle is acos(1 - clearance/2A), with the distance A
+    of the groove centres.
     """
     D, dm, A = 11.5e-3, 43.5e-3, 0.05 * 11.5e-3
     alpha0 = math.acos(1.0 - clearance / (2.0 * A))
@@ -29,7 +30,10 @@ def deep_groove(clearance):
 
 
 def race_at_rest(g, F_a, F_r, start=(0.0, 0.0, 0.0), tilt=0.0):
-    """Returns displacement (3,) [m], packed balls and azimuths in equilibrium with forces [N]."""
+    """Returns displacement (3,) [m], packed balls and azimuths in equilibrium with forces [N].
+
+    start: displacement to start from (3,) [m]. tilt: [rad].
+    """
     psi = 2 * np.pi * np.arange(g.n_balls) / g.n_balls
     rows, delta = np.empty((g.n_balls, PACKED)), np.array(start)
     status, residual, _ = race_equilibrium(
@@ -60,7 +64,7 @@ def test_displacements_under_one_load_are_those_of_a_commercial_program(F_a, F_r
 
 
 def test_a_combined_load_with_free_tilt_agrees_with_a_commercial_program():
-    """1000 N radial and axial, clearance 0.01 mm, no moment.
+    """The loads are 1000 N radial and axial, the clearance is 0.01 mm, and there is no moment.
 
     The axial displacement counts from where both grooves have one plane.
     """

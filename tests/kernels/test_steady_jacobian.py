@@ -50,7 +50,7 @@ pack_ball_state, unpack_ball_state = in_python(pack_ball_state), in_python(unpac
     params=[(m, c) for m in ("constant_force", "fixed_position") for c in ("paper", "hertz")]
 )
 def solved_balance(request, scene):
-    """Returns a solved balance with its seat and motion (4,); its points are fixed, it has drag."""
+    """Returns a solved balance with drag, its seat and its motion (4,). Its points are fixed."""
     problem = ThrustProblem.of(
         scene(
             "gyro_s1",
@@ -96,7 +96,6 @@ def test_the_jacobian_of_the_steady_balance_agrees_with_differences(solved_balan
         )
         J[:, k] = (high - low) / (2.0 * step)
     # The third derivative of the law over a hundredth of its width: 1e-4/6 of the largest slope.
-    assert_allclose(analytic, J, atol=1e-3 * np.abs(analytic).max(axis=1, keepdims=True).max())
     rows = np.abs(analytic).max(axis=1)
     assert np.abs((analytic - J) / rows[:, None]).max() <= 1e-3
 
@@ -131,7 +130,7 @@ def ball_load(model, **changes):
 
 
 def test_the_stiffness_of_a_ball_agrees_with_differences(scene):
-    """S_xx, S_xr and S_rr, of the inner force, with a free centre of the ball."""
+    """S_xx, S_xr and S_rr are slopes of the inner force; the centre of the ball is free."""
     g = parameters.geometry(scene("gyro_s1"))
     A = np.array(groove_distance(g, 0.0, 1.2 * static_displacement(g, 7.0), 0.0, 0.0, 0.0))
     state = ball_equilibrium(g, g.D0, ball_load(ORBIT), *A, cold_start())
@@ -197,7 +196,7 @@ def race_of_gyro_s1(scene):
 
 
 def test_the_stiffness_of_the_race_agrees_with_differences(scene):
-    """The Hertz factors' dependence on the contact angle is left out, as for a ball."""
+    """To 2e-3: the stiffness leaves out how the Hertz factors follow the contact angle."""
     g, forces = race_of_gyro_s1(scene)
     delta = np.array([1.5 * static_displacement(g, 7.0), 3e-7, -2e-7])
     _, stiffness, scale = forces(delta)
@@ -207,15 +206,14 @@ def test_the_stiffness_of_the_race_agrees_with_differences(scene):
     S = np.array([forces(delta + e)[0] - forces(delta - e)[0] for e in step * np.eye(3)]) / (
         2.0 * step
     )
-    # As for a ball: the Hertz factors' part is left out.
     assert_allclose(S, stiffness, atol=2e-3 * np.abs(stiffness).max())
     radial = stiffness[1:, 1:]
     assert_allclose(S[1:, 1:], radial, atol=2e-3 * np.abs(radial).max())
-    assert np.abs(radial[0, 1]) > 0.1 * np.abs(radial).max()
+    assert np.abs(radial[0, 1]) > 0.1 * np.abs(radial).max()  # unequal balls couple Y and Z
 
 
 def test_the_axial_stiffness_is_that_of_a_race_that_yields_radially(scene):
-    """The Schur complement: force over displacement without a radial force."""
+    """It is the Schur complement: force over displacement without a radial force."""
     g, forces = race_of_gyro_s1(scene)
     _, k, _ = forces(np.array([1.5 * static_displacement(g, 7.0), 3e-7, -2e-7]))
     yielding = np.linalg.solve(k[1:, 1:], -k[1:, 0])

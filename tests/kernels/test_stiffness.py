@@ -77,7 +77,7 @@ def stiffness(g, D, states):
 )
 @pytest.mark.parametrize("part", [0.0, 0.5, 2.5])
 def test_the_stiffness_matrix_agrees_with_differences_of_forces(g, F_x, Omega, part):
-    """The race is under thrust, under all five loads, and where some balls have lost contact."""
+    """The race is under thrust (part 0), under all loads (0.5), and off some of its balls (2.5)."""
     delta = static_displacement(g, F_x)
     q = delta * np.array([1.0, 0.2 * part, 0.4 * part, -0.2 * part / g.R_i, 0.1 * part / g.R_i])
     D = g.D0 - 0.02 * delta * np.arange(g.n_balls) / g.n_balls
@@ -137,5 +137,5 @@ def test_stiffness_ratios_at_rest_have_closed_forms(alpha0):
     # Balls are rows of springs along the contact line: pushing sideways tilts.
     coupling = 0.5 * g.R_i * K[0, 0] / math.tan(state.alpha_i)
     assert_allclose(K[2, 3], coupling, rtol=2e-4)
-    # A light load is a small difference of lengths.
+    # 1e-9: the deformation under a light load is a small difference of lengths
     assert_allclose(K[0, 0], g.n_balls * state.S_xx, rtol=1e-9)

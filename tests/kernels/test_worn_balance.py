@@ -27,9 +27,9 @@ G = Geometry(
     n_balls=9, D0=D, dm=7.5e-3, alpha0=ALPHA, BD=0.125 * D, R_o=3.59e-3, R_i=3.82e-3,
     r_i=0.54 * D, r_o=0.585 * D, E_star=1.143e11, rho=7800.0,
 )  # fmt: skip
-APPROACH = 5e-7
+APPROACH = 5e-7  # [m]
 SIDES = pytest.mark.parametrize("side", [INNER, OUTER])
-EVEN = Arc(0.0, 1.0, np.zeros((4, 0)))
+NOWHERE = Arc(0.0, 1.0, np.zeros((4, 0)))  # an arc without pieces
 
 
 def arc_of_depths(first, step, depth):
@@ -39,7 +39,10 @@ def arc_of_depths(first, step, depth):
 
 
 def worn_race(side, depth, cells=(48, 10)):
-    """Returns a race whose groove has the depth of a function of x/a, and its Hertz contact."""
+    """Returns a race whose groove has a depth, and its Hertz contact.
+
+    depth: function of the places x/a that returns depths [m]. cells: number along and across.
+    """
     hertz = race_contact(G, side, D, math.cos(ALPHA), math.nan)
     a = hertz.c_a * (hertz.K * APPROACH**1.5) ** (1.0 / 3.0)
     status, result = contact_cells(hertz.log_kappa, -1.9, 1.9, FULL_WIDTH, *cells)
@@ -50,7 +53,7 @@ def worn_race(side, depth, cells=(48, 10)):
         cells=result, work=contact_buffers(*cells), pressure=result.fresh.copy(), wear=np.zeros(n),
         x=np.zeros(n), rise=np.zeros(n),
         groove=arc_of_depths(x[0] * a, (x[1] - x[0]) * a, depth(x)),
-        alpha_ref=ALPHA, bare=np.zeros(n), uncovered=EVEN,
+        alpha_ref=ALPHA, bare=np.zeros(n), uncovered=NOWHERE,
         without=AS_WITH_FILM,
     ), hertz  # fmt: skip
 
@@ -95,7 +98,7 @@ def test_an_even_depth_only_shifts_the_approach(side):
     force = worn_force(G, D, race, side, deep, *y)
     assert force.Q == pytest.approx(hertz.K * APPROACH**1.5, rel=1e-8)
     assert np.abs(race.rise).max() < 1e-18  # and its surface stays where the ball is
-    # The same from another reference: only the cells lie elsewhere
+    # from another reference the cells lie elsewhere, which changes the result by their error
     from_other_reference = worn_force(G, D, race, side, 0.9 * deep, *y)
     assert from_other_reference.Q == pytest.approx(force.Q, rel=1e-3)
     assert from_other_reference.peak == pytest.approx(force.peak, rel=1e-2)

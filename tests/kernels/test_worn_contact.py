@@ -12,6 +12,7 @@ from bearingwear.kernels.worn.pressure import FULL_WIDTH, contact_cells, worn_pr
 from bearingwear.kernels.worn.verification import check_influence, contact_check
 
 KAPPA = 3.07  # a/b of gyro_s1's outer contact
+# depth beyond that of the reference, over the approach, at places X = x/a
 PROFILES = {
     "flat": lambda X: 0.3 * np.exp(-(X**2)) - 0.2,
     "skew": lambda X: 0.25 * np.exp(-((X - 0.4) ** 2) / 0.5) - 0.1,
@@ -33,7 +34,10 @@ def cells():
 
 
 def solved_pressure(cells, wear, start=None):
-    """Returns the pressure (m, n) over a wear profile; it starts from the unworn contact."""
+    """Returns the pressure (m, n) over a wear profile (n,).
+
+    start: pressure to start from, by default that of the unworn contact. It is changed.
+    """
     pressure = cells.fresh.copy() if start is None else start
     m, n = pressure.shape
     status, _ = worn_pressure(cells, wear, contact_buffers(n, m), pressure)
@@ -58,13 +62,13 @@ def test_no_wear_gives_the_unworn_pressure_from_any_start(cells):
 
 def test_even_wear_gives_the_load_of_a_smaller_approach(cells):
     computed = solved_pressure(cells, np.full(cells.X.size, 0.1)).sum() / cells.fresh.sum()
-    assert computed == pytest.approx(0.9**1.5, rel=2e-3)  # that of the cells
+    assert computed == pytest.approx(0.9**1.5, rel=2e-3)  # the error of the cells
 
 
 @pytest.mark.parametrize("c", [-0.1, 0.2])
 def test_parabolic_wear_gives_the_load_of_hertz_for_another_groove_radius(cells, c):
     _, _, s = elliptic_integrals(1.0 / KAPPA)
-    # In units of a and of the approach
+    # wear c X^2 adds c to the curvature s along X, in units of the approach and of a
     unworn, worn = (
         point_contact(s + wear, (1.0 - s) * KAPPA**2, 1.0, math.nan).K for wear in (0.0, c)
     )
@@ -118,8 +122,8 @@ def test_the_contact_check_rejects_wrong_depths_and_pressures(cells):
 
 def test_a_failed_contact_solve_has_a_status(cells):
     work = contact_buffers(48, 10)
-    deep = -1.5 * np.ones(48)  # a hill, by which the contact outgrows its cells
-    assert worn_pressure(cells, deep, work, cells.fresh.copy())[0] == code.BEYOND_GROOVE
+    hill = -1.5 * np.ones(48)  # by which the contact outgrows its cells
+    assert worn_pressure(cells, hill, work, cells.fresh.copy())[0] == code.BEYOND_GROOVE
     unknown = np.full(48, math.nan)
     assert worn_pressure(cells, unknown, work, cells.fresh.copy())[0] == code.NOT_CONVERGED
 

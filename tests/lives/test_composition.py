@@ -1,4 +1,4 @@
-"""Films, temperatures and arrangements in one life: combined, each bearing still lives as alone.
+"""Films, temperatures and arrangements combined: each bearing of a pair lives as it does alone.
 
 A spring so soft that its force stays the same ties two unlike bearings by nothing but the end of
 their life. Each of them then lives as a single bearing under a constant force does.
@@ -28,13 +28,13 @@ NETWORK = (
 PLAIN = ("friction.ball_race=0.06",)
 SECOND = "arrangement.second={friction.film: null, friction.ball_race: 0.06}"
 SPRING = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1e-7", SECOND)
-# Within this a life agrees with one through the same states by other steps: to what solves leave
-# with even wear, to the error of a step along grooves.
+# Relative difference of two lives through the same states by other steps: of the residuals of
+# solves with even wear, of the error of a step with worn grooves.
 AGREEMENT = {"hertz": 1e-5, "worn": 5e-3}
 
 
 def steady_life(contact, *changes):
-    """Values of the steady life of gyro_s1 under a constant force."""
+    """Returns the values of the steady life of gyro_s1 under a constant force."""
     keys = [f"model.contact={contact}", "operation.preload_method=constant_force", END]
     keys += ["cage=null", "uncertainty=null", *changes]
     result = life(load_scene(scene_file("gyro_s1"), keys), "steady")
@@ -116,7 +116,10 @@ SHORT += ("model.accuracy=draft", "model.simulated_turns=1", "model.evaluated_tu
 
 
 def short_life(model, *changes):
-    """Values of a short and rough life, without its errors where these take several more."""
+    """Returns the values of a short and rough life by a model, "worn" for steady with worn grooves.
+
+    That of worn grooves has no estimate of its errors, which would take several more lives.
+    """
     contact = "worn" if model == "worn" else "hertz"
     keys = [*SHORT, f"model.contact={contact}", "cage=null", "uncertainty=null", *changes]
     scene = load_scene(scene_file("gyro_s1"), keys)
@@ -126,7 +129,7 @@ def short_life(model, *changes):
 
 
 def at_end(values, name):
-    """The last value of a history, a row for each bearing that is followed."""
+    """Returns the last values of a history, a row for each bearing that is followed."""
     history = np.asarray(values[f"history_{name}"])
     has_two_bearings = np.ndim(values["history_total_qv"]) == 2
     return history[:, -1] if has_two_bearings else history[None, -1]
@@ -137,7 +140,7 @@ FILMS = pytest.mark.parametrize("film", [(), (*FILM, THICK)], ids=["bare", "film
 
 
 def check_effects(values, film, warm, is_mixed=False):
-    """A life has temperatures and films where its scene has them, of each bearing."""
+    """Checks that each bearing of a life has temperatures and a film where its scene has them."""
     assert values["status"] == code.OK
     assert ("history_part_temperature" in values) == bool(warm)
     assert ("history_race_film" in values) == bool(film)

@@ -88,7 +88,7 @@ MIXED = {"idle": {"hours": 1.0}, "nominal": {"hours": 6.5}, "fast": {"hours": 0.
 def even_life(scene):
     """Returns the life over a duty with Hertzian contacts, and its cycle."""
     cycle = cycle_of(scene, 2)  # two speeds for each start
-    return hertzian_duty_life(cycle, [solver_of(item) for item in cycle.scenes]), cycle
+    return hertzian_duty_life(cycle, [solver_of(s) for s in cycle.scenes]), cycle
 
 
 def hours(life):
@@ -114,7 +114,7 @@ class SteadyRate:
 
 
 def test_constant_rates_add_as_palmgren_and_miner_say(scene):
-    """Cycles and shares [%] of the documentation of the Python package `reliability`.
+    """The documentation of the Python package `reliability` has the cycles and shares [%].
 
     Its example of three stresses has 50 000, 6500 and 1000 cycles to failure.
     """
@@ -259,10 +259,10 @@ def test_hours_follow_from_histories_at_all_speeds(scene, changes, phases, loss_
         "warm": temperatures(71.5, 71.0, 70.0),
     }
     end = {"wear.end_of_life": {"ball_diameter_loss_um": loss_um}}
-    full = {"friction.slip_regularisation_m_s": 1e-4}
+    fine = {"friction.slip_regularisation_m_s": 1e-4}
     start_and_stop_s, n = 60.0 + 120.0, 20
     mix = {"cases": cases} | duty(phases, start_s=60.0, stop_s=120.0)
-    with_duty = scene("gyro_s1", HERTZ | changes | end | full | mix)
+    with_duty = scene("gyro_s1", HERTZ | changes | end | fine | mix)
     parts = []  # time in a cycle [s] and scene
     for name, phase in phases.items():
         alone = with_duty.in_cases[name]
@@ -289,8 +289,10 @@ def test_any_phase_may_end_the_life(scene):
     result, cycle = even_life(duty_scene)
     assert CRITERIA[result.criterion] == "preload_fraction"
     assert cycle.cases[DutyLife(cycle, result).ending_case_index] == "idle"
-    all_margins = DutyCriteria(cycle).margins_by_case(result.last.states)
-    margins = dict(zip(cycle.cases, [item[result.criterion] for item in all_margins], strict=True))
+    by_case = DutyCriteria(cycle).margins_by_case(result.last.states)
+    margins = dict(
+        zip(cycle.cases, (of_case[result.criterion] for of_case in by_case), strict=True)
+    )
     assert margins["idle"] == pytest.approx(0.0, abs=1e-6)  # to which the end is bracketed
     assert min(margins["nominal"], margins["fast"]) > 0.01  # far from it
 
@@ -310,7 +312,7 @@ def test_points_of_a_ramp_integrate_the_rates_of_a_bearing():
 
 @pytest.mark.parametrize("method", [{}, POSITION], ids=["spring", "position"])
 def test_a_start_to_a_low_speed_wears_half_of_its_time_at_that_speed(scene, method):
-    """A duty of starts and stops alone therefore lives twice as long as its speed alone."""
+    """Under starts and stops alone, a bearing therefore lives twice as long as at the speed."""
     slow = {"slow": {"operation.shaft_speed_rpm": 600.0}}
     starts = duty({"slow": {"starts": 3.0}}, start_s=20.0, stop_s=60.0)
     duty_scene = scene("gyro_s1", HERTZ | method | {"cases": slow} | starts)
@@ -325,9 +327,9 @@ def test_a_start_to_a_low_speed_wears_half_of_its_time_at_that_speed(scene, meth
 @pytest.mark.parametrize("method", [{}, POSITION], ids=["spring", "position"])
 def test_two_points_of_a_ramp_have_the_wear_of_forty_speeds(scene, method):
     """A start to full speed has it within 0.2 %; the forty are midpoints of equal parts."""
-    full = {"friction.slip_regularisation_m_s": 1e-4}
+    fine = {"friction.slip_regularisation_m_s": 1e-4}
     starts = duty({"nominal": {"starts": 1.0}}, start_s=20.0, stop_s=60.0)
-    duty_scene = scene("gyro_s1", HERTZ | method | full | starts)
+    duty_scene = scene("gyro_s1", HERTZ | method | fine | starts)
 
     def rate(scene):
         states = solver_of(scene)
@@ -336,7 +338,7 @@ def test_two_points_of_a_ramp_have_the_wear_of_forty_speeds(scene, method):
     speeds = (np.arange(40) + 0.5) / 40.0
     expected = np.mean([rate(at_speed(duty_scene.in_cases["nominal"], s)) for s in speeds])
     cycle = cycle_of(duty_scene)
-    mean = cycle.shares @ [rate(item) for item in cycle.scenes]
+    mean = cycle.shares @ [rate(s) for s in cycle.scenes]
     assert_allclose(mean, expected, rtol=2e-3)
 
 
@@ -364,29 +366,29 @@ def test_a_start_wears_at_its_own_temperatures(scene, hours_on):
     instants the rates here are straight lines, which leaves 0.2 %.
     """
     loss = {"wear.end_of_life": {"ball_diameter_loss_um": 0.001}}  # at which rates are as new
-    full = {"friction.slip_regularisation_m_s": 1e-4}
+    fine = {"friction.slip_regularisation_m_s": 1e-4}
     starts = duty(
         {"nominal": {"hours": hours_on, "starts": 1.0}}, start_s=60.0, stop_s=0.0, warmup=True
     )
-    duty_scene = scene("gyro_s1", HERTZ | POSITION | WARMING | loss | full | starts)
+    duty_scene = scene("gyro_s1", HERTZ | POSITION | WARMING | loss | fine | starts)
     alone = duty_scene.in_cases["nominal"]
     warmed = bearingwear.warmup(alone, seconds=60.0)
     times, speeds = warmed["time"].values, warmed["shaft_speed"].values
-    housing = 35.0 - 15.0 * np.exp(-times / 300.0)
+    housing_C = 35.0 - 15.0 * np.exp(-times / 300.0)  # from 20 to 35 degC
     rates = []
-    for speed, (parts,), beside in zip(
-        speeds, warmed["part_temperature"].values, housing, strict=True
-    ):
-        T = dict(zip(("inner_ring_C", "balls_C", "outer_ring_C"), parts.tolist(), strict=True))
-        inputs = {"temperature": T | {"shaft_C": 20.0, "housing_C": float(beside)}, "thermal": None}
+    for k, speed in enumerate(speeds):
+        (parts,) = warmed["part_temperature"].values[k].tolist()
+        T = dict(zip(("inner_ring_C", "balls_C", "outer_ring_C"), parts, strict=True))
+        T |= {"shaft_C": 20.0, "housing_C": float(housing_C[k])}
+        inputs = {"temperature": T, "thermal": None}
         if speed:
             instant = at_speed(alone.with_(inputs), speed / speeds[-1])
             rates.append(float(bearingwear.solve(instant)["ball_diameter_loss_rate"]))
         else:
             rates.append(0.0)
     cycle_s = 60.0 + hours_on * HOUR
-    until = np.linspace(0.0, cycle_s, 20_001)
-    mean = np.trapezoid(np.interp(until, times, rates), until) / cycle_s
+    instants = np.linspace(0.0, cycle_s, 20_001)
+    mean = np.trapezoid(np.interp(instants, times, rates), instants) / cycle_s
     with pytest.warns(UserWarning, match="the life has only .* cycles of the duty"):
         result = bearingwear.life(duty_scene)
     assert float(result["life"]) == pytest.approx(1e-9 / mean / HOUR, rel=2e-3)
@@ -429,11 +431,13 @@ ONE_CYCLE = 1.0 / CYCLES
 
 
 def life_by_cycles(phases, start, spans, has_ended):
-    """Runs phases one after the other, until one ends the life; time [s] and wear there.
+    """Runs phases one after the other until one ends the life, and returns time [s] and wear then.
 
-    phases: objects with `after(worn, span, at)`, the wear after a span at the rates of `at`;
-    spans: time of each in a cycle [s]; has_ended: function (phase, worn) -> bool.
     Each span is a step of the midpoint rule.
+
+    phases: objects with `after(worn, span, at)`, the wear after a span at the rates of `at`.
+    start: wear to begin with. spans: time of each phase in a cycle [s].
+    has_ended: function (phase, worn) -> bool.
     """
     worn, time = start, 0.0
     for _ in range(3 * CYCLES):
@@ -478,7 +482,7 @@ def test_phases_run_one_after_the_other_wear_as_their_mean(scene):
 class WearingPhase:
     """Phase that wears films or grooves.
 
-    way: the way to wear in this phase, with states and rates.
+    way: wear model of this phase, with its states and rates.
     plus: function (worn, span, rates) that returns the wear after a span of time.
     """
 
@@ -508,7 +512,7 @@ def test_films_wear_through_in_all_phases_at_once(scene):
     result, cycle = even_life(duty_scene)
     spans = np.array([MIXED[name]["hours"] for name in cycle.cases])
     spans *= result.last.time / CYCLES / spans.sum()
-    mixed = DutySurfaces(cycle, [solver_of(item) for item in cycle.scenes])
+    mixed = DutySurfaces(cycle, [solver_of(s) for s in cycle.scenes])
     phases = [WearingPhase(way, lambda worn, span, rate: worn + span * rate) for way in mixed.ways]
     films_gone = []
 
@@ -708,11 +712,11 @@ def test_a_duty_warns_of_hard_starts_and_few_cycles(life_over_duty, hours_times,
         name: phase | {"hours": hours_times * phase["hours"]} for name, phase in RAMPED.items()
     }
     result = life_over_duty(HERTZ, phases, start_s=start_s)
-    ids = {item["id"] for item in json.loads(result.attrs["warnings"])}
+    ids = {warning["id"] for warning in json.loads(result.attrs["warnings"])}
     assert ids & {"duty_acceleration", "duty_cycle"} == expected
 
 
-def test_acceleration_of_balls_by_hand(life_over_duty):
+def test_the_friction_that_accelerates_balls_is_that_by_hand(life_over_duty):
     """A ball of 2 mm that rolls as kinematics say, its orbit and its spin, over mu (Q_i + Q_o).
 
     Within 10 %: loaded contact angles are not the free one, which is taken here.
@@ -741,9 +745,10 @@ def test_quick_lives_by_end_and_by_case_follow_the_duty(scene, contact, rtol):
     assert quick.last.time == pytest.approx(exact, rel=rtol)
     by_case = lives_by_case(duty_scene, quick=True)
     assert {*by_case} == {"idle", "nominal", "fast"}
-    assert {item.last.time for item in by_case.values()} == {by_case["idle"].last.time}
+    assert {case_life.last.time for case_life in by_case.values()} == {by_case["idle"].last.time}
     assert by_case["idle"].last.time == pytest.approx(exact, rel=rtol)
-    left = {name: item.last.states[0]["residual_preload"] for name, item in by_case.items()}
+    states = {name: case_life.last.states[0] for name, case_life in by_case.items()}
+    left = {name: state["residual_preload"] for name, state in states.items()}
     assert left["idle"] < left["nominal"] < left["fast"]
     end = duty_scene.wear.end_of_life
     looser = replace(end, preload_fraction=0.35)
@@ -797,7 +802,10 @@ def test_the_page_names_the_phase_without_a_life(scene, tmp_path):
 
 
 def test_the_page_has_the_duty_at_the_recommended_preload(scene, tmp_path):
-    """That of the longest life where no life is long enough; the input preload where none is."""
+    """Where no life is long enough, it takes the preload of the longest one.
+
+    Where no preload satisfies the other requirements, it takes the input preload.
+    """
     path, file = tmp_path / "gyro.yaml", tmp_path / "recommendation.nc"
     changes = SLOW_WEAR | HERTZ | RIGID | {"cases": CASES} | duty(RAMPED, **RAMPS)
     bearingwear.save(scene("gyro_s1", changes), path)
@@ -890,10 +898,10 @@ def test_a_quick_life_over_one_phase_is_that_of_the_scene(scene):
     """Its time has the same bits, by Hertzian contacts and by worn grooves."""
     alone = scene("gyro_s1", HERTZ | POSITION)
     with_duty = alone.with_(NOMINAL_ALONE)
-    lives = [HertzianLives(item, quick=True)(item).last.time for item in (alone, with_duty)]
+    lives = [HertzianLives(s, quick=True)(s).last.time for s in (alone, with_duty)]
     assert lives[0] == lives[1]
     worn = {"model.contact": "worn"}
-    lives = [worn_life(item.with_(worn)).last.time for item in (alone, with_duty)]
+    lives = [worn_life(s.with_(worn)).last.time for s in (alone, with_duty)]
     assert lives[0] == lives[1]
 
 
@@ -920,6 +928,7 @@ def test_values_of_a_case_vary_with_those_of_the_scene(scene):
 
 
 def test_a_start_of_the_duty_is_the_ramp_of_a_warm_up(scene):
+    """After 30 of its 60 s the shaft has half of its speed."""
     inputs = duty({"nominal": {"hours": 1.0, "starts": 1.0}}, start_s=60.0)
     duty_scene = scene("gyro_s1", HERTZ | POSITION | WARMING | inputs)
     warmed = bearingwear.warmup(duty_scene, duration=30.0)

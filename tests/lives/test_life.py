@@ -10,7 +10,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from bearingwear.lives.life import life
-from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.solvers.compose import solver_of
 
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -23,8 +23,6 @@ def with_tolerance(scene, tolerance):
 
 def with_end(scene, **criteria):
     """Returns a scene whose end of life has these criteria and no others."""
-    from bearingwear.scene.scene import EndOfLife
-
     return replace(scene, wear=replace(scene.wear, end_of_life=EndOfLife(**criteria)))
 
 
@@ -42,9 +40,9 @@ def test_a_life_is_the_integral_of_the_inverse_rate_up_to_its_criterion(scene, c
     Where preload or slip ends the life, brentq seeks the loss at which the criterion is met.
     """
     s = scene("gyro_s1", changes)
-    v = life(s).values
+    values = life(s).values
     state, end = solver_of(s).at, s.wear.end_of_life
-    assert CRITERIA[v["end_criterion"]] == criterion
+    assert CRITERIA[values["end_criterion"]] == criterion
     margins = {
         "preload_fraction": lambda x: state(x)["residual_preload"] - 7.0 * end.preload_fraction,
         "gyroscopic_slip_share": lambda x: (
@@ -54,48 +52,48 @@ def test_a_life_is_the_integral_of_the_inverse_rate_up_to_its_criterion(scene, c
     last = end.ball_diameter_loss_um * 1e-6
     if criterion in margins:
         last = brentq(margins[criterion], 0.0, last, xtol=1e-18)
-    assert_allclose(v["loss_at_end"], last, rtol=1e-8)
+    assert_allclose(values["loss_at_end"], last, rtol=1e-8)
     exact, _ = quad(lambda x: 1.0 / state(x).rate, 0.0, last, epsrel=1e-9)
-    assert abs(v["life"] - exact) <= v["life_error_bound"] + 1e-9 * exact
-    assert_allclose(v["life"], exact, rtol=1e-6)
+    assert abs(values["life"] - exact) <= values["life_error_bound"] + 1e-9 * exact
+    assert_allclose(values["life"], exact, rtol=1e-6)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
 def test_the_error_bound_covers_the_error_and_keeps_the_tolerance(scene, tolerance):
-    """The error against a life of a far smaller tolerance."""
+    """The error is the difference from a life with a far smaller tolerance."""
     s = scene("gyro_s1", POSITION)
     exact = life(with_tolerance(s, 1e-8)).values["life"]
-    v = life(with_tolerance(s, tolerance)).values
-    assert np.all(np.abs(v["life"] - exact) <= v["life_error_bound"])
-    assert np.all(v["life_error_bound"] <= tolerance * v["life"])
+    values = life(with_tolerance(s, tolerance)).values
+    assert np.all(np.abs(values["life"] - exact) <= values["life_error_bound"])
+    assert np.all(values["life_error_bound"] <= tolerance * values["life"])
 
 
 def test_the_history_of_a_life_fits_its_end(scene):
-    v = life(scene("gyro_s1", POSITION)).values
-    loss, time = v["history_ball_diameter_loss"], v["history_time"]
+    values = life(scene("gyro_s1", POSITION)).values
+    loss, time = values["history_ball_diameter_loss"], values["history_time"]
     assert np.all(np.diff(loss) > 0.0)
     assert np.all(np.diff(time) > 0.0)
-    assert_allclose(time[-1], v["life"])
-    assert_allclose(loss[-1], v["loss_at_end"])
+    assert_allclose(time[-1], values["life"])
+    assert_allclose(loss[-1], values["loss_at_end"])
     # the clock is the integral of the inverse rate: trapezoids over the history come close
-    by_trapezoids = np.trapezoid(1.0 / v["history_ball_diameter_loss_rate"], loss)
-    assert_allclose(by_trapezoids, v["life"], rtol=5e-3)
+    by_trapezoids = np.trapezoid(1.0 / values["history_ball_diameter_loss_rate"], loss)
+    assert_allclose(by_trapezoids, values["life"], rtol=5e-3)
 
 
 def test_a_life_counts_what_its_scene_says(scene):
-    """The states at a loss are the same; counting the balls alone, they follow more slowly."""
+    """The states at a loss are the same; if only balls count, it takes longer to reach them."""
     both = life(scene("gyro_s1", POSITION))
     balls = life(scene("gyro_s1", POSITION | {"wear.counts": "ball"}))
-    assert [item.attrs["wear_counts"] for item in (balls, both)] == ["ball", "ball_and_races"]
+    assert [result.attrs["wear_counts"] for result in (balls, both)] == ["ball", "ball_and_races"]
     assert_allclose(balls.values["loss_at_end"], both.values["loss_at_end"], rtol=1e-9)
     assert balls.values["life"] > 2.0 * both.values["life"]
     # QV, and with it the wear of a ball, is that of the states of the other life:
     # dD/dt = 2 dV/dt/(pi D^2)
-    v = both.values
-    loss = v["history_ball_diameter_loss"]
-    rate_of_diameter = 2.0 * v["history_ball_wear_rate"] / (np.pi * (2e-3 - loss) ** 2)
+    values = both.values
+    loss = values["history_ball_diameter_loss"]
+    rate_of_diameter = 2.0 * values["history_ball_wear_rate"] / (np.pi * (2e-3 - loss) ** 2)
     time_of_loss = PchipInterpolator(loss, 1.0 / rate_of_diameter).antiderivative()
-    assert balls.values["life"] == pytest.approx(time_of_loss(v["loss_at_end"]), rel=1e-6)
+    assert balls.values["life"] == pytest.approx(time_of_loss(values["loss_at_end"]), rel=1e-6)
 
 
 def test_life_is_inverse_to_the_wear_coefficient(scene):
@@ -125,9 +123,9 @@ def test_the_criterion_that_is_met_first_ends_the_life(scene, criteria, first):
 
 def test_a_criterion_met_when_new_gives_a_life_of_zero(scene):
     """gyro_s1 has a larger share of gyroscopic slip than 0.01 when new."""
-    v = life(with_end(scene("gyro_s1"), gyroscopic_slip_share=0.01)).values
-    assert CRITERIA[v["end_criterion"]] == "gyroscopic_slip_share"
-    assert v["life"] == 0.0
+    values = life(with_end(scene("gyro_s1"), gyroscopic_slip_share=0.01)).values
+    assert CRITERIA[values["end_criterion"]] == "gyroscopic_slip_share"
+    assert values["life"] == 0.0
 
 
 def test_a_worn_bearing_lives_as_long_as_it_has_left(scene):
@@ -139,7 +137,7 @@ def test_a_worn_bearing_lives_as_long_as_it_has_left(scene):
 
 
 def test_a_life_that_leaves_the_range_of_the_solver_is_a_lower_bound(scene):
-    """Worn until centrifugal force lifts the balls off, before any criterion is met."""
+    """Centrifugal force lifts the worn balls off before any criterion is met."""
     result = life(with_end(scene("gyro_s1", POSITION), ball_diameter_loss_um=90.0))
     assert result.status == "contact_lost"
     assert CRITERIA[result.values["end_criterion"]] == "none"

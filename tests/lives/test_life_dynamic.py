@@ -27,7 +27,7 @@ WITH_CAGE = POSITION | SHORT | COATED | {"model.life_run_in_turns": 10, "model.l
 
 @pytest.fixture(scope="module")
 def equal_balls_life(scene):
-    """Dynamic life of equal balls under thrust without a cage, which has a steady life, too."""
+    """Returns the dynamic life of equal balls under thrust without a cage."""
     return life(scene("gyro_s1", WITHOUT_CAGE), "dynamic")
 
 
@@ -46,7 +46,7 @@ def test_a_dynamic_life_of_equal_balls_is_the_steady_one(scene, equal_balls_life
 
 
 def test_worn_volumes_add_up_and_are_those_of_the_worn_diameters(equal_balls_life):
-    """A step adds its mean rate times its time; a diameter is that of the sphere which is left."""
+    """A step adds its mean rate times its time. What is left of a ball is a sphere."""
     values = equal_balls_life.values
     t = values["history_time"]
     for volume, rate in (
@@ -109,7 +109,7 @@ def test_a_smaller_ball_wears_less(scene):
 
 @pytest.fixture(scope="module")
 def life_ended_by_its_cage(scene):
-    """Life to pockets that are 0.02 mm wider than when new."""
+    """Returns a life that ends when the pockets are 0.02 mm wider than when new."""
     limit = {"wear.end_of_life.pocket_clearance_mm": 0.17}
     return life(scene("gyro_s1", WITH_CAGE | limit), "dynamic")
 
@@ -133,7 +133,7 @@ def test_the_cage_ends_the_life(life_ended_by_its_cage):
 
 
 def test_a_film_of_the_cage_wears_through(scene):
-    """The film, which wears a fifth as fast, then the cage itself, in the same motion."""
+    """The film wears a fifth as fast as the cage, which wears after it in the same motion."""
     caged = scene("gyro_s1", WITH_CAGE)
     material = caged.materials[caged.cage.material]
     film = {"thickness_um": 0.5, "wear_coefficient": 0.2 * material.wear_coefficient}
@@ -201,7 +201,7 @@ def test_wear_opens_pockets_and_land(scene):
 
 
 def test_a_state_without_solution_ends_a_dynamic_life(scene, tmp_path):
-    """Worn far beyond where the balls lose the inner race, in one step.
+    """In one step, the balls wear far beyond where they lose the inner race.
 
     The status depends on which contact is lost first; any of four is right.
     """

@@ -1,4 +1,4 @@
-"""Both stiffnesses in every kind of life: slopes, and limits that take the lesser and name it."""
+"""Both stiffnesses in every kind of life: slopes, and lives that end at the lesser of the two."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ LOADED = ("arrangement.external_axial_N=1",)
 
 
 def slope_of_further_solves(side, node):
-    """Slope of the axial force over the place [N/m], by two states beside that of a node."""
+    """Returns the slope of the axial force over the place [N/m], by two states near a node."""
     bearing, point, forces = side.bearing, point_of(node.states[0]), []
     bearing.reference = bearing.worn_reference
     step = STEP * max(force.approach for force in point.forces)
@@ -73,7 +73,7 @@ def test_a_missing_stiffness_leaves_the_slope_of_the_last_one(monkeypatch):
 @pytest.mark.parametrize(
     ("limit", "lesser", "apart"),
     [
-        # N/um; new, the dynamic stiffness is the lesser by 0.12 %, and worn the other by far
+        # [N/um]; when new, the dynamic stiffness is the lesser by 0.12 %, when worn the other one
         (9.46, "dynamic", 1e-3),
         (7.0, "quasi-static", 0.1),
     ],
@@ -83,10 +83,10 @@ def test_a_worn_life_ends_at_the_lesser_stiffness_and_names_it(limit, lesser, ap
     end = EndOfLife(system_axial_stiffness_N_um=limit)
     ended = life(scene_of("fixed_position", balance="with_traction", end_of_life=end))
     assert ended.values["status"] == code.OK
-    last = [ended.values[name][-1] for name in SYSTEM]
-    assert min(last) == pytest.approx(limit * 1e6, rel=SLOPE)
-    assert max(last) > (1.0 + apart) * min(last)
-    assert ("dynamic", "quasi-static")[int(np.argmin(last))] == lesser
+    dynamic, quasistatic = (ended.values[name][-1] for name in SYSTEM)
+    last = {"dynamic": dynamic, "quasi-static": quasistatic}
+    assert last[lesser] == pytest.approx(limit * 1e6, rel=SLOPE)
+    assert max(last.values()) > (1.0 + apart) * last[lesser]
     assert ended.attrs["ended_by"].startswith(f"{lesser} ")
 
 
@@ -118,7 +118,7 @@ def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes):
 def test_a_life_without_a_limit_on_stiffness_may_leave_it_out():
     """`Grooves` leaves it out, `StiffGrooves` has it; they live equally long."""
     scene = scene_of("fixed_position", balance="with_traction", end_of_life=LOSS_OF_02_UM)
-    without, with_it = (follow_grooves(item(scene, FEW_CELLS)) for item in (Grooves, StiffGrooves))
+    without, with_it = (follow_grooves(kind(scene, FEW_CELLS)) for kind in (Grooves, StiffGrooves))
     assert np.isnan([state[QUASISTATIC] for state in without.states]).all()
     assert np.isfinite([state[QUASISTATIC] for state in with_it.states]).all()
     assert without.times[-1] == pytest.approx(with_it.times[-1], rel=1e-6)
@@ -164,7 +164,7 @@ def test_a_dynamic_life_ends_at_the_lesser_stiffness_and_names_it():
     assert ended.attrs["ended_by"].startswith("quasi-static ")
 
 
-def test_a_dynamic_life_under_radial_load_takes_that_of_race_control():
+def test_a_dynamic_life_under_radial_load_takes_the_stiffness_of_race_control():
     """At its start it has twice the quasi-static stiffness of a solve: a symmetric pair."""
     changes = "operation.radial_load_N=[0, 1]", "wear.end_of_life={preload_fraction: 0.98}", FIXED
     values = dynamic_life(*changes).values

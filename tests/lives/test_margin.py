@@ -14,6 +14,7 @@ from bearingwear.kernels import status as code
 from bearingwear.lives import margin
 from bearingwear.lives.many import worse_states
 from bearingwear.lives.margin import friction_interval, least_margin, life_of, torque_corners
+from bearingwear.scene.coefficients import usual_spread
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.requirements import Drive
 from bearingwear.scene.scene import SceneError
@@ -49,7 +50,7 @@ def corners(scene):
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")  # of the scene, which is not the subject
-def test_margin_by_hand(scene, corners):
+def test_the_margin_of_a_corner_is_that_by_hand(scene, corners):
     """The margin of ECSS is T/(2 (3 T_b + 1.1 I) + T_L) - 1.
 
     T is the torque of the drive, T_b that of the bearings, by a solve of the corner's own scene. I
@@ -57,14 +58,14 @@ def test_margin_by_hand(scene, corners):
     """
     mu = 0.2 * 1.2**FACTORS_TO_95_PERCENT
     loss = loss_at_end(scene.in_cases["cold"])
-    hand = scene.in_cases["cold"].with_(
+    worn_scene = scene.in_cases["cold"].with_(
         {"friction.ball_race": mu, "wear.ball_diameter_loss_um": 1e6 * loss}
     )
-    torque = float(bearingwear.solve(hand).shaft_torque)
+    torque = float(bearingwear.solve(worn_scene).shaft_torque)
     (corner,) = (
-        item
-        for item in corners
-        if (item.case, item.wear) == ("cold", "worn") and item.friction == pytest.approx(mu)
+        corner
+        for corner in corners
+        if (corner.case, corner.wear) == ("cold", "worn") and corner.friction == pytest.approx(mu)
     )
     assert corner.torque == pytest.approx(torque, rel=1e-6)
     assert corner.margin == pytest.approx(0.01 / (2.0 * 3.0 * torque) - 1.0, rel=1e-6)
@@ -149,8 +150,12 @@ def test_the_friction_varies_from_its_5_to_its_95_percent_point(scene, distribut
 
 
 def test_without_a_distribution_the_friction_varies_as_the_table_of_coefficients_says(scene):
-    key, values = friction_interval(scene.with_({"cases": None, "uncertainty": None}))
-    assert key == "friction.ball_race" and len(values) == 3
+    without = scene.with_({"cases": None, "uncertainty": None})
+    spread, _ = usual_spread(without.to_dict())
+    as_stated = without.with_({"uncertainty": {"ball_race": spread["ball_race"]}})
+    key, values = friction_interval(without)
+    assert (key, values) == friction_interval(as_stated)
+    assert key == "friction.ball_race" and values[0] < values[1] < values[2]
 
 
 def test_the_shear_strength_of_a_film_varies():
@@ -160,7 +165,7 @@ def test_the_shear_strength_of_a_film_varies():
 
 @pytest.fixture(scope="module")
 def filmed_scene():
-    """A slow bearing with MoS2 at a fixed position, whose preload wears off with the film."""
+    """Returns a slow bearing with MoS2 at a fixed position: its preload wears off with the film."""
     spindle = bearingwear.new(
         designation="7004C", lubrication="mos2", speed=60.0, preload_method="fixed_position"
     )
@@ -168,7 +173,7 @@ def filmed_scene():
 
 
 def bare_torque(scene, loss):
-    """Torque at a loss of ball diameter under the friction of the bare steel, by a plain solve."""
+    """Returns the torque [N m] at a loss [m] with the friction of bare steel, by a plain solve."""
     friction = scene.to_dict()["friction"]
     plain = {"ball_race": friction["film"]["bare_ball_race"], "film": None}
     plain |= {"slip_regularisation_m_s": friction["slip_regularisation_m_s"]}
@@ -184,14 +189,14 @@ def test_the_film_is_taken_away_when_it_is_worn_through(filmed_scene):
     for preload in (45.0, 62.0, 80.0, 100.0):
         scene = filmed_scene.with_({"operation.preload_N": preload})
         corners = torque_corners(scene)
-        assert [item.wear for item in corners[:3]] == ["new", "worn", "film worn off"]
+        assert [corner.wear for corner in corners[:3]] == ["new", "worn", "film worn off"]
         assert not any(corner.why for corner in corners)
         states = life_of(scene).states
         thinnest = np.array([state["film_left"][:2].min() for state in states])
         loss = np.array([state.loss for state in states])
         loss_when_bare = loss[-1]
         if thinnest.min() <= 0.0:
-            k = int(np.argmax(thinnest <= 0.0))
+            k = int(np.argmax(thinnest <= 0.0))  # the film is gone before this state
             loss_when_bare = np.interp(0.0, thinnest[[k, k - 1]], loss[[k, k - 1]])
             assert loss_when_bare < loss[-1]
         assert corners[2].torque == pytest.approx(bare_torque(scene, loss_when_bare), rel=1e-6)

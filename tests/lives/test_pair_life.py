@@ -24,7 +24,7 @@ STIFFNESSES = ("history_system_axial_stiffness", "history_system_quasistatic_axi
 
 
 def criterion(result):
-    """Name of the criterion that ends a life."""
+    """Returns the name of the criterion that ends a life."""
     return CRITERIA[result.values["end_criterion"]]
 
 

@@ -61,7 +61,7 @@ def groove_life(scene):
 
 
 def histories(life):
-    """Times, groove depths and motions along a life, by name."""
+    """Returns times, groove depths and motions along a life, by name."""
     points = [point_of(state) for state in life.states]
     return {
         "times": life.times,
@@ -119,7 +119,7 @@ def test_friction_of_a_film_rises_as_the_contact_widens(groove_life):
 
 
 def test_the_check_of_friction_sums_over_the_cells_by_itself(groove_life):
-    """Its friction is that of the solver, and another one with a thousandth more bare track."""
+    """Its friction is that of the solver, and differs if a thousandth more of the track is bare."""
     result = groove_life(FILM | THICK | {"friction.film.bare_ball_race": 0.4})
     point, bearing = point_of(result.states[-1]), result.wearing.sides[0].bearing
     for k, force in enumerate(point.forces):
@@ -148,7 +148,7 @@ def test_volume_of_the_film_is_what_archard_takes(groove_life):
         assert_allclose(state["film_left"][k], left, rtol=1e-12)
 
 
-def test_wear_by_place(scene):
+def test_wear_depends_on_the_film_left_at_each_place(scene):
     """K_s is 5e-6 where there is film and 1e-4 of the steel where there is none.
 
     The film fades over FILM_EDGE of its thickness: half way K_s is the mean of both.
@@ -223,9 +223,11 @@ def test_a_groove_goes_bare_with_ten_times_the_friction(scene, changes, bare, me
 def test_the_film_of_the_mos2_scene_outlasts_its_life(scene):
     """A film of 0.5 um is as deep as all the wear that a groove sees: little is left of it."""
     result = life(scene("mos2_gyro"))
-    v = result.values
-    assert result.status == "ok" and "groove_depth" in v
-    assert CRITERIA[v["end_criterion"]] == "ball_diameter_loss_um"
-    assert np.all(v["history_race_film"][-1] < 0.2 * 0.5e-6)
-    assert np.all(np.isnan(v["race_film_worn_through"]))
-    assert np.all(v["history_friction_coefficient"][-1] > v["history_friction_coefficient"][0])
+    values = result.values
+    assert result.status == "ok" and "groove_depth" in values
+    assert CRITERIA[values["end_criterion"]] == "ball_diameter_loss_um"
+    assert np.all(values["history_race_film"][-1] < 0.2 * 0.5e-6)
+    assert np.all(np.isnan(values["race_film_worn_through"]))
+    assert np.all(
+        values["history_friction_coefficient"][-1] > values["history_friction_coefficient"][0]
+    )

@@ -35,7 +35,7 @@ UM = 1e-6
 
 
 def node_at(wearing, worn):
-    """The node of a life with this wear, solved."""
+    """Returns the node of a life with this wear, solved."""
     return Node(0.0, worn, wearing.state(worn), np.zeros(2))
 
 
@@ -204,7 +204,7 @@ def test_grooves_as_they_wear_agree_with_other_programs(method, wander):
 
 
 def test_the_preload_left_agrees_with_other_programs():
-    """1.3280 h to 40 % of 7 N, and 1.927 N at a loss of 0.7 um, both to 1 %."""
+    """It is 40 % of 7 N after 1.3280 h, and 1.927 N at a loss of 0.7 um, both to 1 %."""
     end = EndOfLife(ball_diameter_loss_um=0.78)
     groove_life = follow_grooves(Grooves(scene_of("fixed_position", end_of_life=end)))
     (side,) = groove_life.wearing.sides
@@ -223,7 +223,7 @@ def test_the_preload_left_agrees_with_other_programs():
     ],
 )
 def test_even_wear_agrees_with_other_programs(method, hours_to_loss):
-    """Hours to 0.1, 0.3, 0.5 and 0.7 um, which the others have to 0.2 %."""
+    """Hours to losses of 0.1, 0.3, 0.5 and 0.7 um, which the others give to 0.2 %."""
     scene = scene_of(method, end_of_life=EndOfLife(ball_diameter_loss_um=0.7))
     history = HertzianLives(scene)(scene)
     loss = np.array([state.loss for state in history.states]) / UM
@@ -232,7 +232,7 @@ def test_even_wear_agrees_with_other_programs(method, hours_to_loss):
 
 
 def test_the_preload_left_by_even_wear_agrees_with_other_programs():
-    """1.2208 h to 40 % of 7 N."""
+    """It is 40 % of 7 N after 1.2208 h, to 0.1 %."""
     end = EndOfLife(ball_diameter_loss_um=0.7)
     scene = scene_of("fixed_position", end_of_life=end)
     history = HertzianLives(scene)(scene)
@@ -260,24 +260,24 @@ def test_a_worn_life_ends_at_its_loss_and_bounds_its_errors():
     """The bound is on the integration; the estimate is of all numerical errors, 2 % at most."""
     scene = scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))
     result = life(scene)
-    v = result.values
+    values = result.values
     assert result.status == "ok"
-    assert_allclose(v["loss_at_end"], 0.3 * UM, rtol=1e-4)
-    assert v["history_equivalent_loss"][-1] == v["loss_at_end"]
-    assert 0.0 < v["life_error_bound"] < 2e-3 * v["life"]
-    assert 0.0 < v["life_error_estimate"] < 2e-2
-    assert v["groove_depth"].shape == v["groove_pressure"].shape
-    assert v["groove_depth"][-1].max() == v["history_deepest_groove"][-1].max()
+    assert_allclose(values["loss_at_end"], 0.3 * UM, rtol=1e-4)
+    assert values["history_equivalent_loss"][-1] == values["loss_at_end"]
+    assert 0.0 < values["life_error_bound"] < 2e-3 * values["life"]
+    assert 0.0 < values["life_error_estimate"] < 2e-2
+    assert values["groove_depth"].shape == values["groove_pressure"].shape
+    assert values["groove_depth"][-1].max() == values["history_deepest_groove"][-1].max()
 
 
 def test_worn_volumes_are_the_time_integral_of_qv():
     """Trapezoids over the few steps of the history give it to 1 %."""
-    v = life(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))).values
-    time, qv = v["history_time"], v["history_qv"]
+    values = life(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))).values
+    time, qv = values["history_time"], values["history_qv"]
     K_H = 5e-6 / 6.6e9
     by_qv = K_H * np.trapezoid(qv, time, axis=0)
-    assert_allclose(v["history_race_worn_volume"][-1], 9 * by_qv, rtol=1e-2)
-    assert_allclose(v["history_one_ball_worn_volume"][-1], by_qv.sum(), rtol=1e-2)
+    assert_allclose(values["history_race_worn_volume"][-1], 9 * by_qv, rtol=1e-2)
+    assert_allclose(values["history_one_ball_worn_volume"][-1], by_qv.sum(), rtol=1e-2)
 
 
 def with_contact(scene, contact):
@@ -292,7 +292,7 @@ def test_auto_follows_the_grooves_where_the_loss_requires_it():
 
 
 def test_auto_has_the_hertzian_life_where_little_wears():
-    """0.02 um: the life with grooves that are followed is another by 9 %, which is allowed."""
+    """To a loss of 0.02 um, a life with worn grooves differs by 9 %; up to 10 % are allowed."""
     auto = with_contact(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.02)), "auto")
     values = life(auto).values
     assert "history_approach_loss" not in values
@@ -302,7 +302,7 @@ def test_auto_has_the_hertzian_life_where_little_wears():
 
 @pytest.fixture(scope="module")
 def history_to_03_um():
-    """Histories of a life that goes on to a loss of 0.3 um."""
+    """Returns the values of a life to a loss of 0.3 um."""
     return life(scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))).values
 
 
@@ -316,7 +316,7 @@ def history_to_03_um():
 def test_pressure_and_depth_end_a_life_at_the_values_of_a_longer_one(
     history_to_03_um, criterion, limit, history, factor
 ):
-    """The few steps of the longer one leave 3 %."""
+    """The longer one is interpolated between its few steps: 3 %."""
     values, time = factor * history_to_03_um[history], history_to_03_um["history_time"]
     assert values.max() > limit > values[0]
     rising = slice(values.argmax())
@@ -343,10 +343,10 @@ def test_auto_follows_the_grooves_for_a_limit_on_their_depth():
 
 def test_a_pressure_exceeded_when_new_ends_hertzian_lives_too():
     scene = scene_of(end_of_life=EndOfLife(maximum_pressure_GPa=0.97))
-    v = life(with_contact(scene, "hertz")).values
-    assert v["history_maximum_pressure"][0] > 0.97e9
-    assert CRITERIA[v["end_criterion"]] == "maximum_pressure_GPa"
-    assert v["life"] == 0.0
+    values = life(with_contact(scene, "hertz")).values
+    assert values["history_maximum_pressure"][0] > 0.97e9
+    assert CRITERIA[values["end_criterion"]] == "maximum_pressure_GPa"
+    assert values["life"] == 0.0
 
 
 @pytest.mark.parametrize("changes", [{"wear.counts": "ball"}, {"model.slip_over": "line"}])

@@ -20,19 +20,18 @@ NETWORK = (
 FIXED = "operation.preload_method=fixed_position"
 RIGID = (FIXED, "arrangement.kind=rigid_pair")
 
-
 BALANCED_TO = 1e-5
 """Force [N] to which a rotor on worn grooves is balanced."""
 
 
 def life_values(*changes, contact="worn"):
-    """Values of a life of gyro_s1 with its grooves followed, or with Hertzian ones."""
+    """Returns the values of a life of gyro_s1 with worn grooves, or with Hertzian contacts."""
     scene = load_scene(scene_file("gyro_s1"), [f"model.contact={contact}", END, *changes])
     return life(replace(scene, cage=None)).values
 
 
 def test_a_pair_on_a_soft_spring_lives_as_under_a_constant_force():
-    """Lives agree within 0.1 %: the spring of 10 N/m gives way by the loss, and steps differ."""
+    """Lives agree within 0.1 %: the spring of 10 N/m relaxes as balls wear, and steps differ."""
     single = life_values("operation.preload_method=constant_force")
     spring = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1e-5")
     assert life_values(*spring)["life"] == pytest.approx(single["life"], rel=1e-3)
@@ -54,7 +53,7 @@ def test_a_rigid_pair_with_a_load_balances_and_wears_the_loaded_side_more():
 
 
 def test_bearings_that_differ_start_as_with_unworn_grooves():
-    """The friction of the second is 0.05: their QV differs, and no load comes from outside."""
+    """The friction of the second one is 0.05, so that their QV differs."""
     changes = (*RIGID, "arrangement.second={friction.ball_race: 0.05}")
     pair, hertz = life_values(*changes), life_values(*changes, contact="hertz")
     assert pair["status"] == code.OK

@@ -21,7 +21,7 @@ HEAVY = {"operation.gravity_m_s2": [20.0, 30.0, -300.0], "cage.imbalance_um": 5.
 
 
 def started(scene):
-    """A scene's motion as a solve begins it."""
+    """Returns the motion of a scene as a solve begins it."""
     return DynamicSystem.of(scene, start_of(scene).u)
 
 
@@ -52,7 +52,7 @@ def energy_change(motion, duration, *options):
     ],
 )
 def test_energy_account(scene, changes):
-    """Shaft and loads supply what contacts, drag and damping take, to 1e-4 in eight turns."""
+    """Shaft and loads supply what contacts, drag and damping take, to 1e-4 of the heat."""
     motion = started(scene("gyro_s1", changes))
     change = energy_change(motion, 8 * motion.turn)
     assert change["cage heat"] > 1e-4 * change["heat"]  # the cage did touch something
@@ -103,7 +103,7 @@ def test_free_cage_keeps_its_momentum(scene, method):
 def test_rotation_has_no_singularity():
     """Fifty equal steps about a random axis add up to one step of half a turn.
 
-    At half a turn, formulas of rotation tend to be singular.
+    Half a turn is where formulas of rotation tend to be singular.
     """
     rng, steps = np.random.default_rng(4), 50
     for _ in range(20):
@@ -171,7 +171,7 @@ def rebound(damping, spring_power, damping_power):
 
 @pytest.mark.parametrize("restitution", [0.2, 0.5, 0.9, 1.0])
 def test_damping_of_land_and_pocket_gives_their_restitution(restitution):
-    """Linear spring and dashpot of the land, Hertz' law and its damping of the pocket."""
+    """The land has a linear spring and dashpot, the pocket Hertz' law and its damping."""
     of_land = rebound(2.0 * land_damping(restitution), 1.0, 0.0)
     of_pocket = rebound(pocket_damping(restitution), 1.5, 0.25)
     assert [of_land, of_pocket] == pytest.approx([restitution] * 2, abs=2e-3)
@@ -241,7 +241,7 @@ def test_wear_of_an_impact_does_not_depend_on_stiffness(scene):
 
 
 def test_a_run_taken_up_again_ends_as_one_that_was_not_stopped(scene):
-    """The same bits of states and histories; averages to rounding."""
+    """States and histories have the same bits; averages agree to rounding."""
     # a cage that bounces so much never settles: the whole length is run
     changes = {"model.evaluated_turns": 1, "cage.restitution": 0.9} | ROTATING
 
@@ -262,7 +262,7 @@ def test_a_run_taken_up_again_ends_as_one_that_was_not_stopped(scene):
 
 
 def test_averages_are_those_of_the_steady_state(scene):
-    """Thrust alone, no cage: every average of a run is the steady value."""
+    """They are so under thrust alone and without a cage."""
     s = dataclasses.replace(scene("gyro_s1", {"friction.ball_race": 0.05}), cage=None)
     values, _ = solve_dynamic(s)
     steady = solve(s, "steady").values
@@ -281,7 +281,7 @@ def test_averages_are_those_of_the_steady_state(scene):
 
 
 def test_angular_velocity_of_a_tilted_top(scene):
-    """Momentum to angular velocity by the inertia tensor in inertial axes."""
+    """It follows from the momentum by the inertia tensor in inertial axes."""
     motion = started(scene("gyro_s1", {}))
     cage, z = motion.bearing.cage, motion.cage_state
     R = np.empty((3, 3))

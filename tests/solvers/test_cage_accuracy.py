@@ -1,4 +1,4 @@
-"""Wear of a cage by the presets of accuracy: to 10 % in one motion where it is asked for."""
+"""Wear of a cage by the presets of accuracy: to 10 % in one motion where it is requested."""
 
 import pytest
 
@@ -15,11 +15,11 @@ TURNS = 15.0
 def pocket_power(scene):
     """Returns a function of changes of a scene that returns the mean power in all pockets [W].
 
-    The mean is over the last 15 of 30 turns of a weightless cage that whirls: its centre starts at
-    0.95 of its clearance, with 0.6875 orbits per shaft turn and no lag. Its friction is 0.05.
+    The mean is over the last 15 of 30 turns. The cage is weightless and whirls, with a friction of
+    0.05. Its centre starts at 0.95 of its clearance, with 0.6875 orbits per shaft turn and no lag.
     """
 
-    def work_of(changes):
+    def power_of(changes):
         whirling = scene("gyro_s1", {"friction.cage": 0.05} | changes)
         system = DynamicSystem.of(whirling, start_of(whirling).u)
         system.start_cage(CageStart(offset=0.95, whirl=0.6875, lag=0.0))
@@ -30,11 +30,11 @@ def pocket_power(scene):
             work.append(system.y[pockets].sum())
         return (work[1] - work[0]) / (TURNS * system.turn)
 
-    return work_of
+    return power_of
 
 
-def test_presets_meet_the_stated_error_of_cage_wear_where_it_is_asked_for(pocket_power):
-    """In this motion they err by a fifth of what they state for any, `CAGE_ERROR`, at the most.
+def test_presets_meet_the_stated_error_of_cage_wear_where_it_is_requested(pocket_power):
+    """In this motion they err by at most a fifth of `CAGE_ERROR`, which they state for any motion.
 
     Without `model.cage_results`, the standard preset takes longer steps, which err at least three
     times as much.

@@ -32,9 +32,9 @@ def started(scene, changes):
 
 
 def test_a_free_cage_falls_along_a_parabola(scene):
-    """A turning cage that touches nothing: its centre of mass, to rounding.
+    """The centre of mass of a turning cage that touches nothing does, to rounding.
 
-    Its centre goes round the centre of mass, as far away as the imbalance says.
+    The centre goes round it at the distance of the imbalance.
     """
     gravity = np.array([1.0, 2.0, -9.81])
     changes = {"operation.gravity_m_s2": gravity.tolist(), "cage.imbalance_um": 20.0}
@@ -74,9 +74,9 @@ def test_the_normal_force_of_friction_has_the_whole_impulse_of_an_impact(
 ):
     """A ball hits its pocket at a right angle; its impulse is (1 + e) times the momentum.
 
-    Friction goes with the normal force, spring and damping together, which has this impulse; the
-    spring alone has `elastic_share` of it, a regression value of this integration. As the bodies
-    part, damping takes the force of the spring at most, because a pocket does not pull.
+    Friction goes with the normal force of spring and damping, which has this impulse. The spring
+    alone has `elastic_share` of it, a regression value of this integration. As the bodies part,
+    damping takes the force of the spring at most, because a pocket does not pull.
     """
     bearing = started(scene, {"cage.restitution": restitution}).bearing
     cage, mass = bearing.cage, bearing.mass[0]
@@ -104,8 +104,10 @@ def test_the_normal_force_of_friction_has_the_whole_impulse_of_an_impact(
     ids=["radial", "rotating"],
 )
 def test_a_cage_resting_on_a_displaced_inner_land_is_not_damped(scene, changes, turns, allowed):
-    """It rubs there. Under a load fixed in space the race's axis stands still, and so does the
-    cage; under one that turns, both go round with the shaft.
+    """It only rubs there.
+
+    Under a load fixed in space, the axis of the race and the cage stand still. Under one that
+    turns, both go round with the shaft.
     """
     system = started(scene, INNER | changes)
     cage, z, balls = system.bearing.cage, system.cage_state, system.buffers.balls

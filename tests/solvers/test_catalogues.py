@@ -1,4 +1,4 @@
-"""Numbers of catalogues and of a commercial program; `benchmarks/catalogues.py` finds ours."""
+"""Numbers of catalogues and of a commercial program, against those of this program."""
 
 import re
 
@@ -35,16 +35,16 @@ def test_every_row_of_gmn_agrees_with_the_others():
     assert set(checked.all_failures()) == ODD_ROWS
 
 
-def test_wrong_digits_are_all_that_may_be_misread_for_the_leading_two():
+def test_wrong_digits_replace_one_digit_before_the_trailing_zeros():
     assert list(benchmark("gmn_rows").wrong_digits("1200")) == [
         *(f"{k}200" for k in "023456789"), *(f"1{k}00" for k in "013456789")
     ]  # fmt: skip
 
 
 def test_checks_of_rows_find_misread_digits():
-    """Nine of ten wrong sizes, and four of ten others at least, of every 25th row.
+    """They find nine of ten wrong sizes, and four of ten other wrong numbers, at least.
 
-    The page has the shares of all rows.
+    Every 25th row is tried; the page has the shares of all rows.
     """
     rows = benchmark("gmn_rows")
     shares = rows.shares_found(every=25)
@@ -53,7 +53,7 @@ def test_checks_of_rows_find_misread_digits():
 
 
 def test_rows_are_read_from_the_text_of_the_catalogue():
-    """Two rows as the text has them, the second with a digit that is not that of the table."""
+    """One row as the text has it, and then with a digit more than in the table."""
     rows = benchmark("gmn_rows")
     name, numbers = "KH 6007 E TA", rows.numbers()["KH 6007 E TA"]
     before, after = (
@@ -95,7 +95,7 @@ def test_each_group_of_comparisons_keeps_its_limit(groups, name, source, count):
     A group with `fails` is one that the page reports as failed: its limit is exceeded. In the
     others, only known misprints lie far off.
     """
-    (group,) = [item for item in groups if (item.name, item.source) == (name, source)]
+    (group,) = [group for group in groups if (group.name, group.source) == (name, source)]
     assert len(group.rows) == count
     misprints = ["KH 61903 E M, axial rigidity"] if name.endswith("KH") else []
     assert group.rms > group.allowed if group.fails else group.rms <= group.allowed
@@ -178,8 +178,8 @@ def test_misprinted_catalogue_rows_are_not_kept(catalogues):
 @pytest.mark.parametrize("designation", ["7000C", "7010A5", "7218A", "7930C"])
 def test_a_solve_and_a_plain_program_have_the_same_rigidity(catalogues, designation, preload_class):
     """A rigid pair that stands still, by the command's own solve."""
-    known = {"designation": designation, "maker": "NSK", "preload_class": preload_class}
-    scene = bearingwear.new(**known, speed=0.0).with_({"arrangement.kind": "rigid_pair"})
+    inputs = {"designation": designation, "maker": "NSK", "preload_class": preload_class}
+    scene = bearingwear.new(**inputs, speed=0.0).with_({"arrangement.kind": "rigid_pair"})
     axial, radial = RestingPair.of(scene).rigidity
     with (
         pytest.warns(UserWarning, match="temperature is neglected"),

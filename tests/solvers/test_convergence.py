@@ -1,4 +1,4 @@
-"""Quadrature of the friction integral and its regularisation: order and envelope.
+"""Quadrature of the friction integral and its regularisation: order and bounds of the errors.
 
 `values` of tests/conftest.py solves gyro_s1 with some keys changed.
 """
@@ -10,7 +10,7 @@ GAUSS = {"model__quadrature": "gauss", "model__strips": 400}
 
 
 def test_equal_strips_converge_at_second_order(values):
-    """Smooth integrand (v_r = 3e-2 m/s): equal strips are a midpoint rule, order 2."""
+    """With v_r = 3e-2 m/s the integrand is smooth, and equal strips are a midpoint rule."""
     v_r = {"friction__slip_regularisation_m_s": 3e-2}
     exact = values(**GAUSS, **v_r)["total_qv"]
     counts, errors = (25, 50, 100, 200), []
@@ -23,10 +23,10 @@ def test_equal_strips_converge_at_second_order(values):
 
 @pytest.mark.parametrize("mu", [0.02, 0.08])
 def test_equal_strips_at_small_regularisation_stay_below_their_envelope(values, mu):
-    """v_r = 1e-3 m/s: kinks at the pure-rolling points; the error falls, but not smoothly.
+    """With v_r = 1e-3 m/s there are kinks at pure-rolling points: errors fall, but not smoothly.
 
-    Envelope: a strip that holds a kink errs by its own share, some 1/n^2 of the whole, times the
-    sharpness of the kink; 20/n^2 bounds what is measured in docs/verification.md.
+    A strip that contains a kink errs by its own share, some 1/n^2 of the whole, times the sharpness
+    of the kink. The envelope 20/n^2 bounds the errors of docs/verification.md.
     """
     exact = values(mu=mu, **GAUSS)["total_qv"]
     for n in (20, 50, 100, 200, 400):
@@ -44,7 +44,7 @@ def test_the_error_of_qv_is_at_most_ten_times_its_stored_estimate(values, mu, qu
 
 
 def test_heat_tends_to_mu_qv_as_the_regularisation_vanishes(values):
-    """What is missing halves at least with each of these thirds of v_r, and QV settles."""
+    """The missing heat at least halves where v_r falls to a third, and QV converges."""
     fine = {"model__strips": 400}
     v_rs = (3e-3, 1e-3, 3e-4, 1e-4, 3e-5)
     runs = [values(friction__slip_regularisation_m_s=v_r, **fine) for v_r in v_rs]

@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from bearingwear.kernels.contact.summary import QV
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.kernels.equilibrium.race import PACKED, race_equilibrium
 from bearingwear.kernels.layout import BALL
 from bearingwear.kernels.status import OK
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
@@ -20,7 +21,7 @@ METHODS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 
 
 def steady(scene):
-    """Problem and steady state of a scene's thrust."""
+    """Returns the problem and the steady state of a scene under its thrust alone."""
     o = scene.operation
     thrust = dataclasses.replace(o, radial_load_N=(0.0, 0.0), rotating_load_N=0.0, tilt_mrad=0.0)
     problem = ThrustProblem.of(dataclasses.replace(scene, operation=thrust))
@@ -30,7 +31,7 @@ def steady(scene):
 
 
 def started(scene):
-    """The motion of a scene, without its cage, from the steady state of its thrust."""
+    """Returns the motion of a scene without its cage, at the steady state of its thrust."""
     scene = dataclasses.replace(scene, cage=None)
     return DynamicSystem.of(scene, steady(scene)[1].u)
 
@@ -85,7 +86,7 @@ def test_disturbed_balls_return_to_the_steady_state(scene, changes):
     ],
 )
 def test_order_of_convergence(scene, contact, method, counts, lowest, highest):
-    """Fixed steps on a smooth stretch (v_r 3e-2 m/s, radial load) against a far finer solution."""
+    """Fixed steps along a smooth motion (v_r 3e-2 m/s) are compared with a far finer solution."""
     smooth = {"friction.slip_regularisation_m_s": 3e-2, "operation.radial_load_N": [0.0, 2.0]}
     s = scene("gyro_s1", smooth | {"model.contact": contact, "model.quadrature": "strips"})
 
@@ -146,7 +147,7 @@ def test_integrators_agree_with_scipy(scene, contact):
     ],
 )
 def test_energy_that_shaft_and_loads_supply_is_accounted_for(scene, changes):
-    """It is what the other energies gain over six turns, to 1e-5 of the heat."""
+    """It equals what the other energies gain over six turns, to 1e-5 of the heat."""
     motion = started(scene("gyro_s1", changes))
     before = motion.energy()
     assert motion.advance(6 * motion.turn, 3e-5).status == OK
@@ -160,8 +161,6 @@ def test_energy_that_shaft_and_loads_supply_is_accounted_for(scene, changes):
 
 def test_static_load_distribution_as_speed_goes_to_zero(scene):
     """At 1 r/min the balls have the inner loads of the equilibrium at rest."""
-    from bearingwear.kernels.equilibrium.race import PACKED, race_equilibrium
-
     s = scene("gyro_s1", {"operation.shaft_speed_rpm": 1.0, "operation.radial_load_N": [0.0, 3.0]})
     motion = started(s)
     motion.rates()

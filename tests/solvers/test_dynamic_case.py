@@ -110,14 +110,14 @@ def test_histories_have_their_dimensions_units_and_numbers(case):
 
     Histories are single floats, to 1e-6; angles are in degrees in the file.
     """
-    both, each, direction = ("time", "ball", "race"), ("time", "ball"), ("time", "direction")
+    contact, ball, direction = ("time", "ball", "race"), ("time", "ball"), ("time", "direction")
     contract = {
-        "contact_load": (both, "N"), "slip": (both, "m s-1"), "contact_qv": (both, "W"),
-        "orbit_lead": (each, "degree"), "residual_preload": (("time",), "N"),
-        "race_displacement": (direction, "m"), "ball_wear_rate": (each, "m3 s-1"),
+        "contact_load": (contact, "N"), "slip": (contact, "m s-1"), "contact_qv": (contact, "W"),
+        "orbit_lead": (ball, "degree"), "residual_preload": (("time",), "N"),
+        "race_displacement": (direction, "m"), "ball_wear_rate": (ball, "m3 s-1"),
         "race_wear_rate": (("time", "race"), "m3 s-1"), "cage_position": (direction, "m"),
         "cage_tilt": (direction, "degree"), "cage_speed": (("time",), "rad s-1"),
-        "pocket_force": (each, "N"), "land_force": (("time", "edge"), "N"),
+        "pocket_force": (ball, "N"), "land_force": (("time", "edge"), "N"),
         "cage_pocket_wear_rate": (("time",), "m3 s-1"),
         "cage_land_wear_rate": (("time",), "m3 s-1"),
     }  # fmt: skip
@@ -200,7 +200,7 @@ def test_a_run_goes_on_where_nobody_reads_its_progress(solver, tmp_path, monkeyp
 
 
 def test_the_remaining_time_follows_the_recent_rate(monkeypatch):
-    """Of 100 turns 30 take 0.5 s each, the others 5 s: the first do not flatter the rest."""
+    """Of 100 turns 30 take 0.5 s each, and the others 5 s, which the estimate follows."""
     now, lines = [0.0], []
     monkeypatch.setattr(time_run, "clock", SimpleNamespace(monotonic=lambda: now[0]))
     report = time_run._Progress(lines.append, turns=100.0, turn=2e-3)
@@ -345,7 +345,7 @@ def test_the_model_is_chosen_by_what_the_scene_has(settings, fidelity, why):
         ([], None, False),
     ],
 )
-def test_the_cage_is_solved_where_it_is_asked_for(settings, fidelity, cage):
+def test_the_cage_is_solved_where_it_is_requested(settings, fidelity, cage):
     scene = load_scene(S1, settings)
     chosen = choice(scene, fidelity)
     assert chosen.cage == cage
@@ -412,7 +412,7 @@ def test_half_of_a_run_is_averaged_but_20_turns_at_most():
 
 
 def test_an_interrupt_ends_nested_blocks_and_restores_the_handler():
-    """Those of `solve` and of a dynamic run, from Python."""
+    """In Python, `solve` and a dynamic run have such blocks, one within the other."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     with pytest.raises(KeyboardInterrupt), Interrupt(), Interrupt():
         signal.raise_signal(signal.SIGINT)

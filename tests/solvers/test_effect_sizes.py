@@ -17,7 +17,7 @@ BY_DEPTH = "wear.end_of_life={groove_depth_um: 0.01, ball_diameter_loss_um: 0.01
 
 
 def sizes(*changes, fidelity=None):
-    """Effects of gyro_s1 with some changes, by name."""
+    """Returns the effects of gyro_s1 with some changes, by name."""
     effects = list(effect_sizes(choice(load_scene(S1, changes), fidelity)))
     assert len({effect.name for effect in effects}) == len(effects)
     return {effect.name: effect for effect in effects}
@@ -26,7 +26,7 @@ def sizes(*changes, fidelity=None):
 @pytest.mark.parametrize("name", ["gyro_s1", "gyro_s1_hertz", "turbopump", "bearing218"])
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 def test_the_estimated_wear_over_gap_is_within_5_percent_of_the_exact_one(name, method):
-    """It takes fitted factors of Hertz, `wear_over_gap` elliptic integrals."""
+    """The estimate takes fitted factors of Hertz, `wear_over_gap` elliptic integrals."""
     changes = [f"operation.preload_method={method}", "wear.end_of_life.ball_diameter_loss_um=0.5"]
     scene = load_scene(scene_file(name), changes)
     assert wear_over_gap_estimate(scene) == pytest.approx(wear_over_gap(scene), rel=0.05)
@@ -82,7 +82,7 @@ def test_a_spring_makes_temperature_an_effect_of_second_order():
 
 
 def test_check_prints_a_line_for_each_effect(capsys):
-    """The line says whether it is on; as JSON, the table has a row for each, in the same order."""
+    """The line says whether the effect is on. As JSON, the table has the same rows in order."""
     assert main(["check", str(S1), "--set", HELD]) == 0
     text = capsys.readouterr().out
     assert all(len(line) < 120 for line in text.split("\n"))

@@ -50,7 +50,7 @@ def test_steady_states_agree_with_a_program_written_apart(
 
 
 def test_angular_velocity_of_a_ball_agrees_with_a_program_written_apart(scene):
-    """[rad/s], axial, tangential and radial, of gyro_s1 when new; the tangential one is small."""
+    """Axial, tangential and radial [rad/s], of gyro_s1 when new. The tangential one is small."""
     problem = ThrustProblem.of(scene("gyro_s1", HERTZ | {"model.accuracy": "reference"}))
     u = problem.solve(problem.g.D0).u
     assert_allclose(u[:3], [-3792.54113, 0.88930, 2498.85580], rtol=1e-6, atol=1e-4)
@@ -61,7 +61,7 @@ def test_angular_velocity_of_a_ball_agrees_with_a_program_written_apart(scene):
 @pytest.mark.parametrize("mu", [0.02, 0.08])
 @pytest.mark.parametrize("loss_um", [0.0, 0.5])
 def test_default_points_have_qv_to_a_thousandth(scene, name, method, mu, loss_um):
-    """20 strips and 8 points across, against 100 and 32."""
+    """They are 20 strips and 8 points across; the exact QV is that of 100 and 32."""
     changes = {"operation.preload_method": method, "friction.ball_race": mu}
     problem = ThrustProblem.of(scene(name, HERTZ | changes))
     D = problem.g.D0 - 1e-6 * loss_um
@@ -84,9 +84,9 @@ def test_slip_on_the_line_is_the_model_of_the_paper(scene):
 
 
 def test_slow_torque_goes_with_the_power_four_thirds(scene):
-    """Sliding torque of the SKF friction model, G_sl ~ F_a^(4/3), over loads as 16 to 1.
+    """So does the sliding torque of the SKF friction model, G_sl ~ F_a^(4/3).
 
-    To 2 %, because the contact angle opens with the load.
+    Loads differ 16-fold. It agrees to 2 %, because the contact angle opens with the load.
     """
     torque_over_power = []
     for load in (125.0, 500.0, 2000.0):
@@ -105,6 +105,6 @@ def test_slow_torque_goes_with_the_power_four_thirds(scene):
     ("method", "hours"), [("constant_force", 1.2101), ("fixed_position", 1.2208)]
 )
 def test_life_with_even_wear_agrees_with_a_program_written_apart(scene, method, hours):
-    """Hours to a loss of 0.7 um, or to 40 % of the preload; the other program has 0.2 %."""
+    """Hours to a loss of 0.7 um or to 40 % of the preload; the other program has them to 0.2 %."""
     values = life(scene("gyro_s1", HERTZ | {"operation.preload_method": method})).values
     assert_allclose(values["life"] / 3600.0, hours, rtol=2e-3)

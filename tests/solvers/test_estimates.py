@@ -12,7 +12,10 @@ NUMBERS = ("total_qv", "residual_preload", "ball_diameter_loss_rate", "shaft_tor
 
 
 def covered(rows, name) -> float:
-    """Share of the estimates of a number that are at least its error."""
+    """Returns the share of the estimates of a number that are at least its error.
+
+    rows: name, estimate and error of each number of each scene.
+    """
     pairs = np.array([(bound, error) for key, bound, error in rows if key == name])
     assert len(pairs) > 0 and np.isfinite(pairs).all() and (pairs[:, 0] > 0.0).all()
     return float(np.mean(pairs[:, 0] >= pairs[:, 1]))
@@ -20,7 +23,7 @@ def covered(rows, name) -> float:
 
 @pytest.mark.long
 def test_estimates_of_random_steady_scenes_cover_the_error():
-    """95 of 100 scenes of one seed, and half of the estimates are within ten times the error."""
+    """They do in 95 of 100 scenes; half of those of QV are below ten times the error."""
     rows = benchmark("estimates").steady_rows(100, seed=7)
     for name in (*NUMBERS, "life"):
         assert covered(rows, name) >= 0.95, name
@@ -30,7 +33,7 @@ def test_estimates_of_random_steady_scenes_cover_the_error():
 
 @pytest.mark.long  # of one in periodic motion: test_periodic.py
 def test_estimates_of_marches_cover_the_error():
-    """Of three scenes, so few that with one miss the share would be less."""
+    """There are only three scenes: a single miss would leave less than the required share."""
     rows = benchmark("estimates").rows_in_time(3, seed=11, turns=25)
     for name in NUMBERS:
         assert covered(rows, name) >= 0.95, name
@@ -63,7 +66,7 @@ def test_a_life_that_reaches_no_criterion_has_no_estimate(scene):
     assert "life_error_estimate" not in result.values
 
 
-# the dial
+# the key `model.accuracy`
 
 
 def test_the_accuracy_sets_keys_that_the_scene_omits(scene):

@@ -20,6 +20,7 @@ from bearingwear.scene.coefficients import (
     MOS2_WEAR,
 )
 from bearingwear.scene.friction import FilmLife
+from bearingwear.scene.read import variant
 from bearingwear.solvers.bearing.films import Films, WearTable
 from bearingwear.solvers.solve import solve
 
@@ -37,7 +38,7 @@ def warm(degC):
 
 
 def relative_life(pressure, degC):
-    """Life over that at 1500 MPa and 23 degC, by Archard's law on a track: 1/(K_s p^2)."""
+    """Returns a life over that at 1500 MPa and 23 degC, by Archard on a track: 1/(K_s p^2)."""
     table = WearTable.of([FilmLife(**row) for row in ROWS])
     return 1.0 / (table.factor(1e6 * pressure, degC) * (pressure / 1500.0) ** 2)
 
@@ -52,7 +53,7 @@ def test_the_table_has_the_relative_lives_of_the_published_tests(pressure, degC,
     assert relative_life(pressure, degC) == pytest.approx(expected, rel=1e-14)
 
 
-def test_powers_of_the_pressure_between_the_rows():
+def test_lives_between_the_rows_follow_the_published_powers_of_the_pressure():
     """The exponents of the source's own numbers: 3.8 from 850 to 1500 MPa, 9.8 from there on.
 
     They have two digits, hence 0.05.
@@ -120,7 +121,7 @@ def test_wrong_wear_tables_are_refused_in_one_line(rows, problem, capsys):
 
 
 def test_a_table_requires_a_coefficient(capsys):
-    """All keys of the film that need one are taken away, too, so that this line comes first."""
+    """The other keys that need one are removed, too, so that this problem is reported first."""
     without = [
         f"friction.film.{name}=null"
         for name in ("wear_coefficient", "thickness_um", "bare_ball_race")
@@ -133,7 +134,7 @@ def test_a_table_requires_a_coefficient(capsys):
     assert expected in capsys.readouterr().err
 
 
-def test_an_exponent_of_earlier_versions_takes_a_line(capsys):
+def test_an_exponent_of_earlier_versions_is_refused_with_its_replacement(capsys):
     argv = ["check", str(scene_file("mos2_gyro")), "--set", "friction.film.pressure_exponent=3.6"]
     assert main(argv) == 2
     error = capsys.readouterr().err
@@ -151,14 +152,11 @@ def lives_by_row():
     slips as fast as at 1500 MPa and 23 degC, because all tests slid at 0.6 m/s. The second is at
     SLOW_RPM.
     """
-    from bearingwear.scene.read import variant
-
     result, slip_at_reference = {}, None
     for pressure, degC, _ in sorted(MOS2_LIVES, key=lambda row: row[0] != 1500):  # 1500 first
-        preload, speed, changes = 30.0, SLOW_RPM, {
-            **TABLE, **HERTZ, **warm(degC), "wear.end_of_life": {"film_worn_share": 0.5},
-            "bearing.inner_groove_factor": 0.52,  # the outer contact bears the higher pressure
-        }  # fmt: skip
+        preload, speed, changes = 30.0, SLOW_RPM, TABLE | HERTZ | warm(degC)
+        changes["wear.end_of_life"] = {"film_worn_share": 0.5}
+        changes["bearing.inner_groove_factor"] = 0.52  # the outer contact has the higher pressure
         for _ in range(5):  # substitutions, after which pressure and slip have settled
             changes |= {"operation.preload_N": preload, "operation.shaft_speed_rpm": speed}
             scene = variant(scene_file("mos2_gyro"), changes)
@@ -172,7 +170,7 @@ def lives_by_row():
         as_tested = life(scene)
         at_one_speed = life(scene.with_({"operation.shaft_speed_rpm": SLOW_RPM}))
         result[pressure, degC] = tuple(
-            float(item.values["life"]) for item in (as_tested, at_one_speed)
+            float(result.values["life"]) for result in (as_tested, at_one_speed)
         )
     return result
 
@@ -215,7 +213,7 @@ def test_warmth_shortens_lives_with_worn_grooves(scene, pressure, at_23, at_120,
 
 
 def test_a_network_finds_the_temperature_of_the_film(scene):
-    """The rate of a state is that of its own temperatures, along a life and in a case."""
+    """Wear rates are those at the computed temperatures, in a case and along a life."""
     conductance = dict.fromkeys(("inner_ring_shaft", "outer_ring_housing", "ball_race"), 0.02)
     network = {"conductance_W_K": conductance, "shaft_C": 60.0, "housing_C": 40.0}
     changes = TABLE | HERTZ | {"operation.preload_N": 15.0, "wear.end_of_life": None}
@@ -229,8 +227,8 @@ def test_a_network_finds_the_temperature_of_the_film(scene):
     # the solver takes the pressure of fitted factors of Hertz: to 2 %
     assert_allclose(case["race_wear_rate"] / plain["race_wear_rate"], factor, rtol=0.02)
     changes |= {"thermal": network, "wear.end_of_life": {"film_worn_share": 0.5}}
-    v = life(scene("mos2_gyro", changes)).values
-    assert_allclose(v["history_race_wear_rate"][0], case["race_wear_rate"], rtol=1e-6)
+    values = life(scene("mos2_gyro", changes)).values
+    assert_allclose(values["history_race_wear_rate"][0], case["race_wear_rate"], rtol=1e-6)
     worn = life(scene("mos2_gyro", changes | {"model.contact": "worn"})).values
     # Hertz's pressure there, that of fitted factors here
     assert_allclose(worn["history_race_wear_rate"][0], case["race_wear_rate"], rtol=0.02)
@@ -297,7 +295,7 @@ def test_a_pressure_or_temperature_beyond_the_tests_is_warned_of(scene, changes,
     warnings = warnings_in(solve(scene("mos2_gyro", TABLE | HERTZ | changes)).attrs)
     of_films = [warning for warning in warnings if warning["id"] == "film_beyond_tests"]
     assert bool(of_films) == bool(words)
-    assert all(words in f"{item['sentence']} {item['advice']}" for item in of_films)
+    assert all(words in f"{warning['sentence']} {warning['advice']}" for warning in of_films)
 
 
 def test_coefficients_are_those_of_the_row_whose_life_is_one():
@@ -331,7 +329,7 @@ def test_films_scatter_as_those_of_gears():
     The scatter assumed is that of the first four tests, and within what all six allow.
     """
     revolutions = np.array([53_333.0, 61_667.0, 190_333.0, 83_000.0, 128_667.0, 84_000.0])
-    of_four, of_six = (np.std(np.log(some), ddof=1) for some in (revolutions[:4], revolutions))
+    of_four, of_six = (np.std(np.log(n), ddof=1) for n in (revolutions[:4], revolutions))
     assert np.exp(of_four) == pytest.approx(FILM_SCATTER, rel=0.02)
     # 90 % interval of the deviation of six normal values
     low, high = np.exp(of_six * np.sqrt(5.0 / chi2.ppf([0.95, 0.05], 5)))

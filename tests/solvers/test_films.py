@@ -1,4 +1,4 @@
-"""Films and running in: the law, its limits, films worn through, and what is said of them."""
+"""Films and running in: the law, its limits, films worn through, and their warning."""
 
 import math
 from dataclasses import replace
@@ -49,14 +49,14 @@ RUNNING_IN = {f"{STEEL}.running_in": {"wear_coefficient": 5e-5, "depth_um": 0.02
 
 
 def wear_through_times(result):
-    """Times at which the films of the races are worn through [s]."""
+    """Returns the times at which the films of both races are worn through [s]."""
     return result.values["race_film_worn_through"]
 
 
 # the law
 
 
-def test_law_goes_by_the_inverse_cube_root_of_the_load_to_its_limit():
+def test_film_friction_goes_by_the_inverse_cube_root_of_the_load():
     """A shear strength S alone gives mu = S over the mean pressure, which goes as Q^(1/3).
 
     So mu vanishes as the load [N] grows. Without S, mu is the constant of the law at any load.
@@ -99,7 +99,7 @@ def test_one_coefficient_is_the_limit_without_shear_strength(scene, contact, fid
 
 
 def test_a_life_with_one_coefficient_is_the_limit_without_shear_strength(scene):
-    with_film, plain = (life(scene("gyro_s1", c)).values for c in (COULOMB, HERTZ))
+    with_film, plain = (life(scene("gyro_s1", changes)).values for changes in (COULOMB, HERTZ))
     assert np.all(with_film.pop("history_friction_coefficient") == 0.08)
     for name, value in plain.items():
         assert np.asarray(value).tobytes() == np.asarray(with_film[name]).tobytes(), name
@@ -110,7 +110,7 @@ def test_a_life_with_one_coefficient_is_the_limit_without_shear_strength(scene):
 
 @pytest.fixture(scope="module", params=[FILM, HERTZ], ids=["film", "plain"])
 def solved_balance(scene, request):
-    """A solved balance with drag: its problem, seat, and unknowns."""
+    """Returns a solved balance with drag, its seat, and its unknowns (6,)."""
     changes = request.param | {"lubricant.drag_density_kg_m3": 300.0, "model.quadrature": "gauss"}
     problem = ThrustProblem.of(scene("gyro_s1", changes))
     case = problem.solve(problem.g.D0)
@@ -128,7 +128,7 @@ def test_the_check_rejects_another_friction_law(solved_balance, race, name):
     p, seat, u = solved_balance
     op = p.bearing.op
     law = getattr(op, race)
-    if not law.S:
+    if not law.S:  # of the plain bearing, whose law has mu alone
         name = "mu"
 
     def residual(op):
@@ -191,38 +191,40 @@ def test_time_to_wear_through_is_thickness_over_rate(scene):
 def test_volume_of_a_film_balances(scene):
     """What Archard's law took while there was film is its thickness times the area of the track."""
     result = life(scene("gyro_s1", THIN))
-    v = result.values
-    time = v["history_time"]
+    values = result.values
+    time = values["history_time"]
     R_i, R_o = solve(scene("gyro_s1", THIN)).values["contact_track_radius"][0]
     for k, R in enumerate((R_i, R_o)):
         worn_through = wear_through_times(result)[k]
         filmed = time <= worn_through
         # two states have the time of the wear-through: the second is bare
         filmed[np.argmax(time >= worn_through) + 1 :] = False
-        t, a = time[filmed], v["history_semi_major_axis"][filmed, k]
-        qv = v["history_qv"][filmed, k]
+        t, a = time[filmed], values["history_semi_major_axis"][filmed, k]
+        qv = values["history_qv"][filmed, k]
         worn = 9 * 1e-6 / 6.6e9 * np.trapezoid(qv, t)  # nine balls, K_s/H of THIN's film
         # a track is 2 a wide and 2 pi R long, its film 0.05 um thick
         # 0.3 %: trapezoids over the few states, and the mean width of the track
         assert_allclose(worn, 4.0 * math.pi * R * a.mean() * 0.05e-6, rtol=3e-3)
-        assert_allclose(v["history_race_wear_rate"][filmed, k], 9 * 1e-6 / 6.6e9 * qv, rtol=1e-12)
-        assert v["history_race_film"][filmed, k][-1] == pytest.approx(0.0, abs=1e-15)
+        assert_allclose(
+            values["history_race_wear_rate"][filmed, k], 9 * 1e-6 / 6.6e9 * qv, rtol=1e-12
+        )
+        assert values["history_race_film"][filmed, k][-1] == pytest.approx(0.0, abs=1e-15)
 
 
 def test_friction_and_wear_of_a_worn_through_film_are_those_of_what_lies_below(scene):
     """K_s/H is 1e-6 over 6.6e9 Pa with the film of THIN and 5e-6 over it without; mu is 0.1."""
-    v = life(scene("gyro_s1", THIN)).values
+    values = life(scene("gyro_s1", THIN)).values
     mu, rate, qv = (
-        v[f"history_{name}"] for name in ("friction_coefficient", "race_wear_rate", "qv")
+        values[f"history_{name}"] for name in ("friction_coefficient", "race_wear_rate", "qv")
     )
     factor = rate / (9.0 * qv)
     for k in range(2):
-        bare = v["history_film_worn_share"][:, k] == 1.0
+        bare = values["history_film_worn_share"][:, k] == 1.0
         assert 0 < bare.sum() < bare.size and not bare[0]
         assert_allclose(factor[bare, k], 5e-6 / 6.6e9, rtol=1e-12)
         assert_allclose(factor[~bare, k], 1e-6 / 6.6e9, rtol=1e-12)
         assert np.all(mu[bare, k] == 0.1) and np.all(mu[~bare, k] < 0.05)
-    assert np.all(np.diff(v["history_time"]) >= 0.0)
+    assert np.all(np.diff(values["history_time"]) >= 0.0)
 
 
 def test_criterion_ends_the_life_when_a_track_is_bare(scene):
@@ -233,20 +235,20 @@ def test_criterion_ends_the_life_when_a_track_is_bare(scene):
     """
     any_share = 0.5
     result = life(scene("gyro_s1", THIN | {"wear.end_of_life.film_worn_share": any_share}))
-    v = result.values
-    assert CRITERIA[v["end_criterion"]] == "film_worn_share"
+    values = result.values
+    assert CRITERIA[values["end_criterion"]] == "film_worn_share"
     times = wear_through_times(result)
     assert np.isnan(times).sum() == 1  # the other track still has its film
-    assert v["life"] == np.nanmin(times)
-    assert v["history_time"][-1] == v["life"]
-    assert sorted(v["history_film_worn_share"][-1]) == [0.0, 1.0]
+    assert values["life"] == np.nanmin(times)
+    assert values["history_time"][-1] == values["life"]
+    assert sorted(values["history_film_worn_share"][-1]) == [0.0, 1.0]
 
 
 def test_film_of_the_balls_covers_both_contacts(scene):
     """No contact is bare before the balls' film is gone; then both are.
 
-    K_s of the balls is 1e-6, that of the film of `THIN`, in the first state, and 5e-6, that of
-    their material, in the last; H is 6.6 GPa.
+    K_s of the balls is that of the film of `THIN`, 1e-6, in the first state, and that of their
+    material, 5e-6, in the last. H is 6.6 GPa.
     """
     on_balls = {
         "bearing.ball_material": "ball", "materials.ball": {
@@ -256,13 +258,13 @@ def test_film_of_the_balls_covers_both_contacts(scene):
         },
         "friction.film.thickness_um": None,
     }  # fmt: skip
-    v = life(scene("gyro_s1", THIN | on_balls)).values
-    share = v["history_film_worn_share"]
+    values = life(scene("gyro_s1", THIN | on_balls)).values
+    share = values["history_film_worn_share"]
     assert_array_equal(share[:, 0], share[:, 1])
-    assert "history_race_film" not in v
-    gone = v["history_ball_film"] <= 1e-18
+    assert "history_race_film" not in values
+    gone = values["history_ball_film"] <= 1e-18
     assert np.all(share[~gone] == 0.0) and share[-1, 0] == 1.0
-    rate = v["history_ball_wear_rate"] / v["history_qv"].sum(axis=1)
+    rate = values["history_ball_wear_rate"] / values["history_qv"].sum(axis=1)
     assert_allclose(rate[[0, -1]] * 6.6e9, [1e-6, 5e-6], rtol=1e-12)
 
 
@@ -297,7 +299,7 @@ LOSS_PER_WEAR = np.array([[2.0e6, 3.0e6], [4.0e7, 5.0e7]])
 
 
 def life_at_constant_slip(scene):
-    """A life whose slip stays as it is: its rates go by K_s/H alone."""
+    """Returns a life whose slip stays as it is: its rates go by K_s/H alone."""
 
     class ConstantSlip:
         solves = 0
@@ -312,7 +314,7 @@ def life_at_constant_slip(scene):
     return surface_life(scene, ConstantSlip())
 
 
-def test_running_in_in_closed_form(scene):
+def test_running_in_follows_its_closed_form(scene):
     """dd/dt = c (K + (K_0 - K) e^(-d/h)):  K c t = h ln((K e^(d/h) + K_0 - K)/K_0)."""
     path = life_at_constant_slip(scene("gyro_s1", HERTZ | RUNNING_IN))
     K, K_0, h = 5e-6, 5e-5, 0.02e-6
@@ -325,8 +327,8 @@ def test_running_in_in_closed_form(scene):
     assert_allclose(path.states[-1].loss, 0.7e-6, rtol=1e-8)
 
 
-def test_wear_through_in_closed_form(scene):
-    """Three spans of constant rates: both filmed, the outer bare, both bare."""
+def test_films_wear_through_as_in_closed_form(scene):
+    """Rates are constant in three spans: both races filmed, the outer one bare, both bare."""
     per_wear = LOSS_PER_WEAR
     path = life_at_constant_slip(scene("gyro_s1", THIN))
     K_f, K, h = 1e-6 / 6.6e9, 5e-6 / 6.6e9, 0.05e-6
@@ -342,7 +344,7 @@ def test_wear_through_in_closed_form(scene):
     assert times[-1] == pytest.approx(t_i + rest, rel=1e-7)
 
 
-# what is said
+# the warning
 
 
 KEPT = THIN | {"friction.film.bare_ball_race": None}

@@ -1,4 +1,4 @@
-"""Scenes that once failed: the test says what they end with now."""
+"""Scenes that once failed, and the status or state that they end with now."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ STEEP = {"bearing.contact_angle_deg": 40.0, "bearing.inner_groove_factor": 0.515
 
 
 def solved(changes, fidelity=None):
-    """Result of gyro_s1 with some keys changed, without its cage, which would not fit all."""
+    """Returns the result of gyro_s1 with changes, and without its cage, which would not fit all."""
     base = load_scene(scene_file("gyro_s1")).to_dict()
     del base["cage"]
     for key, value in changes.items():
@@ -32,7 +32,7 @@ def test_a_ball_at_a_steep_angle_stays_in_its_groove(speed):
     assert values["orbit_speed"][0] < 0.6 * speed * np.pi / 30
 
 
-def test_ball_that_leaves_its_groove_is_named():
+def test_a_ball_that_leaves_its_groove_has_a_status():
     assert solved(STEEP | {"operation.shaft_speed_rpm": 55000.0}).status == "beyond_groove"
 
 
@@ -65,7 +65,7 @@ def test_worn_balls_under_a_spring_stay_loaded(changes):
 
 
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
-def test_tilted_race_at_low_speed(method):
+def test_a_tilted_race_at_low_speed_is_solved(method):
     """Unloaded balls under inner control have no equilibrium; they keep outer control."""
     changes = {
         "operation.shaft_speed_rpm": 100.0,

@@ -16,12 +16,12 @@ from workflow.studies.robustness.run import solved_values, violations
 
 SOURCE = Path(__file__).with_name("found_at_random.yaml")
 ONCE_FAILED = data_of(text_of(SOURCE), SOURCE.name)
-"""Each says why it is kept, what was drawn or changed, and the status that it must end with."""
+"""Each case says why it is kept, what was drawn or changed, and how it must end."""
 BASE = load_scene(ROOT / "config" / "scenes" / "gyro_s1.yaml").to_dict()
 
 
 def base_with(changes):
-    """The scene with other keys, without its cage, which would not fit each, and its limits."""
+    """Returns gyro_s1 with other keys, no end of life, and no cage, which would not fit all."""
     data = with_values(BASE, changes)
     data["cage"] = data["wear"]["end_of_life"] = None
     return scene_from_dict(data)
@@ -39,8 +39,8 @@ def test_a_scene_that_once_failed_ends_with_its_status(case):
         assert values["steady_state_count"] == case["states"]
 
 
-def test_the_steady_solver_takes_its_ways_out_where_newton_fails(monkeypatch):
-    """Each of its functions for that is called by the cases that list it under `paths`.
+def test_the_steady_solver_takes_other_paths_where_newton_fails(monkeypatch):
+    """Of the functions listed under `paths`, each case calls its own and no others.
 
     The kernels run as plain Python, so that their calls can be counted.
     """

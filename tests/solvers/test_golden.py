@@ -1,4 +1,7 @@
-"""Did any number change? Renew with `python tests/solvers/test_golden.py` and say why."""
+"""No number of these solves and lives changes unnoticed.
+
+`python tests/solvers/test_golden.py` renews the golden file, which needs a reason in the commit.
+"""
 
 import json
 from pathlib import Path
@@ -29,7 +32,7 @@ NAMES = (
 
 
 def numbers(case):
-    """Numbers of one of the CASES by name, each a flat list; the life of a steady one."""
+    """Returns numbers of one of the CASES by name, as flat lists; of a steady one the life, too."""
     name, method, mu, loss, fidelity = CASES[case]
     scene = load_scene(
         SCENES / f"{name}.yaml",

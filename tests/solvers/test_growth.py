@@ -1,4 +1,4 @@
-"""Heat, speed and fits against published forms, closed forms and limits."""
+"""Growth by heat, speed and fits, against another program, closed forms and limits."""
 
 import math
 
@@ -36,7 +36,7 @@ SEATED = {"bearing.bore_mm": 4.0, "bearing.outside_diameter_mm": 13.0}
 
 
 def static_preload(scene) -> float:
-    """Preload [N] of the fixed position at rest, of the parts as they have grown at speed."""
+    """Returns the preload [N] at rest, in a fixed position, of parts as grown at speed."""
     g = parameters.geometry(scene)
     load = BallLoad(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # no orbit, forces or tractions
     place = parameters.static_place(scene)
@@ -47,7 +47,7 @@ def static_preload(scene) -> float:
 @pytest.mark.parametrize(
     ("changes", "preload", "static", "angles", "qv"),
     [
-        ({}, "7.3303", "7", ("21.4940", "19.9957"), "1"),
+        ({}, "7.3303", "7.0000", ("21.4940", "19.9957"), "1.0000"),  # nothing grows
         ({"temperature.inner_ring_C": 30}, "11.468", "11.273", ("21.0840", "20.1367"), "1.7402"),
         ({"temperature.inner_ring_C": 30, "temperature.balls_C": 30},
          "15.311", "15.161", ("20.9208", "20.2138"), "2.5208"),
@@ -77,7 +77,7 @@ def test_growth_agrees_with_a_program_written_apart(scene, changes, preload, sta
 
 
 def ring(inside=2e-3, outside=3e-3) -> Ring:
-    """A steel ring [m] that turns at 1e4 rad/s."""
+    """Returns a steel ring with these radii [m] that turns at 1e4 rad/s."""
     return Ring(inside=inside, outside=outside, E=208e9, nu=0.3, rho=7800.0, omega=1e4)
 
 
@@ -94,7 +94,7 @@ def test_a_rotating_disc_and_annulus_grow_as_in_closed_form():
 
 
 def test_pressed_rings_grow_as_lame_says():
-    """One under even pressure shrinks evenly, by (1 - nu) p/E, and a thin ring is a hoop."""
+    """A ring under even pressure p shrinks by (1 - nu) p/E; a thin one expands as a hoop."""
     r = ring()
     assert_allclose(r.growth_under(1e6, 1e6, r.inside), -0.7e6 / r.E * r.inside, rtol=1e-10)
     thin = ring(inside=3e-3 * (1.0 - 1e-6))
@@ -103,21 +103,24 @@ def test_pressed_rings_grow_as_lame_says():
 
 
 def growth_with_fit(scene, **keys):
-    """Growth of the rings of gyro_s1 with these keys of `fits`."""
+    """Returns the growth of the rings of gyro_s1 with these keys of `fits`."""
     changes = {f"fits.{name}": value for name, value in keys.items()}
     return growth_of(scene("gyro_s1", SEATED | changes))
 
 
 def track_radius(scene, side):
-    """Radius [m] of the inner (-1) or outer (+1) track of gyro_s1."""
+    """Returns the radius [m] of the inner (-1) or outer (+1) track of gyro_s1."""
     b = scene("gyro_s1").bearing
     cosine = math.cos(math.radians(b.contact_angle_deg))
     return 0.5e-3 * (b.pitch_diameter_mm + side * b.ball_diameter_mm * cosine)
 
 
 @pytest.mark.parametrize("hole", [0.0, 1.5, 3.0])
-def test_fit_of_a_ring_on_a_hollow_shaft_of_the_same_material(scene, hole):
-    """p = E I (b^2 - a^2)(a^2 - c^2)/(4 a^3 (b^2 - c^2)), at rest."""
+def test_a_ring_on_a_hollow_shaft_of_the_same_material_has_the_pressure_of_lame(scene, hole):
+    """p = E I (b^2 - a^2)(a^2 - c^2)/(4 a^3 (b^2 - c^2)) at rest, with the interference I.
+
+    a, b and c are the radii of the bore, the track and the hole of the shaft.
+    """
     still = {"operation.shaft_speed_rpm": 0.0, "fits.shaft_bore_mm": hole}
     still |= SEATED | {"fits.shaft_interference_um": 2.0}
     ring = growth_of(scene("gyro_s1", still)).inner
@@ -128,15 +131,15 @@ def test_fit_of_a_ring_on_a_hollow_shaft_of_the_same_material(scene, hole):
 
 
 def test_a_tight_ring_on_a_full_shaft_is_a_full_disc(scene):
-    """It grows by rotation as the disc does, and by the fit as I a/(2 b)."""
+    """It grows by rotation as the disc, and by I a/(2 b) of the fit: a is the bore, b the track."""
     ring = growth_with_fit(scene, shaft_interference_um=4.0).inner
     a, b, omega = 2e-3, track_radius(scene, -1.0), 1000.0 * math.pi
     disc = 7800.0 * omega**2 * b**3 * 0.7 / (4.0 * 208e9)
     assert_allclose(ring.speed + ring.fit, disc + 4e-6 * a / (2.0 * b), rtol=1e-10)
 
 
-def test_an_outer_ring_in_a_thick_housing(scene):
-    """The track closes by I a/(2 b), where ring and housing are of one material."""
+def test_the_track_of_an_outer_ring_in_a_thick_housing_closes_as_in_closed_form(scene):
+    """By I a/(2 b) for one material: I is the interference of 3 um, a the track, b the seat."""
     ring = growth_with_fit(scene, housing_interference_um=3.0).outer
     assert_allclose(ring.fit, -1.5e-6 * track_radius(scene, 1.0) / 6.5e-3, rtol=1e-10)
 
@@ -215,8 +218,8 @@ def test_mass_of_the_balls_is_kept(scene):
 
 
 @pytest.mark.parametrize("orientation", ["back_to_back", "face_to_face"])
-def test_axial_change_of_a_pair(orientation):
-    """Shaft and housing expand over the distances of their grooves; one bearing has no span."""
+def test_grooves_move_apart_as_shaft_and_housing_expand(orientation):
+    """They expand over the distances of their grooves; a single bearing has no span."""
     heat = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=2e-4, housing=5e-5)
     A1, span = 70e-6, 20e-3
     back = orientation == "back_to_back"
@@ -286,7 +289,7 @@ def test_every_model_has_the_preload_of_the_warm_parts(scene):
 
 @pytest.fixture
 def rigid_spindle():
-    """7910C as `new` writes it: 60 N at rest, 24 000 r/min."""
+    """Returns a 7910C as `new` writes it, with 60 N at rest and 24 000 r/min."""
     held = {"operation.shaft_speed_rpm": 24_000.0, "operation.preload_N": 60.0}
     text, _ = scene_text("a", None, None, held, None, "fixed_position", designation="7910C")
     return checked_scene(text)
@@ -295,8 +298,8 @@ def rigid_spindle():
 def numbers_of_fit(result) -> list[float]:
     """Returns the numbers of the warning `fit_left_out`.
 
-    Preload [N] at rest and at speed, and for each of two usual fits: interference [um], both
-    preloads, and the speed from which the ring is loose [r/min].
+    They are the preload [N] at rest and at speed, and then four for each of two usual fits: the
+    interference [um], both preloads, and the speed from which the ring is loose [r/min].
     """
     sentences = {warning["id"]: warning["sentence"] for warning in warnings_in(result.attrs)}
     return numbers_in(sentences["fit_left_out"])
@@ -320,9 +323,10 @@ def test_the_warning_of_a_missing_fit_has_the_preload_of_usual_fits(rigid_spindl
 
 
 def test_every_fit_has_a_line_before_the_solve(rigid_spindle):
-    """Without `fits` its line says that none is assumed; both lines have the fit of 12 um.
+    """Without `fits` the line says that no interference is assumed.
 
-    With 12 um the inner ring is loose from 31 000 r/min. A spring needs no line without a fit.
+    It states the usual fit of 12 um, also if `fits` is given without interference. With 12 um the
+    inner ring is loose from 31 000 r/min. A spring needs no line without a fit.
     """
 
     def lines(changes):

@@ -1,7 +1,7 @@
 """Kernels against benchmarks/plain_scipy.py, written apart from them from the same equations.
 
-Tolerances: the plain program stops at residuals of 1e-9 or so; where a state is soft (w_y, QV of
-the race with little slip) that shows as 1e-6.
+The plain program stops at residuals of 1e-9 or so. Soft values, such as w_y and QV of the race with
+little slip, then differ by up to 1e-6.
 """
 
 import numpy as np
@@ -25,7 +25,10 @@ def plain():
 
 
 def scene_and_plain_inputs(plain, scene, name, method, mu, loss, drag):
-    """A scene, and the bearing and operation of the plain program that it stands for."""
+    """Returns a scene, and its bearing and operation as inputs of the plain program.
+
+    loss: of ball diameter [um]. drag: density [kg/m3].
+    """
     s = scene(
         name,
         {
@@ -45,8 +48,14 @@ def scene_and_plain_inputs(plain, scene, name, method, mu, loss, drag):
         (b.inner_groove_factor, b.outer_groove_factor),
     )
     speed = (s.operation.shaft_speed_rpm * np.pi / 30, 0.0)
-    operation = plain.Operation(7.0, speed, mu, method, loss * 1e-6, drag)
+    operation = plain.Operation(s.operation.preload_N, speed, mu, method, loss * 1e-6, drag)
     return s, bearing, operation
+
+
+def orbiting_balls(n, Omega):
+    """Returns the loads (n, 6) of balls with an orbit rate [rad/s] alone, and their azimuths."""
+    loads = np.column_stack([np.zeros(n), np.full(n, Omega), *np.zeros((4, n))])
+    return loads, 2 * np.pi * np.arange(n) / n
 
 
 @pytest.mark.parametrize(
@@ -108,9 +117,8 @@ def test_a_loaded_bearing_agrees_with_the_plain_program(plain, scene, force, til
     # The tilt lever is the locus of the inner groove centres in both.
     displacement, load = plain.loaded_equilibrium(bearing, force, Omega=Omega, tilt=tilt)[:2]
     n = g.n_balls
-    loads = np.column_stack([np.zeros(n), np.full(n, Omega), *np.zeros((4, n))])
+    loads, psi = orbiting_balls(n, Omega)
     rows, delta = np.empty((n, PACKED)), np.zeros(3)
-    psi = 2 * np.pi * np.arange(n) / n
     D = np.full(n, g.D0)
     status, _, _ = race_equilibrium(g, D, loads, psi, np.array(force), tilt, 0, delta, rows)
     assert status == code.OK
@@ -131,9 +139,8 @@ def test_a_fixed_position_under_radial_load_agrees_with_another_program(scene, l
     """Axial sum [N] of the contact forces of gyro_s1 orbiting at 1200 rad/s, to its nine digits."""
     g = parameters.geometry(scene("gyro_s1"))
     n = g.n_balls
-    loads = np.column_stack([np.zeros(n), np.full(n, 1200.0), *np.zeros((4, n))])
+    loads, psi = orbiting_balls(n, 1200.0)
     rows, delta = np.empty((n, PACKED)), np.array([static_displacement(g, 7.0), 0.0, 0.0])
-    psi = 2 * np.pi * np.arange(n) / n
     D = np.full(n, g.D0 - loss * 1e-6)
     force = np.array([7.0, 0.0, radial])
     # the race moves from direction 1 on: across the axis alone

@@ -36,7 +36,7 @@ SPRING = {"arrangement.kind": "spring_pair", "operation.preload_method": "consta
 
 
 def scene_of(inputs):
-    """The scene of the inputs of one of the cases."""
+    """Returns the scene of the inputs of one of the cases."""
     material = {"youngs_modulus_GPa": inputs["youngs_modulus_GPa"], "density_kg_m3": 7800.0}
     material |= {"poisson_ratio": inputs["poisson"], "brinell_hardness_GPa": 7.0}
     return scene_from_dict(
@@ -61,7 +61,7 @@ def scene_of(inputs):
             "friction": {"ball_race": 0.1},
             "arrangement": {
                 "kind": "rigid_pair",
-                "orientation": {"DB": "back_to_back"}.get(inputs["arrangement"], "face_to_face"),
+                "orientation": {"DB": "back_to_back"}[inputs["arrangement"]],
                 "rotor_mass_kg": inputs["rotor_mass_kg"],
                 "span_mm": inputs["ball_plane_span_mm"],
                 "rotor_offset_mm": inputs["cm_offset_mm"],
@@ -77,7 +77,7 @@ def pair():
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
 def test_a_rotor_under_loads_agrees_with_a_program_written_apart(case):
-    """Its file has seven digits."""
+    """Its numbers, in launch_cases.json, agree to 1e-6."""
     inputs, near = case["inputs"], {"rel": 1e-6, "abs": 1e-9}
     rest = RotorAtRest.of(scene_of(inputs))
     loaded = rest.under(inputs["axial_load_N"], inputs["radial_load_N"])
@@ -102,8 +102,8 @@ def test_a_rotor_under_loads_agrees_with_a_program_written_apart(case):
     assert rest.axial_rotor.opening_force == pytest.approx(case["gapping_N"], rel=1e-6)
 
 
-def test_random_rotors_by_plain_scipy():
-    """Rigid and spring pairs with offsets and stops, where the plain program is itself balanced."""
+def test_random_rotors_agree_with_plain_scipy():
+    """Rigid and spring pairs with offsets and stops, if the plain program has balanced them."""
     plain, compared = benchmark("plain_launch"), 0
     rng = np.random.default_rng(35)
     for _ in range(6):
@@ -186,12 +186,12 @@ RANDOM = {
 
 
 def three_sigma(launch):
-    """Three times Miles' sqrt(pi/2 f Q PSD) of RANDOM [g]."""
+    """Returns three times Miles' sqrt(pi/2 f Q PSD) of RANDOM [g]."""
     return 3.0 * math.sqrt(0.5 * math.pi * launch.frequencies[0] * 20.0 * 0.1)
 
 
-def test_miles_equation(pair):
-    """A random load of no duration counts as three sigma at the axial frequency."""
+def test_a_random_load_counts_as_three_sigma_by_miles_equation(pair):
+    """It does so at the axial frequency if it has no duration."""
     assert miles(0.1, 100.0, 10.0) == pytest.approx(math.sqrt(50.0 * math.pi))
     launch = launch_result(pair.with_(RANDOM))
     assert launch.axial_g == pytest.approx(three_sigma(launch), rel=1e-12)
@@ -200,7 +200,7 @@ def test_miles_equation(pair):
 
 
 def test_a_random_load_that_lasts_has_its_expected_peak(pair):
-    """sqrt(2 ln(f t)) sigma, more than three."""
+    """It is sqrt(2 ln(f t)) sigma, which is more than three."""
     launch = launch_result(pair.with_(RANDOM))
     lasting = launch_result(pair.with_(RANDOM | {"launch.duration_s": 120.0}))
     sigmas = math.sqrt(2.0 * math.log(120.0 * launch.frequencies[0]))
@@ -284,13 +284,14 @@ def test_the_sheet_of_a_random_launch_has_three_sigma_and_the_expected_peak(pair
 
 
 def test_warmth_changes_what_a_rigid_pair_holds(pair):
+    """5 K of the inner rings raise the preload; a spring maintains it."""
     warm = pair.with_({"temperature.inner_ring_C": 25.0})
     assert launch_result(warm).opening_g > 1.3 * launch_result(pair).opening_g
     spring = launch_result(warm.with_(SPRING))
     assert spring.opening_g == pytest.approx(launch_result(pair.with_(SPRING)).opening_g, rel=1e-9)
 
 
-def test_values_that_launch_requirements_limit(pair):
+def test_launch_requirements_are_on_values_of_a_program_written_apart(pair):
     """Numbers of launch_cases.json: force of opening over 3 kg, gap, pressure over 4.2 GPa."""
     assert launch_values(bearingwear.example()) == {}
     launch = launch_values(pair.with_({"launch.axial_g": 100.0, "launch.radial_g": 20.0}))
@@ -326,9 +327,9 @@ def test_a_launch_is_judged_new_and_worn(pair):
 
 
 def test_a_launch_is_checked_new_and_worn(pair):
-    """Worn by 0.5 um, the end of its life, whose other limit is met later. Without one, only new.
+    """Its life ends when 0.5 um are worn; its other criterion is met later.
 
-    The heading names the launch that decides.
+    The heading names the launch that decides. Without an end of life, only the new pair is checked.
     """
     scene = pair.with_(
         {"launch.axial_g": 100.0, "wear.end_of_life.ball_diameter_loss_um": 0.5,

@@ -1,4 +1,4 @@
-"""Largest load and pressure of a dynamic case: over balls and instants, not their means."""
+"""Largest load and pressure of a dynamic case: over balls and instants, instead of their means."""
 
 import re
 
@@ -28,14 +28,14 @@ RANGE = ("maximum_pressure", "maximum_contact_load", "minimum_contact_load")
 
 @pytest.fixture(scope="module")
 def loaded_case(scene):
-    """Result of gyro_s1 under a radial load."""
+    """Returns the result of gyro_s1 under a radial load."""
     result = solve(scene("gyro_s1", LOADED))
     assert result.status == "ok"
     return result
 
 
 def every_instant(scene, windows):
-    """Loads and pressures (instants, n, 2) of the last window, one interval at a time."""
+    """Returns loads [N] and pressures [Pa] (instants, n, 2) of the last window of a run."""
     system, _ = system_at_start(scene, start_of(scene), None)
     run, rows = TimeRun(scene, system, None), []
     for window in range(windows):
@@ -48,17 +48,17 @@ def every_instant(scene, windows):
 
 
 def test_largest_and_smallest_loads_are_those_of_all_instants(scene, loaded_case):
-    """Those of each ball are compared with the averages of the shortest intervals, one by one."""
-    v = loaded_case.values
-    windows = round(v["simulated_turns"] / v["evaluated_turns"])
+    """The run is repeated in its shortest intervals, whose averages are compared."""
+    values = loaded_case.values
+    windows = round(values["simulated_turns"] / values["evaluated_turns"])
     loads, pressures = every_instant(scene("gyro_s1", LOADED), windows)
-    assert_allclose(v["maximum_contact_load"], loads.max(axis=0), rtol=1e-6)
-    assert_allclose(v["minimum_contact_load"], loads.min(axis=0), rtol=1e-6)
+    assert_allclose(values["maximum_contact_load"], loads.max(axis=0), rtol=1e-6)
+    assert_allclose(values["minimum_contact_load"], loads.min(axis=0), rtol=1e-6)
     # by the cube root of the load; the contact angle changes the curvatures by a few thousandths
-    assert_allclose(v["maximum_pressure"], pressures.max(axis=0), rtol=5e-3)
-    assert np.all(v["maximum_pressure"] > 1.05 * pressures.mean(axis=0))  # more than that error
-    assert np.all(v["minimum_contact_load"] < v["contact_load"])
-    assert np.all(v["contact_load"] < v["maximum_contact_load"])
+    assert_allclose(values["maximum_pressure"], pressures.max(axis=0), rtol=5e-3)
+    assert np.all(values["maximum_pressure"] > 1.05 * pressures.mean(axis=0))  # beyond this error
+    assert np.all(values["minimum_contact_load"] < values["contact_load"])
+    assert np.all(values["contact_load"] < values["maximum_contact_load"])
 
 
 def test_load_ranges_are_the_same_without_histories(scene, loaded_case):
@@ -70,9 +70,11 @@ def test_load_ranges_are_the_same_without_histories(scene, loaded_case):
 
 
 def test_without_varying_loads_the_range_is_the_mean(scene):
-    v = solve(scene("gyro_s1", LOADED | {"operation.radial_load_N": [0.0, 0.0]}), "dynamic").values
-    steady = solve(scene("gyro_s1", LOADED | {"operation.radial_load_N": [0.0, 0.0]})).values
-    assert_allclose(v["maximum_pressure"], np.tile(steady["maximum_pressure"], (9, 1)), rtol=1e-4)
+    thrust = scene("gyro_s1", LOADED | {"operation.radial_load_N": [0.0, 0.0]})
+    largest, steady = (
+        solve(thrust, fidelity).values["maximum_pressure"] for fidelity in ("dynamic", "steady")
+    )
+    assert_allclose(largest, np.tile(steady, (9, 1)), rtol=1e-4)
 
 
 def test_pressure_goes_by_the_cube_root_of_the_load():
@@ -92,12 +94,12 @@ def test_show_and_tables_take_the_extreme_of_all_balls(loaded_case, tmp_path, ca
     write_result(loaded_case, tmp_path / "case.nc")
     assert main(["show", str(tmp_path / "case.nc")]) == 0
     rows = {line[2:30].strip(): line.split() for line in capsys.readouterr().out.splitlines()}
-    v = loaded_case.values
+    values = loaded_case.values
     for label, largest in (
-        ("maximum pressure, all balls", 1e-9 * v["maximum_pressure"].max(axis=0)),
-        ("maximum load, all balls", v["maximum_contact_load"].max(axis=0)),
-        ("minimum load, all balls", v["minimum_contact_load"].min(axis=0)),
-        ("contact load", v["contact_load"].mean(axis=0)),
+        ("maximum pressure, all balls", 1e-9 * values["maximum_pressure"].max(axis=0)),
+        ("maximum load, all balls", values["maximum_contact_load"].max(axis=0)),
+        ("minimum load, all balls", values["minimum_contact_load"].min(axis=0)),
+        ("contact load", values["contact_load"].mean(axis=0)),
     ):
         shown = [float(text) for text in rows[label] if re.fullmatch(r"[\d.]+", text)]
         assert_allclose(shown[:2], largest, rtol=5e-3)  # three digits
@@ -106,5 +108,7 @@ def test_show_and_tables_take_the_extreme_of_all_balls(loaded_case, tmp_path, ca
     gathered = gathered.assign_coords({axis: [0.0] for axis in axes})
     both = steady_and_dynamic(gathered.isel(ball=[0]), gathered)
     pressures = both["maximum_pressure.dynamic"].values.ravel()
-    assert_allclose(pressures, v["maximum_pressure"].max(axis=0))
-    assert_allclose(both["contact_load.dynamic"].values.ravel(), v["contact_load"].mean(axis=0))
+    assert_allclose(pressures, values["maximum_pressure"].max(axis=0))
+    assert_allclose(
+        both["contact_load.dynamic"].values.ravel(), values["contact_load"].mean(axis=0)
+    )

@@ -27,6 +27,7 @@ def skf(minimum):
 
 
 def test_the_page_has_these_numbers(minimum, gmn, skf):
+    """Sentences and rows that the program writes, and the range of the frictions."""
     page = minimum.PAGE.read_text(encoding="utf-8")
     assert minimum.sentences(gmn, skf) in page and minimum.lines(gmn, skf) in page
     assert minimum.open_group_sentence(gmn) in page and minimum.skf_sentence(skf) in page
@@ -36,12 +37,12 @@ def test_the_page_has_these_numbers(minimum, gmn, skf):
 
 
 def test_every_bearing_with_a_printed_minimum_is_compared(gmn, skf):
-    """Rows of the tables of both makers in benchmarks/catalogue."""
+    """The tables of both makers in benchmarks/catalogue have so many rows."""
     assert sum(map(len, gmn.values())) == 267 and sum(map(len, skf.values())) == 57
 
 
 def test_least_preload_of_gmn_needs_one_friction(minimum, gmn):
-    """0.02 to 0.05 (BETWEEN) in each group; growth of the rings takes the least of them to 0.0199.
+    """It is 0.02 to 0.05 (BETWEEN) in each group; with growth of the rings, the least is 0.0199.
 
     No single bearing of a group is further than 30 % below.
     """
@@ -54,7 +55,7 @@ def test_least_preload_of_gmn_needs_one_friction(minimum, gmn):
 
 
 def test_least_preload_of_gmn_is_a_share_of_the_rating(minimum):
-    """One number by series and angle, within the rounding of what is printed: 2.6 %.
+    """Each series and angle has one share, within the rounding of printed values: 2.6 %.
 
     The medians [N/N] are regression values; `minimum.preloads_over_rating()` prints them anew.
     """
@@ -66,7 +67,7 @@ def test_least_preload_of_gmn_is_a_share_of_the_rating(minimum):
 
 @pytest.mark.parametrize(("suffix", "scatter"), [("AC", 0.05), ("B", 0.10)])
 def test_least_loads_of_skf_need_one_friction(minimum, skf, suffix, scatter):
-    """It scatters by 5 or 10 %, though balls and grooves are assumed from the size alone."""
+    """It scatters by 5 or 10 %, although balls and grooves are assumed by the size alone."""
     friction = minimum.skf_frictions(skf[suffix])
     assert minimum.BETWEEN[0] < minimum.mean(friction) < minimum.BETWEEN[1]
     assert np.std(np.log(friction)) < scatter
@@ -79,8 +80,8 @@ def test_common_sizes_of_skf_need_the_same_friction_to_5_percent(skf):
     assert np.abs(friction / friction.mean() - 1.0).max() < 0.05
 
 
-def test_units_of_a_load_of_skf(minimum):
-    """A (n/1000)^2 kN: a 7208 AC at 5000 r/min needs 0.00419 x 25 kN."""
+def test_a_least_load_of_skf_is_converted_to_newtons(minimum):
+    """It is A (n/1000)^2 kN: a 7208 AC at 5000 r/min, with A = 0.00419, needs 0.00419 x 25 kN."""
     speed_times_pitch = 5000.0 * 60.0  # r/min mm: (40 + 80)/2 mm
     scene = minimum.skf_scene("7208AC", speed_times_pitch, 0.08)
     assert scene.operation.shaft_speed_rpm == pytest.approx(5000.0)
@@ -88,8 +89,8 @@ def test_units_of_a_load_of_skf(minimum):
 
 
 @pytest.mark.parametrize("designation", ["S 6007 C", "KH 6007 E"])
-def test_friction_that_holds_the_balls_by_a_closed_formula(minimum, designation):
-    """M_g/((Q_i + Q_o) R) in SI units, with the spin axis of outer race control.
+def test_the_friction_that_holds_the_balls_has_a_closed_form(minimum, designation):
+    """It is M_g/((Q_i + Q_o) R) in SI units, with the spin axis of outer race control.
 
     Angles and loads are those of the solve; orbit, spin and moment are written once more.
     """
@@ -117,7 +118,7 @@ def test_friction_that_holds_the_balls_by_a_closed_formula(minimum, designation)
 
 
 def test_starved_lives_are_a_bound():
-    """Rows of the coefficients say bound, and have what the program makes of the tested lives."""
+    """Their rows of the coefficients say so, and have the bound computed from the tested lives."""
     bounds = benchmark("bounds")
     for name, balls in (("nesc_r4", "bearing_steel"), ("nesc_r4_hybrid", "silicon_nitride")):
         row = MEASURED_WEAR[name]

@@ -32,7 +32,7 @@ LOSS = "wear.ball_diameter_loss_um"
 
 @pytest.fixture(scope="module")
 def solved(scene):
-    """Function (changes, fidelity, status) -> values of gyro_s1, after a look at its status."""
+    """Returns a function that solves gyro_s1, checks its status, and returns its values."""
 
     def values(changes, fidelity=None, status="ok"):
         result = solve(scene("gyro_s1", changes), fidelity)
@@ -62,12 +62,12 @@ def test_a_rigid_pair_under_an_external_force_agrees_with_another_program(
 
     Its stiffness is the slope of the force; here the Hertz factors are held: 1e-5.
     """
-    v = solved(RIGID | REST | {"arrangement.external_axial_N": F}, fidelity)
-    assert_allclose(v["system_axial_stiffness"] * 1e-6, stiffness, atol=6e-5, rtol=2e-5)
-    assert_allclose(v["rotor_axial_shift"] * 1e6, shift, atol=6e-5)
-    assert_allclose(v["residual_preload"], [other + F, other], atol=6e-4)
-    assert_allclose(v["lift_off_force"], 20.5774, atol=6e-5)  # [N], whatever the force
-    assert v["rotor_balance_residual"] < 1e-11
+    values = solved(RIGID | REST | {"arrangement.external_axial_N": F}, fidelity)
+    assert_allclose(values["system_axial_stiffness"] * 1e-6, stiffness, atol=6e-5, rtol=2e-5)
+    assert_allclose(values["rotor_axial_shift"] * 1e6, shift, atol=6e-5)
+    assert_allclose(values["residual_preload"], [other + F, other], atol=6e-4)
+    assert_allclose(values["lift_off_force"], 20.5774, atol=6e-5)  # [N], whatever the force
+    assert values["rotor_balance_residual"] < 1e-11
 
 
 @pytest.mark.parametrize(
@@ -76,9 +76,9 @@ def test_a_rigid_pair_under_an_external_force_agrees_with_another_program(
 )
 def test_a_pair_of_unequal_wear_agrees_with_another_program(solved, losses, shift, preload):
     """Losses and shift [um], preload [N]; to its digits."""
-    v = solved(RIGID | REST | {LOSS: losses[0], "arrangement.second": {LOSS: losses[1]}})
-    assert_allclose(v["rotor_axial_shift"] * 1e6, shift, atol=6e-6)
-    assert_allclose(v["residual_preload"], preload, atol=6e-5)
+    values = solved(RIGID | REST | {LOSS: losses[0], "arrangement.second": {LOSS: losses[1]}})
+    assert_allclose(values["rotor_axial_shift"] * 1e6, shift, atol=6e-6)
+    assert_allclose(values["residual_preload"], preload, atol=6e-5)
 
 
 def test_slope_of_the_force_and_displacement_agree_with_another_program(scene):
@@ -90,7 +90,7 @@ def test_slope_of_the_force_and_displacement_agree_with_another_program(scene):
     assert_allclose([slope * 1e-6, place * 1e6], [4.86141, 2.21610], atol=6e-6)
 
 
-# what it must be the same as
+# what a pair must be the same as
 
 
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
@@ -110,12 +110,12 @@ def test_a_pair_seen_from_the_other_end_has_the_same_state(solved):
     """With the bearings and the force exchanged, the shift changes sign and the rest sides."""
     force = {"arrangement.external_axial_N": 2.0, LOSS: 0.1, "arrangement.second": {LOSS: 0.4}}
     turned = {"arrangement.external_axial_N": -2.0, LOSS: 0.4, "arrangement.second": {LOSS: 0.1}}
-    v, v_turned = solved(RIGID | force), solved(RIGID | turned)
-    assert_allclose(v["rotor_axial_shift"], -v_turned["rotor_axial_shift"], rtol=1e-9)
+    values, turned_values = solved(RIGID | force), solved(RIGID | turned)
+    assert_allclose(values["rotor_axial_shift"], -turned_values["rotor_axial_shift"], rtol=1e-9)
     for name in ("total_qv", "residual_preload", "contact_angle"):
-        assert_allclose(v[name], v_turned[name][::-1], rtol=1e-9, err_msg=name)
-    stiffness = v_turned["system_axial_stiffness"]
-    assert_allclose(v["system_axial_stiffness"], stiffness, rtol=1e-9)
+        assert_allclose(values[name], turned_values[name][::-1], rtol=1e-9, err_msg=name)
+    stiffness = turned_values["system_axial_stiffness"]
+    assert_allclose(values["system_axial_stiffness"], stiffness, rtol=1e-9)
 
 
 # independent checks
@@ -128,17 +128,17 @@ def test_a_pair_seen_from_the_other_end_has_the_same_state(solved):
     {"arrangement.external_axial_N": -3.0,
      "arrangement.second": {"bearing.ball_count": 8, "bearing.contact_angle_deg": 25.0}},
 ])  # fmt: skip
-def test_balance_of_the_rotor(solved, scene, fidelity, changes):
-    """Forces and places, with nothing of the pair: a single bearing kept at each place."""
-    v = solved(RIGID | changes, fidelity)
+def test_the_rotor_of_a_rigid_pair_is_in_balance(solved, scene, fidelity, changes):
+    """Forces are compared with those of single bearings that are held at the places of the pair."""
+    values = solved(RIGID | changes, fidelity)
     F_ext = changes.get("arrangement.external_axial_N", 0.0)
     sides = scene("gyro_s1", RIGID | changes).sides
-    shifts = v["axial_displacement"] - [parameters.static_place(side) for side in sides]
+    shifts = values["axial_displacement"] - [parameters.static_place(side) for side in sides]
     assert_allclose(shifts.sum(), 0.0, atol=1e-18)  # rounding of micrometres
-    assert_allclose(shifts[0], v["rotor_axial_shift"], atol=1e-18)
+    assert_allclose(shifts[0], values["rotor_axial_shift"], atol=1e-18)
     forces = []
     for side, place, speed in zip(
-        sides, v["axial_displacement"], v["orbit_speed"][:, 0], strict=True
+        sides, values["axial_displacement"], values["orbit_speed"][:, 0], strict=True
     ):
         g = parameters.geometry(side)
         load = orbit_load(float(speed), 0.0, 0.0)
@@ -146,12 +146,12 @@ def test_balance_of_the_rotor(solved, scene, fidelity, changes):
         _, state = thrust_equilibrium(g, D, load, 0.0, float(place), False, cold_start())
         forces.append(g.n_balls * state.F_ix)
     if fidelity == "steady":
-        assert_allclose(forces, v["residual_preload"], rtol=1e-9)
-    assert_allclose(np.subtract(*v["residual_preload"]), F_ext, atol=1e-9)
+        assert_allclose(forces, values["residual_preload"], rtol=1e-9)
+    assert_allclose(np.subtract(*values["residual_preload"]), F_ext, atol=1e-9)
 
 
 @pytest.mark.parametrize("F_ext", [0.0, 3.5, -3.5])
-def test_spring_gives_way_to_both(solved, scene, F_ext):
+def test_the_force_of_a_spring_follows_both_bearings(solved, scene, F_ext):
     """The second bearing has F_2 = F_s - k_s e, where e is how far both bearings give way [m].
 
     F_s is the 7 N of the spring, k_s its 0.2 N/um. Solved here by SciPy's brentq.
@@ -162,7 +162,7 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
         "arrangement.external_axial_N": F_ext,
         LOSS: 0.3,
     }  # fmt: skip
-    v = solved(changes)
+    values = solved(changes)
     gyro = scene("gyro_s1")
     g, mounted = parameters.geometry(gyro), parameters.static_place(gyro)
     worn = Mechanics(g, g.D0 - 0.3e-6)
@@ -172,22 +172,22 @@ def test_spring_gives_way_to_both(solved, scene, F_ext):
         return 7.0 - k_s * offset - F_2
 
     F_2 = brentq(unbalanced, 3.6, 9.0, xtol=1e-13)  # [N]; far below what is compared
-    assert_allclose(v["residual_preload"], [F_2 + F_ext, F_2], rtol=1e-9)
-    assert_allclose(v["rotor_axial_shift"], worn.place(F_2 + F_ext) - mounted, rtol=1e-8)
-    assert_allclose(v["spring_travel"], (7.0 - F_2) / k_s, rtol=1e-8)
-    k = v["axial_stiffness"]
-    assert_allclose(v["system_axial_stiffness"], k[0] + k_s * k[1] / (k_s + k[1]), rtol=1e-12)
+    assert_allclose(values["residual_preload"], [F_2 + F_ext, F_2], rtol=1e-9)
+    assert_allclose(values["rotor_axial_shift"], worn.place(F_2 + F_ext) - mounted, rtol=1e-8)
+    assert_allclose(values["spring_travel"], (7.0 - F_2) / k_s, rtol=1e-8)
+    k = values["axial_stiffness"]
+    assert_allclose(values["system_axial_stiffness"], k[0] + k_s * k[1] / (k_s + k[1]), rtol=1e-12)
     h = 1e-3
     ends = [
         solved(changes | {"arrangement.external_axial_N": F_ext + s * h})["rotor_axial_shift"]
         for s in (-1, 1)
     ]
     # the tangent holds the Hertz factors, which follow the angle a little
-    assert_allclose(2.0 * h / (ends[1] - ends[0]), v["system_axial_stiffness"], rtol=1e-3)
+    assert_allclose(2.0 * h / (ends[1] - ends[0]), values["system_axial_stiffness"], rtol=1e-3)
 
 
 def test_the_rotor_check_rejects_another_place_or_force(scene):
-    """A force or a place of the first bearing that is off by a millionth."""
+    """It rejects a force or a place of the first bearing that is off by a millionth."""
     rigid = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
     pair = solver_of(rigid, "steady", Accuracy.CHECKED).bearings
     state = pair.solve(pair.start)
@@ -213,11 +213,11 @@ def test_a_rigid_pair_lifts_off_either_way_beyond_its_force(solved):
         assert "total_qv" not in under(F, status="lifted_off")
 
 
-def test_a_spring_pair_lifts_off_at_the_force_of_its_spring(solved):
+def test_a_pair_under_a_constant_force_lifts_off_at_this_force(solved):
     """The spring has 7 N: against 6 N of external force, 1 N is left on the first bearing."""
     solved(SPRING | {"arrangement.external_axial_N": -7.0}, status="lifted_off")
-    v = solved(SPRING | {"arrangement.external_axial_N": -6.0})
-    assert v["residual_preload"][0] == pytest.approx(1.0)
+    values = solved(SPRING | {"arrangement.external_axial_N": -6.0})
+    assert values["residual_preload"][0] == pytest.approx(1.0)
 
 
 def test_a_pair_whose_bearings_have_worn_free_has_a_status(solved):
@@ -226,10 +226,11 @@ def test_a_pair_whose_bearings_have_worn_free_has_a_status(solved):
     solved(worn_free, status="preload_gone")
 
 
-def test_lift_off_at_vanishing_load(scene):
-    """2^(3/2) preloads; of a tandem of two against one, twice the balls, 2.08 and 4.16.
+def test_a_lightly_loaded_pair_lifts_off_at_the_closed_form(scene):
+    """A pair lifts off at 2^(3/2) preloads, two bearings in tandem against one at 2.08 and 4.16.
 
-    (1 + 2^(-2/3))^(3/2) = 2.08 on the side of two, and twice as much on the other.
+    (1 + 2^(-2/3))^(3/2) is 2.08 on the side of two, which have twice the balls, and twice as much
+    on the other.
     """
     g = parameters.geometry(scene("gyro_s1"))
     tandem = g._replace(n_balls=2 * g.n_balls)
@@ -246,8 +247,8 @@ def test_lift_off_at_vanishing_load(scene):
     assert_allclose(set_of_three.external(1, alone.touch) / F, 4.16, rtol=1e-3)
 
 
-def test_lift_off_of_a_spring(solved):
-    """The spring relaxes as the first bearing gives way: less than its force, by k_s/k."""
+def test_a_pair_on_a_stiff_spring_lifts_off_beyond_its_force(solved):
+    """As the first bearing is unloaded, the spring is compressed: its force grows by some k_s/k."""
     constant_force, soft = (
         solved(SPRING | {"arrangement.spring_stiffness_N_um": k})["lift_off_force"]
         for k in (0.0, 0.1)
@@ -260,7 +261,7 @@ def test_lift_off_of_a_spring(solved):
 
 
 def test_natural_frequencies_of_a_rod_on_springs():
-    """sqrt(k/m) along and across, and of tilting about the middle of the span."""
+    """They are sqrt(k/m)/(2 pi) along and across, and of tilting about the middle of the span."""
     sides = np.array([np.diag([5e6, 15e6, 15e6, 0.0, 0.0])] * 2)
     rod = Arrangement(kind="rigid_pair", rotor_mass_kg=0.03, span_mm=20.0)
     inertia = 0.03 * 0.02**2 / 12.0
@@ -273,7 +274,7 @@ def test_natural_frequencies_of_a_rod_on_springs():
     assert_allclose(tilting, expected[2] * math.sqrt(inertia / 4e-6), rtol=1e-12)
 
 
-def test_back_to_back_resists_tilting_more(solved):
+def test_a_pair_back_to_back_resists_tilting_more_than_face_to_face(solved):
     """The stiffness against tilting has 4 l K_23 added back to back, and subtracted face to face.
 
     l is half of the span of 20 mm, K_23 the coupling of radial force and tilt of a bearing.
@@ -295,10 +296,10 @@ def test_frequencies_need_mass_and_span(solved):
     """The axial frequency is sqrt(k/m)/(2 pi) of the system."""
     assert "natural_frequency" not in solved(RIGID | {"arrangement.rotor_mass_kg": 0.03})
     both = {"arrangement.rotor_mass_kg": 0.03, "arrangement.span_mm": 20.0}
-    v = solved(RIGID | both)
+    values = solved(RIGID | both)
     assert_allclose(
-        v["natural_frequency"][0],
-        math.sqrt(v["system_axial_stiffness"] / 0.03) / (2.0 * math.pi),
+        values["natural_frequency"][0],
+        math.sqrt(values["system_axial_stiffness"] / 0.03) / (2.0 * math.pi),
         rtol=1e-12,
     )
 
@@ -346,15 +347,15 @@ NETWORK = {
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
 def test_each_bearing_has_its_own_network(solved, fidelity):
     """The more loaded side is warmer; heat flows and the rotor balance."""
-    v = solved(RIGID | NETWORK | {"arrangement.external_axial_N": 4.0}, fidelity)
-    assert v["part_temperature"][0, 0] > v["part_temperature"][1, 0] + 0.1
-    assert_allclose(np.subtract(*v["residual_preload"]), 4.0, atol=1e-7)
-    assert (v["heat_flow_residual"] < 1e-5).all()
+    values = solved(RIGID | NETWORK | {"arrangement.external_axial_N": 4.0}, fidelity)
+    assert values["part_temperature"][0, 0] > values["part_temperature"][1, 0] + 0.1
+    assert_allclose(np.subtract(*values["residual_preload"]), 4.0, atol=1e-7)
+    assert (values["heat_flow_residual"] < 1e-5).all()
     inputs = dict(zip(("inner_ring_C", "balls_C", "outer_ring_C", "shaft_C", "housing_C"),
-                     v["part_temperature"].T, strict=True))  # fmt: skip
+                     values["part_temperature"].T, strict=True))  # fmt: skip
     first = {f"temperature.{name}": float(t[0]) for name, t in inputs.items()}
     second = {f"temperature.{name}": float(t[1]) for name, t in inputs.items()}
     same = solved(RIGID | first | {"arrangement.external_axial_N": 4.0,
                                    "arrangement.second": second}, fidelity)  # fmt: skip
     for name in ("residual_preload", "total_qv", "rotor_axial_shift", "system_axial_stiffness"):
-        assert_allclose(same[name], v[name], rtol=1e-6, err_msg=name)
+        assert_allclose(same[name], values[name], rtol=1e-6, err_msg=name)

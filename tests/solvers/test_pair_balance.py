@@ -13,7 +13,7 @@ from bearingwear.solvers.bearing.rotor_balance import Nearby, RotorTrial, balanc
 from bearingwear.solvers.condition import Condition, SolvedBearing
 from bearingwear.solvers.solve import solve
 
-HELD = 1e6  # slope of the unbalanced force that each trial states, as at held orbits [N/m]
+HELD = 1e6  # slope of the unbalanced force that each trial states, for constant orbit rates [N/m]
 SCALE = 10.0  # of the forces that a trial states [N]
 
 
@@ -140,7 +140,7 @@ HARD_PAIRS = {
 
 @pytest.mark.parametrize("name", HARD_PAIRS)
 def test_a_hard_pair_has_its_status(scene, name):
-    """Found by the study of robustness, whose random pairs once ended unnamed here."""
+    """The study of robustness drew these pairs, which once ended without a named status."""
     fidelity, status, changes = copy.deepcopy(HARD_PAIRS[name])
     bearing = {f"bearing.{key}": value for key, value in changes.pop("bearing").items()}
     result = solve(scene("gyro_s1", RIGID | bearing | changes), fidelity)
@@ -150,7 +150,8 @@ def test_a_hard_pair_has_its_status(scene, name):
         assert_allclose(F[0] - F[1], changes["arrangement.external_axial_N"], rtol=1e-8)
 
 
-def test_of_rough_places_the_last_is_expected_next_and_no_slope_is_learned():
+def test_the_last_rough_place_is_expected_next_and_changes_no_slope():
+    """A rough place is too inexact for the slope between it and an exact one."""
     nearby = Nearby()
     assert not nearby.has_place
     nearby.remember_rough((0.0, 0.0), 1e-6)

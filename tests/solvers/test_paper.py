@@ -16,7 +16,7 @@ INNER, OUTER = 0, 1
 
 
 def over_loss(values, name, **fixed):
-    """A quantity at each of the LOSSES."""
+    """Returns a quantity at each of the LOSSES."""
     return np.array([values(loss=loss, **fixed)[name] for loss in LOSSES])
 
 
@@ -76,7 +76,7 @@ def test_5_with_wear_qv_is_flat_under_constant_force_and_falls_at_fixed_position
 
 
 def test_6_at_low_friction_with_drag_qv_falls_and_rises_again_with_gyroscopic_slip(values):
-    """Least at 0.2 to 0.4 um."""
+    """QV is least at 0.2 to 0.4 um."""
     fixed = {"method": POSITION, "mu": 0.02, "drag": 250.0}
     qv = over_loss(values, "total_qv", **fixed)
     least = LOSSES[int(np.argmin(qv))]
@@ -121,7 +121,7 @@ def test_7_departs_above_06_um_where_the_spin_moves_to_the_inner_race(values):
 
 
 def test_8_low_friction_and_the_other_order_at_half_a_micrometre(values):
-    # "Fluctuates" in the paper; on gyro_s1 constant force stays within 0.5 % and is monotone.
+    # "fluctuates" in the paper; QV of gyro_s1 under constant force rises by 0.55 % at most
     qv = over_loss(values, "total_qv", method=FORCE, mu=0.02)
     assert np.ptp(qv) / qv[0] < 0.0055
     assert np.all(np.diff(qv) > 0.0)

@@ -17,7 +17,7 @@ INNER, OUTER = 0, 1
 
 @pytest.fixture(scope="module")
 def hertz(scene):
-    """Function (method, mu, loss_um) -> values."""
+    """Returns a function (method, mu, loss [um]) that returns the values of gyro_s1_hertz."""
 
     def solved(method=FORCE, mu=0.08, loss=0.0):
         changes = {

@@ -20,7 +20,7 @@ INNER, OUTER = 0, 1
 
 
 class Histories(NamedTuple):
-    """Along a life, at `LOSSES`; the last two of inner and outer contact (2, n)."""
+    """Values along a life, at the n `LOSSES`; the last two of inner and outer contact (2, n)."""
 
     total_qv: np.ndarray  # [W]
     preload: np.ndarray  # [N]

@@ -23,20 +23,20 @@ TIGHT = 1e-3  # tolerance of a march that is compared with
 @pytest.fixture(scope="module")
 def result_of(scene):
     """Returns a function (changes, name) that solves a scene without its cage, once for each."""
-    kept = {}
+    results = {}
 
     def solved(changes, name="gyro_s1"):
         key = json.dumps([name, changes])
-        if key not in kept:
-            kept[key] = solve(scene(name, changes).without_cage)
-        return kept[key]
+        if key not in results:
+            results[key] = solve(scene(name, changes).without_cage)
+        return results[key]
 
     return solved
 
 
 @pytest.mark.parametrize("changes", [RADIAL, ROTATING, TILTED], ids=["radial", "rotating", "tilt"])
 def test_a_periodic_motion_has_the_qv_of_a_settled_march(scene, result_of, changes):
-    """QV of each contact, the mean of the balls, over an orbit that follows twelve others.
+    """QV of inner and outer contact, the mean of all balls, over an orbit after twelve others.
 
     The start leaves the balls of a march unevenly spaced for good, and each with a QV of its own.
     """
@@ -89,8 +89,8 @@ def test_scenes_without_a_periodic_motion_are_refused(scene, changes, why):
         solve(periodic_scene)
 
 
-def test_an_undetected_periodic_motion_is_reported_or_marched(scene, monkeypatch):
-    """The scene with `periodic` has not converged; with the default `auto` it is marched."""
+def test_without_a_periodic_motion_a_scene_has_a_status_or_is_marched(scene, monkeypatch):
+    """With `periodic` it has not converged; by default it is marched. No motion is accepted."""
     monkeypatch.setattr(periodic, "ACCEPTED", 0.0)
     monkeypatch.setattr(periodic, "MARCHED", (0.0, 1.0))
     of_scene = solve(scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}).without_cage)

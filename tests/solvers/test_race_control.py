@@ -1,4 +1,4 @@
-"""Jones-Harris race control against benchmark digits on which two programs agree."""
+"""Jones-Harris race control: digits on which two other programs agree, and its definition."""
 
 import math
 
@@ -37,8 +37,8 @@ def solved(g, F, rpm, law):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_outer_control_under_thrust_agrees_with_published_bearings(name):
-    """In all of CASES, to 1e-5: the digits on which two programs agree."""
+def test_outer_control_under_thrust_agrees_with_two_other_programs(name):
+    """All numbers of CASES, to 1e-5: the digits on which these programs agree."""
     g, F, rpm, reference = CASES[name]
     omega, delta_a, s, k = solved(g, F, rpm, OUTER_CONTROL)
     m = g.rho * math.pi / 6 * g.D0**3
@@ -56,8 +56,8 @@ def test_outer_control_under_thrust_agrees_with_published_bearings(name):
 
 @pytest.mark.parametrize("law", [OUTER_CONTROL, INNER_CONTROL])
 @pytest.mark.parametrize("speeds", [(3000.0, 0.0), (0.0, 800.0), (3000.0, -1500.0), (900.0, 900.0)])
-def test_controlling_race_sees_no_spin(law, speeds):
-    """The definition: no spin at the controlling race, no slip at the centres of both contacts."""
+def test_a_ball_does_not_spin_on_the_controlling_race(law, speeds):
+    """By definition, there is no slip at the centres of both contacts either."""
     omega_i, omega_o = speeds
     gamma, a_i, a_o = 0.23, 0.5, 0.4
     k = race_control(law, omega_i, omega_o, gamma, a_i, a_o)
@@ -73,7 +73,7 @@ def test_controlling_race_sees_no_spin(law, speeds):
 
 @pytest.mark.parametrize("law", [OUTER_CONTROL, INNER_CONTROL])
 def test_gyroscopic_moment_is_carried_at_the_controlling_race(law):
-    """Force balance of the ball with the friction force 2 M_g / D, and of the inner race."""
+    """Ball and inner race are in balance with the friction force 2 M_g/D."""
     g, F, rpm, _ = CASES["218"]
     _, _, s, k = solved(g, F, rpm, law)
     m = g.rho * math.pi / 6 * g.D0**3

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from bearingwear.kernels.status import OK
 from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.effects.motion import centrifugal_share
 from bearingwear.solvers.solve import solve
@@ -22,16 +23,16 @@ PRECISE = FEW | {"model.dynamic_tolerance": 1e-3}
 @pytest.mark.parametrize("name", ["gyro_s1", "gyro_s1_drag", "turbopump"])
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 def test_under_thrust_one_steady_ball_stands_for_all_in_motion(scene, name, method):
-    """The steady ball has the numbers of a dynamic solve: 1e-5, for the tolerance of its steps.
+    """Numbers agree to 1e-5, by the tolerance of the steps in time, QV of single contacts to 1e-4.
 
-    QV of single contacts has 1e-4. The scene has many points (MANY), because the two models place
-    theirs differently over the ellipse.
+    The scene has many points (MANY), because the two models place theirs differently over the
+    ellipse.
     """
     alike = {"operation.preload_method": method, "model.normal_balance": "with_traction"} | MANY
     s = replace(scene(name, PRECISE | alike), cage=None)
     assert choice(s).fidelity == "steady"
     reduced, full = solve(s).values, solve(s, "dynamic").values
-    assert full["status"] == 0
+    assert full["status"] == OK
     for key in ("total_qv", "residual_preload", "shaft_torque", "ball_diameter_loss_rate"):
         assert_allclose(reduced[key], full[key], rtol=1e-5, err_msg=key)
     of_one_ball = np.broadcast_to(reduced["qv"], full["qv"].shape)

@@ -19,6 +19,7 @@ SOLVED = 1e-7
 
 
 def gyro(method, mu, loss):
+    """Returns gyro_s1 with a method of preload, a friction and a loss of ball diameter [um]."""
     return load_scene(
         scene_file("gyro_s1"),
         [
@@ -50,7 +51,7 @@ def test_similar_bearings_have_similar_states(method, mu, loss, s):
 
 
 def scaled(scene, s):
-    """The scene of a bearing that is s times as large, under similar loads and speeds."""
+    """Returns the scene of a bearing s times as large, with s^2 the loads and 1/s the speed."""
     b, o = scene.bearing, scene.operation
     return replace(
         scene,
@@ -161,7 +162,7 @@ def test_every_answer_is_verified_or_refused(
     for name, value in result.values.items():
         assert np.all(np.isfinite(value)), name
     if result.status == "ok":
-        v = result.values
-        assert v["friction_residual"] <= 1e-9
-        assert v["power_balance_error"] <= 1e-9
-        assert np.all(v["friction_heat"] <= mu * v["qv"] * (1 + 1e-12))
+        values = result.values
+        assert values["friction_residual"] <= 1e-9
+        assert values["power_balance_error"] <= 1e-9
+        assert np.all(values["friction_heat"] <= mu * values["qv"] * (1 + 1e-12))

@@ -1,4 +1,4 @@
-"""Stability of periodic motions: known multipliers, the thrust's own motion, growth in a march."""
+"""Stability of periodic motions: known multipliers, pure thrust, and growth in a march."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ TOLERANCE = 1e-4
 
 
 def motion_of(scene):
-    """A system where its run begins, and the periodic motion that is found from there."""
+    """Returns a system where its run begins, and the periodic motion that is found from there."""
     system = DynamicSystem.of(scene, start_of(scene).u)
     system.update()
     begun = system.packed(), system.time
@@ -33,8 +33,9 @@ def motion_of(scene):
 def test_growth_rates_tell_the_spacing_from_other_disturbances(largest, others):
     """Nine of fourteen multipliers are of the spacing of the balls: near the nine roots of 1.
 
-    One is exactly 1, and a pair has the largest modulus. However fast the five others grow, they
-    are not taken for those. Growth is ln(modulus) over the turns of a passing.
+    One of the nine is exactly 1, and a pair has the largest modulus. The five other multipliers are
+    not taken for the spacing, however fast they grow. Growth is ln(modulus) over the turns of a
+    passing.
     """
     n, turns = 9, 0.25
     phases = 0.98 * np.exp(2j * np.pi * np.arange(n) / n)
@@ -47,8 +48,10 @@ def test_growth_rates_tell_the_spacing_from_other_disturbances(largest, others):
 
 
 def test_disturbances_decay_as_in_the_steady_state_under_a_tiny_radial_load(scene):
-    """At 1 mN the slowest disturbance decays at the steady state's rate, and the spacing of the
-    balls neither grows nor decays."""
+    """At 1 mN the slowest disturbance has the rate of the steady state.
+
+    The spacing of the balls neither grows nor decays.
+    """
     tiny = {"operation.radial_load_N": [0.0, -1e-3]}
     almost_unloaded = scene("gyro_s1", RADIAL | tiny).without_cage
     system, motion = motion_of(almost_unloaded)
@@ -58,7 +61,7 @@ def test_disturbances_decay_as_in_the_steady_state_under_a_tiny_radial_load(scen
 
 
 def test_tangents_are_derivatives(scene):
-    """Columns of two balls against central differences of whole passings."""
+    """Some columns of two balls against central differences of whole passings."""
     system, motion = motion_of(scene("gyro_s1", RADIAL).without_cage)
     passing = Passing(system, TOLERANCE, system.control().method)
     states = np.append((motion.balls / passing.scale).ravel(), motion.passing / system.turn)
@@ -112,7 +115,7 @@ def test_spacing_is_warned_of_where_no_cage_keeps_it(scene, has_cage):
 
 @pytest.fixture
 def disturbances_grow(monkeypatch):
-    """Every periodic motion seems to be unstable: disturbances grow by 0.1 a turn."""
+    """Makes every periodic motion seem to be unstable: disturbances grow by 0.1 a turn."""
     growth = GrowthRates(spacing=0.0, slip_and_spin=0.1)
     monkeypatch.setattr(Passing, "growth", lambda self, states: growth)
 

@@ -66,7 +66,7 @@ def values_of_2_mm_bearing(scene, mu, quadrature, points):
 def test_values_agree_with_the_reference_of_the_quadratures(
     scene, mu, quadrature, points, rtol, qv_rtol
 ):
-    """The angular velocity by its size alone, because w_y is small: the next test has it."""
+    """Of the angular velocity, only the size is compared here: w_y, in the next test, is small."""
     v, ref = values_of_2_mm_bearing(scene, mu, quadrature, points), REFERENCE[mu]
     assert_allclose(v["contact_load"][0], ref["Q"], rtol=rtol)
     assert_allclose(np.degrees(v["contact_angle"][0]), ref["alpha"], rtol=rtol)
@@ -98,7 +98,7 @@ GRID = [
 
 @pytest.mark.parametrize(("method", "mu", "loss", "drag"), GRID)
 def test_balances_close(values, method, mu, loss, drag):
-    """Residuals recomputed by other formulas, and the shaft power against heat and drag."""
+    """Residuals are recomputed by other formulas; shaft power is compared with heat and drag."""
     v = values(method, mu, loss, drag)
     assert v["friction_residual"] <= 1e-9
     assert v["equilibrium_residual"] <= 1e-9
@@ -110,8 +110,9 @@ def test_balances_close(values, method, mu, loss, drag):
 
 @pytest.mark.parametrize(("method", "loss"), [("constant_force", 0.0), ("fixed_position", 0.5e-6)])
 def test_balls_settle_from_anywhere(scene, method, loss):
-    """Starts far apart end in the state that was followed down from viscous friction."""
+    """Unlike starts end in the state that the solver follows down from viscous friction."""
     search = benchmark("search")
+    # plain Python, as compiling them takes longer
     for name in ("balance_problem", "motion_equilibrium", "pseudo_transient", "unknowns"):
         setattr(search, name, in_python(getattr(search, name), thrust_equilibrium))
     changes = {"operation.preload_method": method, "friction.ball_race": 0.02}
@@ -119,7 +120,8 @@ def test_balls_settle_from_anywhere(scene, method, loss):
     D = problem.g.D0 - loss
     case = problem.solve(D)
     assert case.status == code.OK
-    assert search.settled_from_starts(problem, D, case, 4) == []  # starts that end elsewhere
+    ends_elsewhere = search.settled_from_starts(problem, D, case, 4)
+    assert ends_elsewhere == []
     assert problem.other_states(D, case, True, 8) == []
 
 
@@ -169,7 +171,7 @@ def converged_rates(few, D, case, within):
 
 
 @pytest.mark.parametrize(("mu", "v_r"), [(1e-6, 1e-8), (1e-6, 1e-6), (4.8e-6, 4e-6)])
-def test_slow_damping_that_few_points_miss(scene, mu, v_r):
+def test_slow_damping_that_few_points_underestimate_is_stable(scene, mu, v_r):
     """With 32 points a motion seems to last minutes or hours; its rates converge to faster ones."""
     few_strips = scene(
         "gyro_s1",
@@ -193,7 +195,9 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
 @pytest.mark.parametrize(
     ("quadrature", "strips", "v_r"), [("gauss", 8, 1e-7), ("gauss", 4, 1e-8), ("strips", 4, 1e-8)]
 )
-def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, v_r):
+def test_growth_that_only_few_points_show_is_not_taken_for_instability(
+    scene, quadrature, strips, v_r
+):
     """With few fixed points and traction a disturbance seems to grow; with many all decay."""
     few_strips = scene(
         "gyro_s1",
@@ -215,22 +219,22 @@ def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, 
 
 
 def test_a_bearing_at_rest_has_no_friction_heat(scene):
-    """Nothing turns: the static equilibrium, no slip, no heat."""
-    v = solve(scene("gyro_s1", {"operation.shaft_speed_rpm": 0})).values
-    assert v["status"] == code.OK
-    assert v["total_qv"] == 0.0
-    assert v["orbit_speed"][0] == 0.0
-    assert_allclose(v["axial_displacement"], v["initial_axial_displacement"], rtol=1e-9)
-    assert_allclose(*v["contact_angle"][0], rtol=1e-9)
+    """It has the static equilibrium, with the same angle at both races."""
+    values = solve(scene("gyro_s1", {"operation.shaft_speed_rpm": 0})).values
+    assert values["status"] == code.OK
+    assert values["total_qv"] == 0.0
+    assert values["orbit_speed"][0] == 0.0
+    assert_allclose(values["axial_displacement"], values["initial_axial_displacement"], rtol=1e-9)
+    assert_allclose(*values["contact_angle"][0], rtol=1e-9)
 
 
 def test_a_bearing_whose_races_turn_together_turns_as_one_body(scene):
     """Both turn at 30 000 r/min: balls orbit with them, and nothing slips."""
-    v = solve(scene("gyro_s1", {"operation.outer_speed_rpm": 30000})).values
-    assert v["status"] == code.OK
+    values = solve(scene("gyro_s1", {"operation.outer_speed_rpm": 30000})).values
+    assert values["status"] == code.OK
     omega = 30000 * math.pi / 30
-    assert_allclose(v["orbit_speed"][0], omega, rtol=1e-9)
-    assert_allclose(v["total_qv"], 0.0, atol=1e-9)
+    assert_allclose(values["orbit_speed"][0], omega, rtol=1e-9)
+    assert_allclose(values["total_qv"], 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize(("rpm", "status"), [(30000, "contact_lost"), (0, "preload_gone")])

@@ -24,7 +24,7 @@ N_UM = 1e-6
 AXIAL = ("axial_stiffness", "quasistatic_axial_stiffness")
 SYSTEM = ("system_axial_stiffness", "system_quasistatic_axial_stiffness")
 FIXED = {"operation.preload_method": "fixed_position"}
-ALONG = 1e-5  # step of a difference along the way, where points of a split rule move
+ALONG = 1e-5  # error of a difference along which the points of a split rule move
 
 
 def dynamic_and_quasistatic(values, names=AXIAL):
@@ -40,7 +40,9 @@ DIGITS = 6e-3
     ("speed", "dynamic", "quasistatic"),
     [(100.0, 25.36, 25.36), (9000.0, 13.42, 13.63), (18000.0, 6.32, 7.64), (25000.0, 7.64, 9.79)],
 )
-def test_stiffness_of_a_spindle_bearing_over_speed(speed, dynamic, quasistatic):
+def test_stiffness_of_a_spindle_bearing_over_speed_agrees_with_another_program(
+    speed, dynamic, quasistatic
+):
     scene = new(designation="7008C", speed=speed, preload=140.0, friction=0.08)
     assert_allclose(
         dynamic_and_quasistatic(solve(scene).values), [dynamic, quasistatic], atol=DIGITS
@@ -51,7 +53,9 @@ def test_stiffness_of_a_spindle_bearing_over_speed(speed, dynamic, quasistatic):
     ("preload", "dynamic", "quasistatic"),
     [(2.5, 1.00, 0.70), (3.0, 1.85, 1.06), (3.5, 2.84, 1.92), (7.0, 4.68, 4.69)],
 )
-def test_stiffness_of_an_instrument_bearing_over_preload(scene, preload, dynamic, quasistatic):
+def test_stiffness_of_an_instrument_bearing_over_preload_agrees_with_another_program(
+    scene, preload, dynamic, quasistatic
+):
     values = solve(scene("gyro_s1_hertz", {"operation.preload_N": preload})).values
     assert_allclose(dynamic_and_quasistatic(values), [dynamic, quasistatic], atol=DIGITS)
     slow = 1.0 / (2.0 * np.pi * values["slow_time_scale"])
@@ -104,7 +108,7 @@ def test_quasistatic_stiffness_is_the_slope_of_further_solves(scene, name, chang
 def test_the_linear_response_is_the_derivative_of_the_balance_and_of_the_inner_force(
     scene, contact, method
 ):
-    """Each column against central differences."""
+    """Each column agrees with central differences to 1e-4."""
     changes = {"operation.preload_N": 3.0, "model.quadrature": "gauss", "model.contact": contact}
     problem = ThrustProblem.of(scene("gyro_s1_hertz", changes | method))
     held = problem.preload._replace(constant_force=False)
@@ -145,9 +149,9 @@ def test_the_linear_response_is_the_derivative_of_the_balance_and_of_the_inner_f
     ("force", "dynamic", "quasistatic"), [(0.0, 5.8430, 7.1156), (40.0, 7.5604, 8.8810)]
 )
 def test_system_stiffness_of_a_spindle_on_a_spring(force, dynamic, quasistatic):
-    """The spindle of the tutorial has regression values [N/um], computed with 16 times the points.
+    """These are regression values [N/um] of the tutorial, computed with 16 times the points.
 
-    A program written apart has 5.86 and 7.12 without a force. The points of the scene change 3e-4.
+    A program written apart has 5.86 and 7.12 without a force. The points of the scene err by 3e-4.
     """
     scene = new(
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
@@ -223,8 +227,8 @@ def test_dynamic_and_quasistatic_matrices_agree_at_creep(scene):
 
 
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
-def test_matrix_is_the_answer_of_motion_in_time(scene, balance):
-    """The inner race goes where the quasi-static matrix says, under a radial load or with a tilt.
+def test_the_race_of_a_dynamic_solve_moves_as_the_quasistatic_matrix_says(scene, balance):
+    """The race is under a radial load, or tilted.
 
     The load of 4 mN and the tilt of 1 urad are small, so that the answer is linear. A tilt acts as
     the radial force -K_.3 tilt.
@@ -246,4 +250,4 @@ def test_matrix_is_the_answer_of_motion_in_time(scene, balance):
         assert_allclose(place, by_quasistatic, atol=1e-3 * size)
         by_dynamic = np.linalg.solve(dynamic[1:3, 1:3], force)
         if balance == "with_traction" and "operation.tilt_mrad" not in load:
-            assert np.abs(place - by_dynamic).max() > 5e-3 * size  # that balls follow is seen
+            assert np.abs(place - by_dynamic).max() > 5e-3 * size  # balls do follow

@@ -1,4 +1,4 @@
-"""Bearings in tandem: alike, and each bears its share of its side's axial force."""
+"""Bearings in tandem: they are alike, and each bears its share of its side's axial force."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,8 @@ def test_two_and_two_are_the_single_bearing_at_half_the_preload(scene, fidelity,
 
 
 def test_two_and_two_in_tandem_live_as_the_single_bearing(scene):
-    alone, four = (life(scene("gyro_s1", x)) for x in (POSITION, RIGID | TWO_AND_TWO))
+    alone = life(scene("gyro_s1", POSITION))
+    four = life(scene("gyro_s1", RIGID | TWO_AND_TWO))
     assert alone.status == four.status == "ok"
     assert_allclose(four.values["life"], alone.values["life"], rtol=1e-6)
     assert alone.attrs["ended_by"] == four.attrs["ended_by"] and "40 %" in alone.attrs["ended_by"]
@@ -43,11 +44,11 @@ def test_two_and_two_in_tandem_live_as_the_single_bearing(scene):
 
 @pytest.mark.parametrize("F_ext", [0.0, 4.0, -3.0])
 def test_two_against_one_take_the_place_of_a_plain_balance(scene, F_ext):
-    """Balanced at rest by SciPy's brentq, with twice the balls on the first side."""
+    """SciPy's brentq balances them at rest, with twice the balls on the first side."""
     two_against_one = scene("gyro_s1", RIGID | REST | {
         "arrangement.tandem": [2, 1], "arrangement.external_axial_N": F_ext,
     })  # fmt: skip
-    v = solve(two_against_one).values
+    values = solve(two_against_one).values
     one_bearing = scene("gyro_s1", REST)
     g = parameters.geometry(one_bearing)
     places = [
@@ -59,14 +60,14 @@ def test_two_against_one_take_the_place_of_a_plain_balance(scene, F_ext):
         return twice.force(places[0] + x) - single.force(places[1] - x) - F_ext
 
     x = brentq(unbalanced, -1.5e-6, 1.5e-6, xtol=1e-18)
-    assert_allclose(v["rotor_axial_shift"], x, rtol=1e-7, atol=1e-16)
+    assert_allclose(values["rotor_axial_shift"], x, rtol=1e-7, atol=1e-16)
     forces = twice.force(places[0] + x), single.force(places[1] - x)
-    assert_allclose(v["residual_preload"], [forces[0] / 2.0, forces[1]], rtol=1e-9)
-    stiffness = 2.0 * v["axial_stiffness"][0] + v["axial_stiffness"][1]
-    assert_allclose(v["system_axial_stiffness"], stiffness, rtol=1e-12)
+    assert_allclose(values["residual_preload"], [forces[0] / 2.0, forces[1]], rtol=1e-9)
+    stiffness = 2.0 * values["axial_stiffness"][0] + values["axial_stiffness"][1]
+    assert_allclose(values["system_axial_stiffness"], stiffness, rtol=1e-12)
 
 
-def test_a_required_preload_fraction_is_one_of_each_bearings_own_share(scene):
+def test_a_required_preload_fraction_refers_to_the_share_of_each_bearing(scene):
     """Each of three bearings has a third of 7 N, the fourth 7 N; half of either ends the life."""
     changes = {"arrangement.tandem": [3, 1], "wear.end_of_life": {"preload_fraction": 0.5}}
     result = life(scene("gyro_s1", RIGID | changes))
@@ -80,9 +81,9 @@ def test_a_required_preload_fraction_is_one_of_each_bearings_own_share(scene):
     [((1, 1), 1.0), ((2, 1), 1.36), ((3, 1), 1.57), ((2, 2), 2.0), ((3, 2), 2.42)],
 )
 def test_a_set_of_bearings_matched_as_a_pair_has_the_printed_preload(scene, tandem, printed):
-    """Its ratio to the preload of the pair has two decimals in catalogues.
+    """Catalogues print its ratio to the preload of the pair with two decimals.
 
-    To 0.5 % it follows from the same offset at the faces, by exact static displacements.
+    Exact static displacements, with the same offset at the faces, give it to 0.5 %.
     """
     one_bearing, pair_preload = scene("gyro_s1", REST), 7.0
 

@@ -26,22 +26,24 @@ from bearingwear.solvers.thermal import (
 from bearingwear.solvers.warm import Warm
 
 HELD = {"operation.preload_method": "fixed_position"}
+CONDUCTANCES = [
+    f"thermal.conductance_W_K.{name}"
+    for name in ("inner_ring_shaft", "outer_ring_housing", "ball_race")
+]
 
 
 def network(shaft: float, housing: float, ball: float) -> dict[str, float]:
     """Returns the conductances of a thermal network [W/K], by keys of a scene."""
-    names = ("inner_ring_shaft", "outer_ring_housing", "ball_race")
-    values = (shaft, housing, ball)
-    return {f"thermal.conductance_W_K.{n}": v for n, v in zip(names, values, strict=True)}
+    return dict(zip(CONDUCTANCES, (shaft, housing, ball), strict=True))
 
 
 MILD, POOR, SEIZES = network(0.01, 0.1, 0.01), network(1e-3, 0.1, 0.01), network(1e-4, 0.1, 3e-3)
 
 
 def thermal_network(ball=0.05, shaft_C=30.0, housing_C=30.0) -> Thermal:
-    """Returns a network with 0.1 W/K to the shaft, 0.2 W/K to the housing, and `ball` [W/K].
+    """Returns a network with 0.1 W/K to the shaft and 0.2 W/K to the housing.
 
-    `ball` is from each race to the balls.
+    ball: conductance from each race to the balls [W/K].
     """
     G = Conductance(inner_ring_shaft=0.1, outer_ring_housing=0.2, ball_race=ball)
     return Thermal(conductance_W_K=G, shaft_C=shaft_C, housing_C=housing_C)
@@ -86,12 +88,12 @@ def test_the_heat_flow_check_rejects_other_heats_and_networks():
 def test_heat_flows_balance(scene, fidelity, changes):
     """The flows of each part are written out here with the stored temperatures and heats [W]."""
     result = solve(scene("gyro_s1", HELD | changes), fidelity)
-    v = result.values
-    assert result.status == "ok" and v["heat_flow_residual"] < 1e-6
-    inner_C, balls_C, outer_C, shaft_C, housing_C = v["part_temperature"]
-    to_shaft, to_housing, to_balls = (changes[key] for key in network(0.0, 0.0, 0.0))
-    heat = 9.0 * v["friction_heat"].mean(axis=0)  # of inner and outer contacts
-    total = heat.sum() + v["drag_power"]
+    values = result.values
+    assert result.status == "ok" and values["heat_flow_residual"] < 1e-6
+    inner_C, balls_C, outer_C, shaft_C, housing_C = values["part_temperature"]
+    to_shaft, to_housing, to_balls = (changes[key] for key in CONDUCTANCES)
+    heat = 9.0 * values["friction_heat"].mean(axis=0)  # of inner and outer contacts
+    total = heat.sum() + values["drag_power"]
     from_rings = to_shaft * (inner_C - shaft_C) + to_housing * (outer_C - housing_C)
     assert_allclose(from_rings, total, rtol=1e-6)
     from_balls = to_balls * (2.0 * balls_C - inner_C - outer_C)
@@ -120,13 +122,14 @@ def test_usual_temperatures_take_six_solves_at_most(scene, method, conductances)
 
 
 def warmed_steady(scene) -> Warmed:
+    """Returns the heat balance of a scene by the steady model."""
     return Warm(Steady(scene))(Condition(0.0)).warmed
 
 
 def least_balance(scene) -> np.ndarray | None:
-    """Heats [W] of the least balance by repeated substitution from none upwards; None beyond it.
+    """Returns the heats [W] of the least heat balance; None where there is none.
 
-    Each is that at the temperatures of the last, which converges from below where there is one.
+    Each is solved at the temperatures of the last, from no heat upwards. That converges from below.
     """
     heat = np.zeros(3)
     for _ in range(300):
@@ -187,10 +190,10 @@ def test_warm_seizure_is_named(scene, tmp_path, capsys):
         (5e-2, 1e-4, code.NO_HEAT_BALANCE),
     ],
 )
-def test_a_heat_that_depends_on_where_the_solve_came_from(scene, noise, heat_error, status):
-    """The heat of a solve has noise, because it depends a little on the state it starts from.
+def test_a_noisy_heat_is_balanced_within_its_stated_error(scene, noise, heat_error, status):
+    """The heat of a solve depends a little on the state from which it starts.
 
-    Noise up to a few times the stated error of the heat is no obstacle; more is a status.
+    Noise of a few times the stated error is balanced; with more, there is no heat balance.
     """
     signs = itertools.cycle((-1.0, 1.0))
 
@@ -212,7 +215,7 @@ def test_a_heat_that_depends_on_where_the_solve_came_from(scene, noise, heat_err
     "G", [(1e-6, 1e-6, 1e-6), (1e6, 1e6, 1e6), (1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)]
 )
 def test_absurd_networks_have_a_status(scene, fidelity, method, G):
-    """None raises an error; which of the four statuses it is depends on the model."""
+    """No solve raises an error; the model decides which of the four statuses it has."""
     changes = network(*G) | {"model.simulated_turns": 1.0, "operation.preload_method": method}
     result = solve(scene("gyro_s1", changes).without_cage, fidelity)
     assert result.status in ("ok", "unverified", "warm_seizure", "no_heat_balance")
@@ -233,20 +236,20 @@ def test_temperatures_follow_a_life(scene):
     cold = life(scene("gyro_s1", base)).values
     badly_cooled = scene("gyro_s1", base | POOR)
     result = life(badly_cooled)
-    v = result.values
-    assert result.status == "ok" and v["heat_flow_residual"] < 1e-6
-    t = v["history_part_temperature"]
-    assert t.shape == (len(v["history_ball_diameter_loss"]), 5)
+    values = result.values
+    assert result.status == "ok" and values["heat_flow_residual"] < 1e-6
+    t = values["history_part_temperature"]
+    assert t.shape == (len(values["history_ball_diameter_loss"]), 5)
     assert (np.diff(t[:, 0]) < 0.0).all()  # the preload goes, and with it the heat
-    assert v["life"] < cold["life"]
+    assert values["life"] < cold["life"]
     k = len(t) // 2
-    loss = 1e6 * v["history_ball_diameter_loss"][k]
+    loss = 1e6 * values["history_ball_diameter_loss"][k]
     case = solve(badly_cooled.with_({"wear.ball_diameter_loss_um": float(loss)})).values
     assert_allclose(case["part_temperature"], t[k], atol=1e-5)
-    assert_allclose(case["residual_preload"], v["history_residual_preload"][k], rtol=1e-6)
+    assert_allclose(case["residual_preload"], values["history_residual_preload"][k], rtol=1e-6)
 
 
-def test_a_life_that_seizes_when_new(scene):
+def test_a_life_that_seizes_when_new_has_a_status(scene):
     assert life(scene("gyro_s1", HELD | SEIZES)).status == "warm_seizure"
 
 
@@ -264,7 +267,7 @@ def test_motion_in_time_takes_the_found_temperatures(scene):
 def test_a_dynamic_life_is_warmed_at_each_step(scene):
     short = {"model.simulated_turns": 0.5, "wear.ball_diameter_loss_um": 0.1} | HELD
     steady = solve(scene("gyro_s1", short | POOR)).values["part_temperature"]
-    wearings = [Motion(scene("gyro_s1", short | item).without_cage) for item in (POOR, SEIZES)]
+    wearings = [Motion(scene("gyro_s1", short | G).without_cage) for G in (POOR, SEIZES)]
     (warm,), (seized,) = (wearing.state(wearing.start) for wearing in wearings)
     assert warm.status == code.OK and seized.status == code.WARM_SEIZURE
     assert_allclose(warm["part_temperature"], steady, rtol=1e-6)

@@ -60,10 +60,10 @@ FILM = HERTZ | {
 def test_the_solved_state_satisfies_the_equations_written_as_plain_vectors(scene, name, changes):
     """Forces and moments on a ball vanish, and the race has its preload, to 1e-6 of their sizes.
 
-    2000 points on the line are summed here, by nothing of the solver.
+    The sums over 2000 points on the line are written out here.
     """
     s = scene(name, LINE | changes)
-    g, m = parameters.geometry(s), parameters.operating_point(s)
+    g, op = parameters.geometry(s), parameters.operating_point(s)
     case = ThrustProblem.of(s).solve(g.D0)
     values = solve(s, "steady").values
     assert case.status == values["status"] == code.OK
@@ -72,7 +72,7 @@ def test_the_solved_state_satisfies_the_equations_written_as_plain_vectors(scene
     R, mass = 0.5 * g.D0, g.rho * math.pi / 6.0 * g.D0**3
     x01, weight = gauss_legendre(2000)
     force, moment, race = np.array([0.0, 0.0, mass * r * Omega**2]), np.zeros(3), 0.0
-    for k, (side, r_g, speed) in enumerate(((-1, g.r_i, m.omega_i), (1, g.r_o, m.omega_o))):
+    for k, (side, r_g, speed) in enumerate(((-1, g.r_i, op.omega_i), (1, g.r_o, op.omega_o))):
         sine, cosine = math.sin(angle[k]), math.cos(angle[k])
         c_a = race_contact(g, float(side), g.D0, cosine, math.nan).c_a
         a = c_a * load[k] ** (1 / 3)
@@ -84,13 +84,14 @@ def test_the_solved_state_satisfies_the_equations_written_as_plain_vectors(scene
         v = np.column_stack([0 * x, -speed * (r + p[:, 2]), 0 * x]) - ball
         v -= (v @ normal)[:, None] * normal  # slip lies in the contact's plane
         dQ = 0.75 * load[k] * (1 - x01**2) * weight
-        pull = ((m.law_i, m.law_o)[k].mu * dQ / np.sqrt((v**2).sum(axis=1) + m.v_r**2))[:, None] * v
+        mu = (op.law_i, op.law_o)[k].mu
+        pull = (mu * dQ / np.sqrt((v**2).sum(axis=1) + op.v_r**2))[:, None] * v
         on_ball = pull.sum(axis=0) - load[k] * normal
         force, moment = force + on_ball, moment + np.cross(p, pull).sum(axis=0)
         race = on_ball[0] if side < 0 else race
     spin = 0.1 * mass * g.D0**2 * Omega * np.array([0.0, w[2], -w[1]])
     assert np.abs(force).max() < 1e-7 * load.max()
-    assert np.abs(moment + spin).max() < 1e-6 * m.law_o.mu * load.max() * R
+    assert np.abs(moment + spin).max() < 1e-6 * op.law_o.mu * load.max() * R
     assert_allclose(g.n_balls * race, values["residual_preload"], rtol=1e-6)
     if s.operation.preload_method == "constant_force":
         assert_allclose(values["residual_preload"], s.operation.preload_N, rtol=1e-8)
@@ -102,7 +103,7 @@ def test_the_solved_state_satisfies_the_equations_written_as_plain_vectors(scene
     scope="module", params=[({}, HERTZ), (HELD, LINE), ({}, FILM), (HELD, FILM)], ids=repr
 )
 def solved_balance(request, scene):
-    """A solved balance at fixed quadrature points: problem, seat and unknowns."""
+    """Returns a balance solved at fixed quadrature points, its seat and its unknowns (6,)."""
     method, contact = request.param
     drag = {"lubricant.drag_density_kg_m3": 300.0, "model.quadrature": "gauss"}
     problem = ThrustProblem.of(scene("gyro_s1", method | contact | drag))
@@ -146,7 +147,7 @@ def test_jacobian_of_the_motion_lets_tractions_follow(solved_balance):
     ("k", "step"), [(0, 3e-2), (1, 1e-5), (2, 1e-5)], ids=["orbit rate", "inner", "outer traction"]
 )
 def test_response_of_a_ball_is_that_of_its_equilibrium(solved_balance, k, step):
-    """Orbit radius, angles and loads, against differences of the nested solver."""
+    """Orbit radius, angles and loads respond as in differences of the nested solver."""
     p, seat, u = solved_balance
     b, is_force = p.bearing, p.bearing.preload.constant_force
 
@@ -180,7 +181,7 @@ def test_ball_and_race_together_have_the_equilibrium_of_the_nested_solver(solved
 
 
 def test_the_check_rejects_another_traction(solved_balance):
-    """Friction has to give what the balance of normal forces was solved with."""
+    """Friction has to give the traction that the balance of normal forces was solved with."""
     p, seat, u = solved_balance
     b = p.bearing
     args = b.g, b.D, b.op
@@ -199,8 +200,8 @@ def test_newton_converges_in_six_steps_from_nearby(scene):
 
 @pytest.mark.parametrize("name", ["gyro_s1", "turbopump", "bearing218"])
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
-def test_balance_of_power_and_of_the_race(scene, name, method):
-    """Residuals, the preload from the contact forces, and shaft power as heat plus drag [W]."""
+def test_power_and_the_race_are_in_balance(scene, name, method):
+    """Residuals are small, contact forces give the preload, and shaft power is heat plus drag."""
     s = scene(name, HERTZ | {"operation.preload_method": method})
     problem = ThrustProblem.of(s)
     case, n = problem.solve(problem.g.D0), problem.g.n_balls
@@ -231,7 +232,7 @@ def test_a_life_has_the_traction_in_its_normal_balance(scene):
 
 @pytest.mark.parametrize("name, most", [("gyro_s1", 1.1), ("turbopump", 2.0), ("bearing218", 1.5)])
 def test_the_gyroscopic_share_before_the_solve_is_an_upper_estimate(scene, name, most):
-    """It is that of a ball that rolls on the inner race; on the outer one it has less to carry.
+    """It assumes a ball that rolls on the inner race; one on the outer race has less to carry.
 
     most: largest factor by which the estimate exceeds the solved share in each bearing.
     """

@@ -1,10 +1,9 @@
-"""Absurd scenes are warned of, sane ones are not; where a warning is found again."""
+"""Absurd scenes are warned of, sane ones are not; where warnings appear."""
 
 import json
 import math
 import re
 
-import numpy as np
 import pytest
 import yaml
 from numpy.testing import assert_allclose
@@ -55,6 +54,7 @@ RADIAL = {"operation.radial_load_N": [0.0, -2000.0], "model.simulated_turns": 8}
 
 @pytest.fixture(scope="module")
 def spindle(tmp_path_factory):
+    """Returns the path of a scene with the spindle bearing `SPINDLE`."""
     path = tmp_path_factory.mktemp("scenes") / "spindle.yaml"
     path.write_text(yaml.safe_dump(SPINDLE), encoding="utf-8")
     return path
@@ -186,7 +186,9 @@ def test_a_low_thermal_margin_is_warned_of(conductance, is_low):
 def test_a_warning_names_the_pair(spindle):
     rigid = {"operation.preload_method": "fixed_position", "arrangement.kind": "rigid_pair"}
     scene = variant(spindle, rigid)
-    sentences = {item["id"]: item["sentence"] for item in warnings_of(scene, choice(scene))}
+    sentences = {
+        warning["id"]: warning["sentence"] for warning in warnings_of(scene, choice(scene))
+    }
     assert "rigid pair" in sentences["temperature_left_out"]
 
 
@@ -217,7 +219,7 @@ def test_warnings_of_contacts_without_load_divide_by_nothing(spindle):
     for name in ("contact_load", "semi_major_axis", "maximum_pressure"):
         values[name] = values[name] * [0.0, 1.0]
     warnings = warnings_of(scene, choice(scene), values)
-    assert {item["id"] for item in warnings} == {"inner_load_lost", "groove_worn"}
+    assert {warning["id"] for warning in warnings} == {"inner_load_lost", "groove_worn"}
     assert "Infinity" not in json.dumps(warnings) and "NaN" not in json.dumps(warnings)
     values["contact_load"] = values["contact_load"] * 0.0
     assert warnings_of(scene, choice(scene), values)
@@ -249,9 +251,9 @@ HOT = {"temperature": dict.fromkeys(("inner_ring_C", "balls_C", "outer_ring_C"),
 
 
 def temperature_sentences(scene):
-    """Sentences of the warning of a temperature beyond practice."""
+    """Returns the sentences of a scene's warnings of a temperature beyond practice."""
     warnings = warnings_of(scene, choice(scene))
-    return [item["sentence"] for item in warnings if item["id"] == "temperature_beyond_practice"]
+    return [w["sentence"] for w in warnings if w["id"] == "temperature_beyond_practice"]
 
 
 def test_a_cage_of_phenolic_bears_no_150_degrees(scene):
@@ -293,12 +295,12 @@ def test_a_ball_without_load_reaches_no_shoulder():
 def test_a_weightless_cage_is_warned_of_where_the_cage_is_solved(changes, fidelity, expected):
     scene = variant(scene_file("gyro_s1"), changes)
     chosen = choice(scene, fidelity)
-    assert {item["id"] for item in warnings_of(scene, chosen)} == expected
+    assert {warning["id"] for warning in warnings_of(scene, chosen)} == expected
     reasons = [reason for reason in chosen.reasons if "weightless" in reason]
     assert len(reasons) == len(expected)
 
 
-def test_every_caution_is_tested_and_documented():
+def test_every_warning_is_tested_and_documented():
     """docs/warnings.md lists each id, marked with an asterisk if it makes a design impractical.
 
     Each is expected by a scene of ABSURD, or by one of the tests that are named here.
@@ -322,19 +324,19 @@ def test_every_caution_is_tested_and_documented():
     assert len(set(ids_of_warnings)) == len(ids_of_warnings)
 
 
-def test_effects_have_ids_of_their_own_and_more_of_them_than_there_are_warnings():
+def test_effects_have_unique_ids_and_not_all_cause_a_warning():
     assert len({effect.id for effect in EFFECTS}) == len(EFFECTS)
     assert len(EFFECTS) > len(WARNINGS)
 
 
 def test_hoop_stress_of_a_disc_with_a_tiny_hole(spindle):
-    """Twice that in the middle of a full disc, rho omega^2 b^2 (3 + nu)/8; the limit is 200 MPa.
+    """It is twice that in the middle of a full disc, rho omega^2 b^2 (3 + nu)/8.
 
-    To 0.5 %: the hole is not infinitely small.
+    To 0.5 %, as the hole is not infinitely small. The excess is over a limit of 200 MPa.
     """
     scene = variant(spindle, {"operation.shaft_speed_rpm": 90_000, "bearing.bore_mm": 1e-3})
     warnings = warnings_of(scene, choice(scene))
-    (hoop_stress,) = (item for item in warnings if item["id"] == "hoop_stress")
+    (hoop_stress,) = (warning for warning in warnings if warning["id"] == "hoop_stress")
     omega, b = 90_000 * math.pi / 30.0, 0.5e-3 * (54.0 - 8.4)
     full_disc = 7800 * omega**2 * b**2 * 3.3 / 8.0
     assert_allclose(hoop_stress["excess"] * 200e6, 2.0 * full_disc, rtol=5e-3)
@@ -344,13 +346,13 @@ def test_hoop_stress_of_a_disc_with_a_tiny_hole(spindle):
 def test_an_ellipse_is_warned_of_from_where_its_edge_reaches_the_shoulder(
     spindle, ring, k, outwards
 ):
-    """1 um to either side of the edge, of which the radius is computed here [mm]."""
+    """The shoulder is 1 um to either side of the edge, whose radius is computed here [mm]."""
     values = solve(variant(spindle, {})).values
-    groove_radius = 8.4 * np.array([0.52, 0.53])[k]
+    groove_radius = 8.4 * (0.52, 0.53)[k]
     edge_angle = (
         values["contact_angle"][0, k] + 1e3 * values["semi_major_axis"][0, k] / groove_radius
     )
-    centre = 27.0 + 8.4 * np.array([0.02, -0.03])[k] * math.cos(math.radians(15.0))
+    centre = 27.0 + 8.4 * (0.02, -0.03)[k] * math.cos(math.radians(15.0))
     edge_radius = centre - outwards * groove_radius * math.cos(edge_angle)
     for room, expected in ((1e-3, set()), (-1e-3, {"ellipse_over_shoulder"})):
         shoulder = {f"bearing.{ring}_shoulder_mm": 2.0 * edge_radius + outwards * room}
@@ -366,12 +368,12 @@ def test_an_ellipse_is_warned_of_from_where_its_edge_reaches_the_shoulder(
         ("outside_diameter_mm", 62, "> 62.4"),
     ],
 )
-def test_rings_that_do_not_fit(spindle, key, value, allowed):
+def test_rings_that_do_not_fit_are_refused(spindle, key, value, allowed):
     with pytest.raises(SceneError, match=f"bearing.{key}: got {value} .*number {allowed}$"):
         variant(spindle, {f"bearing.{key}": value})
 
 
-# where they are told
+# where warnings appear
 
 
 def test_a_tiny_radial_load_does_not_change_how_a_life_ends(spindle):
@@ -417,7 +419,7 @@ def test_friction_that_is_rounded_away_is_warned_of_with_a_finer_regularisation(
 def test_the_torque_that_regularisation_takes_is_solved_for(spindle, fidelity, rpm):
     """The share that 1e-4 m/s takes is stored, to 3e-4; one of less than 6 % is not.
 
-    It is compared with a regularisation of 1e-8 m/s, 100 times smaller than that of the figure.
+    The torque without rounding is that of a regularisation of 1e-8 m/s.
     """
 
     def values(v_r):
@@ -433,7 +435,7 @@ def test_the_torque_that_regularisation_takes_is_solved_for(spindle, fidelity, r
 
 
 def test_python_warns(spindle):
-    """A warning names the scene and the line of the caller; a life has two."""
+    """A warning names the scene and the file of the caller. The life has two of them."""
     scene = variant(spindle, {"operation.preload_N": 20_000})
     with pytest.warns(
         UserWarning, match=r"^spindle_7008C: .*pressure .*3\.3\d GPa .*2 GPa"
