@@ -126,7 +126,7 @@ def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
     "mu, frictions", [(0.001, [0.001, 0.002]), (0.064, [0.032, 0.064, 0.096, 0.128])]
 )
 def test_own_friction_is_among_those_studied(scene, mu, frictions):
-    """Half, 1.5 times and twice of it beside it, rounded to thousandths; none twice or zero."""
+    """So are half, 1.5 times and twice it, rounded to thousandths; none is zero or there twice."""
     config, _ = plans(with_friction(scene, mu))
     assert config["studies"][0]["friction"] == frictions
 
@@ -183,7 +183,7 @@ def contents(folder):
 
 
 def test_folder_holds_all_that_the_study_needs(mine, tmp_path):
-    """Two plans and copies of both scenes, each with a first line about the command."""
+    """It has two plans and copies of both scenes; the first line of each names the command."""
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     names = {path.relative_to(folder).as_posix() for path in contents(folder)}
@@ -211,7 +211,7 @@ def test_same_command_writes_nothing_and_an_edit_of_the_scene_renews_the_copy(mi
 
 
 def test_other_requirements_than_before_are_known(mine, tmp_path):
-    """So that a page with requirements is not replaced by one without them in silence."""
+    """They are returned, so that a command can report that other requirements are replaced."""
     folder = tmp_path / "study"
     assert write_study(mine, folder, LIMITS) == ""
     assert write_study(mine, folder, DesignLimits()) == "axial_stiffness_N_um 3"
@@ -250,7 +250,7 @@ def test_the_folder_of_another_scene_is_refused(mine, tmp_path):
 
 
 def test_a_file_in_place_of_the_folder_is_refused(mine):
-    """Here the scene itself."""
+    """The file is the scene itself."""
     with pytest.raises(UsageError, match="cannot be used"):
         write_study(mine, mine, LIMITS)
 

@@ -66,7 +66,7 @@ def test_axes_of_a_sweep_have_names_and_units(coarse):
 
 
 def test_a_sweep_by_two_processes_is_that_by_one(coarse):
-    """Of six lives by both methods; a fixed position warns of its temperature."""
+    """Six lives by both methods are the same; a fixed position warns of its temperature."""
     changes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 6, 7]}
     results = []
     for workers in (1, 2):
@@ -243,7 +243,7 @@ def test_a_function_that_other_processes_cannot_import_is_refused(coarse):
 
 
 def test_only_what_is_kept_is_in_the_dataset(coarse):
-    """And the status; what is kept is identical to that of the whole dataset."""
+    """The status is there, too; what is kept is identical to the same part of the whole dataset."""
     axes = {PRELOAD: [5, 7]}
     whole = bearingwear.sweep(coarse, axes, workers=1)
     kept = bearingwear.sweep(coarse, axes, workers=1, keep=["total_qv", "contact_load"])
@@ -267,7 +267,7 @@ def test_what_a_case_has_not_cannot_be_kept(coarse, keep, problem):
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_extremes_are_the_worst_values_along_a_life(coarse):
-    """Of the histories of a life: largest, least, or largest magnitude; no history is kept.
+    """They are the largest or least values, or magnitudes, of its histories, which are not kept.
 
     preload_kept is the least preload over the initial 7 N.
     """
@@ -323,7 +323,7 @@ def part_files(scene, what, folder):
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("what", ["solve", "life", product_of_numbers])
 def test_parts_in_any_order_make_the_whole(coarse, what, tmp_path):
-    """Of cases, lives, and values of a function; some points are not solved."""
+    """They make it of cases, lives and values of a function, though some points are not solved."""
     files = part_files(coarse, what, tmp_path)
     whole = bearingwear.sweep(coarse, TWELVE_POINTS, what, workers=1)
     xr.testing.assert_identical(gathered_parts([files[2], files[1], files[3]]), whole)
@@ -430,7 +430,7 @@ def test_a_sweep_of_pairs_has_a_column_for_each_bearing(coarse):
 
 @pytest.mark.parametrize("kinds", [["single", "spring_pair"], ["spring_pair", "single"]])
 def test_pairs_and_single_bearings_do_not_mix(coarse, kinds, monkeypatch):
-    """In either order, before anything is solved."""
+    """They are refused in either order, before anything is solved."""
     monkeypatch.setattr("bearingwear.studies.sweep._result", fail_if_solved)
     with pytest.raises(SceneError, match="arrangement.kind: got .*single"):
         bearingwear.sweep(coarse, {"arrangement.kind": kinds}, workers=1)

@@ -11,7 +11,7 @@ import bearingwear
 from bearingwear.cli import main
 from bearingwear.studies.typed_points import typed_points
 
-SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
+SCENE = scene_file("gyro_s1")
 # options and axes of the commands
 COARSE = ["--set", "model.strips=8", "--set", "model.tolerance=1.0e-3"]
 PRELOADS, FRICTIONS = "operation.preload_N=5,7,9", "friction.ball_race=0.05:0.09:3"
@@ -29,7 +29,7 @@ def coarse():
 
 
 def test_axes_of_the_command_make_the_dataset_of_python(coarse, tmp_path):
-    """A list of values, and `first:last:count`; identical but for the attribute `message`."""
+    """Axes are a list and `first:last:count`; only the attribute `message` differs."""
     axes = {"operation.preload_N": [5, 7, 9], "friction.ball_race": np.linspace(0.05, 0.09, 3)}
     options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
     assert sweep(*options, "-o", tmp_path / "axes.nc") == 0
@@ -55,7 +55,7 @@ def test_rows_of_a_table_are_points_of_their_own(coarse, tmp_path):
 
 
 def test_gather_joins_parts_byte_for_byte(tmp_path, capsys):
-    """To the file of the whole sweep; a part that is missing is named, with status 2."""
+    """The result is the file of the whole sweep. A missing part is named, with status 2."""
     options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
     parts = [tmp_path / f"{k}.nc" for k in (1, 2)]
     for k, path in enumerate(parts, 1):
@@ -101,7 +101,7 @@ def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
 
 @pytest.mark.parametrize("number", ["1e-5", "2.5E-4", "-1e-5"])
 def test_a_single_number_with_a_negative_exponent_is_an_axis(number):
-    """Its hyphen does not separate two numbers, as that of 5-9, which is refused."""
+    """Its hyphen separates no numbers, unlike that of 5-9, which is refused."""
     points = typed_points([f"model.tolerance={number}"], None)
     assert points == {"model.tolerance": [float(number)]}
 
@@ -143,7 +143,7 @@ def test_wrong_axes_and_rows_are_refused_in_one_line(words, line, tmp_path, monk
 
 @pytest.mark.parametrize("words", [["--part", "3"], ["--part", "a/b"], ["-j", "0"], ["-j", "-1"]])
 def test_options_that_are_no_numbers_are_refused(words, capsys):
-    """Nor numbers of cores below one."""
+    """So are numbers of cores below one."""
     assert sweep("-n", "--axis", PRELOADS, *words) == 2
     assert "expected" in capsys.readouterr().err
 

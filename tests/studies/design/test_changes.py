@@ -19,7 +19,7 @@ STIFFNESS = "system_axial_stiffness_N_um"
 
 
 class Change(NamedTuple):
-    """A value now, and those below and above which the other method is better (NaN: none tried)."""
+    """An input now, and the values below and above which the other method is better, or NaN."""
 
     below: float
     now: float
@@ -53,9 +53,9 @@ def test_both_machines_are_as_stiff_as_required(recommended_at):
 
 
 def test_a_spring_is_better_up_to_a_stiffness_and_a_rigid_pair_above(recommended_at):
-    """It is 4.8 N/um, a regression value; recommendations for 4 % less and more bear it out.
+    """The stiffness is 4.8 N/um, a regression value.
 
-    best_method: index of the method with the longer life.
+    Recommendations for 4 % less and 4 % more have different methods with the longer life.
     """
     soft = recommended_at(3.0)
     assert best_method(soft) == SPRING

@@ -1,4 +1,4 @@
-"""A preload is chosen by lives with grooves that are followed as they wear, where `life` does."""
+"""A preload is chosen by lives that follow the wear of the grooves, where `life` follows it."""
 
 import numpy as np
 import pytest
@@ -77,7 +77,7 @@ def test_a_recommendation_has_the_life_with_a_hertzian_groove_beside_its_own(
 ):
     """The two lives differ by more than 2 %.
 
-    With grooves as they wear, the stiffness is the required one or up to 1 % more.
+    The stiffness with worn grooves is the required 5 N/um or up to 1 % more.
     """
     point = recommended.isel(preload_method=k)
     assert point["groove"] == WORN_GROOVE
@@ -88,7 +88,7 @@ def test_a_recommendation_has_the_life_with_a_hertzian_groove_beside_its_own(
 
 
 def test_a_map_has_lives_with_grooves_as_life_follows_them(scene, design_map):
-    """All points have worn grooves; that of 7 N and a constant force has the life of `life`."""
+    """All points have worn grooves; the point of a constant force of 7 N has the life of `life`."""
     assert (design_map["groove"] == WORN_GROOVE).all() and (design_map["status"] == 0).all()
     point = design_map.sel(preload=7.0).isel(preload_method=0, friction=0, shaft_speed=0)
     values = life(with_method(scene, METHODS[0], 7.0)).values
@@ -97,14 +97,14 @@ def test_a_map_has_lives_with_grooves_as_life_follows_them(scene, design_map):
 
 @BY_METHOD
 def test_no_preload_of_the_map_within_the_limit_lives_longer(design_map, recommended, k, method):
-    """Than the recommended one of its method."""
+    """The recommended preload of the same method has at least the longest of those lives."""
     line = design_map.isel(preload_method=k, friction=0, shaft_speed=0)
     within = line["life"].where(line["system_axial_stiffness"] >= 5e6)
     assert float(recommended["life"][k]) >= float(within.max())
 
 
 def test_a_scene_of_the_paper_has_the_hertzian_groove(scene):
-    """gyro_s1 itself has `model.contact: paper`; no worn life is followed, which is None."""
+    """gyro_s1 itself has `model.contact: paper`: `worn_life` is None, as it follows no grooves."""
     paper = with_method(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
     assert design_point(paper, slip_limit(0.1))["groove"] == HERTZIAN_GROOVE
     assert worn_life(paper) is None
@@ -123,7 +123,7 @@ def test_a_life_that_ends_when_new_needs_no_groove(scene):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_quick_lives_are_those_of_life(scene, method):
-    """To 3e-3, and the least stiffness to 2 %: they take fewer cells and longer steps."""
+    """Lives agree to 3e-3 and the least stiffness to 2 %, by fewer cells and longer steps."""
     held = with_method(scene, method, 7.0)
     quick, exact = (design_point(held, slip_limit(0.12), is_quick) for is_quick in (True, False))
     assert_allclose(quick["life"], exact["life"], rtol=3e-3)
@@ -143,11 +143,8 @@ def with_limits(scene, **limits):
 
 
 @pytest.mark.parametrize("limits", [{}, {"preload_fraction": 0.3}, {"preload_fraction": 0.6}])
-def test_one_march_has_the_lives_of_all_ends(held, limits):
-    """A life is followed to the farthest end; the times at which it passes others are lives.
-
-    Within 3e-3 of lives that are followed to each of these ends alone.
-    """
+def test_a_life_to_the_farthest_end_has_the_lives_to_all_others(held, limits):
+    """The times at which it passes other ends agree to 3e-3 with lives followed to these alone."""
     farthest = with_limits(held, ball_diameter_loss_um=1.4, preload_fraction=0.2)
     life_to = lives_by_end(held, farthest.wear.end_of_life)
     limited = with_limits(held, **limits)
@@ -155,8 +152,8 @@ def test_one_march_has_the_lives_of_all_ends(held, limits):
     assert life_to(limited.wear.end_of_life) == pytest.approx(expected, rel=3e-3)
 
 
-def test_a_march_has_no_time_to_an_end_met_when_new_and_none_to_one_beyond_it(held):
-    """The time to an end that a new bearing meets is zero; to one that was not reached, NaN."""
+def test_the_time_to_an_end_met_when_new_is_zero_and_to_one_not_reached_is_nan(held):
+    """New bearings exceed a slip share of 1e-4; a life ends before 1 % of the preload is left."""
     life_to = lives_by_end(held, held.wear.end_of_life)
     assert life_to(with_limits(held, gyroscopic_slip_share=1e-4).wear.end_of_life) == 0.0
     never = with_limits(held, preload_fraction=0.01).wear.end_of_life

@@ -54,8 +54,8 @@ def folder(tmp_path_factory):
         write_result(solve(scene), folder / "cases" / f"{case_id}.nc")
     cases = [folder / "cases" / f"{case_id}.nc" for case_id in GRID.cases()]
     assert step(GATHER, folder / "study.nc", paths=cases) == 0
-    made_from = {"scene": scene_file("gyro_s1"), "study": folder / "study.nc"}
-    assert step(LIFE, folder / "wear_life.nc", **made_from) == 0
+    inputs = {"scene": scene_file("gyro_s1"), "study": folder / "study.nc"}
+    assert step(LIFE, folder / "wear_life.nc", **inputs) == 0
     return folder
 
 
@@ -67,7 +67,7 @@ def cases(folder, tmp_path):
 
 
 def test_study_holds_every_case(folder):
-    """At its place on the grid, with the numbers and attributes of its file."""
+    """A case is at its place on the grid, with the numbers and attributes of its file."""
     gathered = load(folder / "study.nc")
     assert list(gathered["total_qv"].dims) == ["preload_method", "friction", "ball_diameter_loss"]
     assert gathered["ball_diameter_loss"].attrs["units"] == "um"
@@ -86,13 +86,13 @@ def test_study_holds_every_case(folder):
 
 
 def test_warnings_are_gathered_once_with_the_cases_counted(folder):
-    """Worn grooves of six solved cases less the two that are new, named by the largest loss.
+    """The warning of worn grooves counts the solved cases that are not new, and the solved lives.
 
-    Of lives, those that are solved have the warning. No warning stands twice.
+    Its first number is the largest loss of the cases. No warning stands twice.
     """
     cases, lives = (load(folder / name) for name in ("study.nc", "wear_life.nc"))
     warnings = warnings_in(cases.attrs)
-    worn = next(item for item in warnings if item["id"] == "groove_worn")
+    (worn,) = (warning for warning in warnings if warning["id"] == "groove_worn")
     solved = cases["status"] == OK
     assert len({warning["id"] for warning in warnings}) == len(warnings)
     assert worn["cases"] == int((solved & (cases["ball_diameter_loss"] > 0.0)).sum())
@@ -111,7 +111,7 @@ def test_failed_cases_are_missing_numbers_with_a_status(folder):
 
 
 def test_flags_stay_whole_numbers_in_the_file(folder):
-    """Of one byte, also where a case was not solved; coordinates have no fill value."""
+    """They have one byte, though some cases were not solved; coordinates have no fill value."""
     with xr.open_dataset(folder / "study.nc", mask_and_scale=False) as raw:
         assert raw["status"].dtype == raw["steady_state_branch"].dtype == np.int8
         assert all("_FillValue" not in raw[name].attrs for name in raw.coords)
@@ -148,7 +148,7 @@ def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
     ],
 )
 def test_sweeps_that_are_no_grid_of_cases_are_refused(words, tmp_path, monkeypatch, capsys):
-    """An axis that a grid has not, lives in place of cases, and rows in place of axes."""
+    """They have an axis that grids lack, lives in place of cases, or rows in place of axes."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rows.csv").write_text("friction.ball_race,wear.ball_diameter_loss_um\n0.08,0\n")
     assert main(["sweep", str(scene_file("gyro_s1")), *words, "--jobs", "1", "-o", "x.nc"]) == 0
@@ -157,7 +157,7 @@ def test_sweeps_that_are_no_grid_of_cases_are_refused(words, tmp_path, monkeypat
     assert only_line(capsys).startswith("x.nc: got another sweep, expected one of")
 
 
-# Damages: each changes files of cases, and returns the paths to gather and the one at fault.
+# kinds of damage: each changes files of cases, and returns the paths to gather and the faulty one
 
 
 def truncated(paths):
@@ -206,11 +206,11 @@ def of_another_solver(paths):
     ],
 )  # fmt: skip
 def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
-    """In one line with the file at fault; nothing is written."""
-    paths, culprit = damage(cases)
+    """One line names the faulty file, and nothing is written."""
+    paths, faulty = damage(cases)
     output = tmp_path / "study.nc"
     assert step(GATHER, output, paths=paths) == 2
-    assert str(culprit) in only_line(capsys)
+    assert str(faulty) in only_line(capsys)
     assert not output.exists()
 
 
@@ -220,8 +220,10 @@ def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
 def line_of(losses, rate, preload, share=0.0, skid=0.0, status=None):
     """Returns a line of a study whose rate and criteria are known functions of the loss.
 
-    losses (n,) [um]; rate of the loss [m/s]; preload [N]; share and skid [1] of the slip criteria;
-    all of them scalars or (n,). status: zeros if omitted.
+    losses: (n,) [um].
+    rate, preload: of the loss [m/s], and residual [N]; scalars or (n,), as `share` and `skid`.
+    share, skid: gyroscopic slip share and skid ratio [1].
+    status: (n,), zeros if omitted.
     """
     n = len(losses)
     full = np.broadcast_to
@@ -265,9 +267,9 @@ def test_a_life_at_a_constant_rate_is_loss_over_rate():
 
 
 def test_life_at_a_falling_rate_ends_where_the_preload_does():
-    """A rate proportional to 1/(1 + x), x being the loss in um: time is the integral of 1 + x.
+    """The rate is proportional to 1/(1 + x), x being the loss in um: time is the integral of 1 + x.
 
-    It ends at x = 0.6. To 0.1 %, as the rate is interpolated on a grid of 0.1 um.
+    The life ends at x = 0.6. It is right to 0.1 %, as rates are interpolated over steps of 0.1 um.
     """
     line = line_of(LOSSES, 1e-12 / (1.0 + LOSSES), 7.0 * (1.0 - LOSSES))
     interpolated = interpolated_life([Line(line, 7.0)], {"preload_fraction": 0.4})
@@ -281,7 +283,7 @@ def test_life_at_a_falling_rate_ends_where_the_preload_does():
 
 
 def test_the_first_criterion_ends_the_life():
-    """Of four, whose losses are known; the skid ratio counts without its sign."""
+    """Four criteria are met at known losses; the skid ratio counts without its sign."""
     criteria = {
         "preload_fraction": 0.4,
         "gyroscopic_slip_share": 0.5,
@@ -323,9 +325,10 @@ def test_no_life_where_the_study_does_not_reach(line, criteria):
 
 
 def test_interpolated_lives_agree_with_followed_ones(folder):
-    """Under a constant force to 1e-6, as the rate hardly changes; else, by three states, to 3 %.
+    """Under a constant force they agree to 1e-6, as the rate hardly changes.
 
-    `life_route_difference` is the relative difference of both lives.
+    In a fixed position, three losses interpolate the life to 3 %. `life_route_difference` is the
+    relative difference of both lives.
     """
     lives = load(folder / "wear_life.nc")
     solved = lives.sel(friction=0.08)
@@ -361,7 +364,7 @@ def lives_between_cases(scene, losses, folder):
     ids=["single", "pair", "balls"],
 )
 def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path):
-    """To 0.2 %, of the grid of 0.1 um; criterion and preload at the end are the same.
+    """Lives agree to 0.2 %, the error of losses 0.1 um apart; criterion and last preload are equal.
 
     The preload is that of the phase that ends the life, and not of the nominal one. The duty
     changes lives by 10 % or more; a duty of the nominal phase alone changes nothing.
@@ -398,7 +401,7 @@ def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path)
 
 
 def test_a_phase_that_tells_bearings_apart_has_no_interpolated_life(tmp_path):
-    """A push on the rotor in one phase wears them unlike; the life is followed all the same."""
+    """A force on the rotor in one phase wears them unlike; the life is followed all the same."""
     changes = {
         "uncertainty": None,
         "cage": None,
@@ -552,7 +555,10 @@ FIGURES = {
 
 
 def inside(folder, inputs):
-    """Returns inputs of a step, files or lists of files, as paths in a folder."""
+    """Returns the inputs of a step as paths in a folder.
+
+    inputs: names of files, or lists of them, by arguments of the step.
+    """
     return {
         name: folder / value if isinstance(value, str) else [folder / item for item in value]
         for name, value in inputs.items()
@@ -571,7 +577,7 @@ def draw(name, *outputs, folder) -> int:
 
 
 def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
-    """As SVG and as PNG."""
+    """This applies to SVG and to PNG."""
     for copy in ("a", "b"):
         outputs = [tmp_path / f"{copy}.{suffix}" for suffix in ("svg", "png")]
         assert draw("friction", *outputs, folder=folder) == 0
@@ -580,7 +586,7 @@ def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
 
 
 def test_failed_cases_are_marked_by_crosses(folder):
-    """At the friction zero, one for each preload method, and with an entry of the legend."""
+    """Both methods have one at the friction zero, and the legend has an entry for them."""
     drawn = quasistatic.friction_figure(load(folder / "study.nc"), 0.7)
     texts = [text.get_text() for text in drawn.legends[0].get_texts()]
     assert "not solved" in texts
@@ -588,7 +594,7 @@ def test_failed_cases_are_marked_by_crosses(folder):
     assert [line.get_xdata().tolist() for line in crosses] == [[0.0], [0.0]]
 
 
-# outputs and inputs of steps that write files, one or two, in three ways
+# outputs and inputs of steps that write netCDF, a figure, and two tables
 WRITERS = {
     GATHER: (["out.nc"], {"paths": [f"cases/{case_id}.nc" for case_id in GRID.cases()]}),
     "studies.grid.figures.draw.draw_life": (["f.svg"], {"lives": "wear_life.nc"}),
@@ -611,10 +617,10 @@ def test_no_room_leaves_nothing_half_written(folder, tmp_path, monkeypatch, caps
         names += outputs
     for name in names:
         (tmp_path / name).write_text("from before")
-    _, most = limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, most))
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, limits[1]))
     try:
-        statuses = [main(step) for step in steps]
+        statuses = [main(arguments) for arguments in steps]
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert statuses == [2] * len(steps)
@@ -647,10 +653,10 @@ def unsolved_folder(folder, tmp_path_factory):
     ("name", "where"), [*((name, "unsolved_folder") for name in FIGURES), ("wear", "folder")]
 )
 def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_path, monkeypatch):
-    """A scene named HOSTILE, which only a file from elsewhere can have, makes no script of an SVG.
+    """The name HOSTILE, which only a file from elsewhere can have, makes no script in an SVG.
 
-    Every figure is drawn without a warning from cases none of which is solved; one, too, from a
-    study of which some are.
+    Every figure is drawn without a warning from cases of which none is solved. The figure of wear
+    is also drawn from a study of which some are.
     """
 
     def renamed(path, **axes):
@@ -673,7 +679,7 @@ def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_p
 
 
 def test_a_figure_of_what_the_file_has_not_is_refused_in_one_line(folder, tmp_path, capsys):
-    """A friction that is not on the grid, and a study of cases in place of lives."""
+    """Refused are a friction that is not on the grid, and a study of cases in place of lives."""
     path, output = folder / "study.nc", tmp_path / "figure.svg"
     wear, life = "studies.grid.figures.draw.draw_wear", "studies.grid.figures.draw.draw_life"
     assert step(wear, output, studies=[path], settings={"friction": [0.03]}) == 2

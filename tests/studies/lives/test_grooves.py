@@ -7,7 +7,7 @@ from bearingwear.results.netcdf import load
 
 
 def test_a_life_with_worn_grooves_has_their_depth_in_sheet_figure_and_file(tmp_path, capsys):
-    """A life of a loss of 0.1 um, of which few steps are enough."""
+    """The life ends at a loss of 0.1 um, for which few steps are enough."""
     file = tmp_path / "life.nc"
     changes = {
         "model.contact": "worn",

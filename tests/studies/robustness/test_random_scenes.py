@@ -37,9 +37,9 @@ FEW = {"model.strips": 20}  # fewer integration points, for speed
 
 
 def drawn_of_class(name, seed):
-    """Returns a random scene of a class of the plan; None where what is drawn makes no bearing.
+    """Returns a random scene of a class of the plan, or None if its values make no bearing.
 
-    seed: of all values of the scene.
+    name: of the class. seed: of all values of the scene.
     """
     chance = random.Random(seed)
     values = {key: draw.value(chance) for key, draw in draws(draw_blocks(PLAN, name)).items()} | FEW
@@ -64,9 +64,9 @@ def drawn_of_class(name, seed):
 def test_random_scenes_are_never_wrong(name, unexplained):
     """Each scene is solved without a violation of its checks, or refused.
 
-    Statuses without a physical reason stay rare. Of some 30 scenes, one may have such a status.
+    Statuses without a physical reason are rare: of some 30 scenes, one may have such a status.
 
-    unexplained: their share that the study of robustness, with thousands of scenes, may have.
+    unexplained: share of such scenes that the study of robustness, with thousands, may have.
     """
     without_reason = scenes = 0
 
@@ -91,12 +91,11 @@ def test_random_scenes_are_never_wrong(name, unexplained):
 
 
 def test_random_lives_with_worn_grooves_are_never_wrong():
-    """None of ten lives violates a check; nine or more end at their criterion (status OK)."""
-    draw = draws(draw_blocks(PLAN, "worn_life"))
-    # drawn with the seed 7
-    ends = [outcome_of(BASE, values, "worn_life") for values in drawn_values(draw, 7, 10)]
-    assert [end["violations"] for end in ends] == [""] * 10
-    assert sum(end["status"] == code.OK for end in ends) >= 9
+    """None of ten lives, drawn with the seed 7, violates a check; at least nine have status OK."""
+    scenes = drawn_values(draws(draw_blocks(PLAN, "worn_life")), seed=7, count=10)
+    outcomes = [outcome_of(BASE, values, "worn_life") for values in scenes]
+    assert [outcome["violations"] for outcome in outcomes] == [""] * 10
+    assert sum(outcome["status"] == code.OK for outcome in outcomes) >= 9
 
 
 @pytest.fixture(scope="module")
@@ -129,9 +128,9 @@ def test_violations_of_a_wrong_life_are_reported(scene_and_life, name, spoilt):
 
 
 def test_random_dynamic_runs_conserve_energy_or_say_why_not():
-    """Six draws; those that make no bearing, or one with more than 12 balls, are left out.
+    """Of six draws, no run violates a check, and at least three end with the status OK.
 
-    At least three runs end with the status OK.
+    Draws that make no bearing, or one with more than 12 balls, are left out.
     """
     runs = 0
 
@@ -150,7 +149,7 @@ def test_random_dynamic_runs_conserve_energy_or_say_why_not():
 
 
 def test_a_wrong_number_is_a_violation():
-    """A preload that is wrong by 1e-3, a QV of NaN, an error of 1e-4 in the balance of power."""
+    """Wrong are a preload by 1e-3, a QV of NaN, and the balance of power by 1e-4."""
     scene = load_scene(scene_file("gyro_s1"))
     values = solved_values(scene, "steady")
     assert violations(scene, "steady", values) == []
@@ -183,7 +182,7 @@ TWO_A_DECADE = KeyAxis(key="k", log=(1e-3, 1e3), points=13)
 
 
 def test_the_crossing_of_zero_is_bisected():
-    """Of log(y/7), between the values of the axis on either side of 7."""
+    """log(y/7) is zero at 7, between two values of the axis; the place is found to 1e-4."""
     values = [np.log(y / 7.0) for y in TWO_A_DECADE.values]
     place = crossing(TWO_A_DECADE, values, lambda y: np.log(y / 7.0))
     assert place == pytest.approx(7.0, rel=1e-4)
@@ -257,7 +256,7 @@ def test_a_few_points_are_the_same_bytes_twice(kind, solved_file):
 def test_each_figure_draws_its_kind_and_refuses_others(
     kind, figure, drawn_kind, solved_file, tmp_path
 ):
-    """With status 2 and no file for points of another kind than the figure's."""
+    """For points of another kind, it ends with status 2 and writes no file."""
     status = run(f"figures.{figure}", tmp_path / "few.svg", solved=solved_file(kind))
     assert status == (0 if kind == drawn_kind else 2)
     assert (tmp_path / "few.svg").exists() == (kind == drawn_kind)
@@ -285,7 +284,7 @@ def test_branches_have_no_ends_to_count(solved_file, tmp_path):
 def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     """One of two scenes gets a violation: the table counts it, the last step ends with status 3.
 
-    It writes no verdict, and one line with the violation.
+    That step reports the violation, and writes no verdict.
     """
     solved, counts = tmp_path / "few.nc", tmp_path / "counts.nc"
     draw = {"name": "steady_stress", "count": 2, "seed": 3}

@@ -74,10 +74,10 @@ def test_a_point_of_the_map_has_the_life_of_life_and_its_time_to_a_slip_limit():
     assert_allclose(point["life"], values["life"], rtol=1e-12)
     assert point["end_criterion"] == values["end_criterion"]
     assert point["gyroscopic_slip_share"] == values["history_gyroscopic_slip_share"].max()
-    share = replace(scene.wear, end_of_life=EndOfLife(gyroscopic_slip_share=0.25))
-    until = life(replace(scene, wear=share)).values["life"]
-    assert_allclose(point["time_to_slip_limit"], until, rtol=1e-12)
-    assert np.all(until < values["life"])
+    wear = replace(scene.wear, end_of_life=EndOfLife(gyroscopic_slip_share=0.25))
+    life_to_slip_limit = life(replace(scene, wear=wear)).values["life"]
+    assert_allclose(point["time_to_slip_limit"], life_to_slip_limit, rtol=1e-12)
+    assert np.all(life_to_slip_limit < values["life"])
 
 
 def test_life_is_inverse_to_the_wear_coefficient():
@@ -122,9 +122,9 @@ def test_scaled_lives_are_the_solved_ones():
 
 
 def test_samples_of_a_batch_and_of_scatter_vary_their_own_values():
-    """Closed form: K_s of the batch is lognormal, H of its bearings uniform; life goes as H/K_s.
+    """Closed form: K_s of batches is lognormal, H of bearings uniform; life is C H/K_s.
 
-    To 2e-3, of 64 even samples.
+    64 evenly spaced samples give quantiles to 2e-3.
     """
     scene = with_spread(
         wear_coefficient={"distribution": "lognormal", "factor": 2.0},
@@ -146,8 +146,9 @@ def test_samples_of_a_batch_and_of_scatter_vary_their_own_values():
 def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
     """Known answer: K_s alone; life is proportional to 1/K_s, lognormal with a factor of 3.
 
+    64 samples give the 5 and 95 % points to 1 %.
+
     scatters: whether K_s differs between the bearings of a batch, or from batch to batch alone.
-    To 1 %, as 64 samples give the 5 and 95 % points.
     """
     wear = {"distribution": "lognormal", "factor": 3.0, "same_for_batch": not scatters}
     scene, path = with_spread(wear_coefficient=wear), tmp_path / "uncertainty.nc"
@@ -223,7 +224,7 @@ def test_a_seed_decides_the_lives_whatever_the_processes():
 
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 def test_sampled_lives_follow_grooves_where_life_does(method):
-    """To 1 %, as sampled lives take fewer cells and longer steps."""
+    """Lives agree to 1 %, as sampled ones have fewer cells and longer steps."""
     held = with_preload(load_scene(scene_file("gyro_s1"), FOLLOWED), method, 7.0)
     rows = sample_of(held, ALL_BUT_WEAR, Sampling(samples=4)).rows
     sampled = sampled_lives(held, rows)

@@ -91,9 +91,9 @@ def test_quantiles_of_the_values_are_those_of_their_distribution(scene, name, ex
 
 @pytest.mark.parametrize("rho", [0.6, -0.95])
 def test_wear_and_friction_have_the_given_correlation(scene, rho):
-    """The correlation is that of the logarithms; either distribution stays as it is without.
+    """Logarithms have the correlation, and each distribution is as it is without a correlation.
 
-    To 0.002 and 0.2 %, by 4096 points of a Sobol sequence.
+    4096 points of a Sobol sequence give the correlation to 0.002, mean and deviation to 0.2 %.
     """
     spread = {"ball_race": SPREAD, "wear_coefficient": {"distribution": "lognormal", "factor": 3}}
     alone = scene_from_dict(scene.to_dict() | {"uncertainty": spread})
@@ -116,10 +116,10 @@ def test_values_beyond_the_range_of_their_key_are_cut_off(scene):
 
 
 def test_other_balls_lie_between_the_same_grooves(scene):
-    """The radial play stays, hence the free contact angle of larger balls is smaller.
+    """Radii of grooves (r) and of the circles of their centres (R) stay as they are.
 
-    r are the groove radii, R those of the races, BD the distance of the groove centres: it times
-    the cosine of the free angle, in the radial direction, is that of the rings.
+    So does the radial distance of the groove centres, BD cos(alpha0); hence the free contact angle
+    of larger balls is smaller.
     """
     nominal = parameters.geometry(scene)
     larger = parameters.geometry(scene_with_values(scene, {"ball_diameter_mm": 2.0005}))
@@ -132,7 +132,7 @@ def test_other_balls_lie_between_the_same_grooves(scene):
 
 
 def test_balls_too_large_for_the_grooves_make_no_scene(scene):
-    """The function returns None; balls of gyro_s1 have 2 mm, and its grooves hold 2.015 mm."""
+    """The scene is None for balls of 2.1 mm; the grooves of gyro_s1 hold balls up to 2.015 mm."""
     assert scene_with_values(scene, {"ball_diameter_mm": 2.1}) is None
 
 
