@@ -83,10 +83,10 @@ def test_the_preload_method_of_a_pair_decides_its_kind(scene):
     A kind that contradicts the method is refused.
     """
     pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
-    held = pair.with_({"operation.preload_method": "fixed_position"})
-    assert held.arrangement.kind == "rigid_pair"
+    rigid = pair.with_({"operation.preload_method": "fixed_position"})
+    assert rigid.arrangement.kind == "rigid_pair"
     with pytest.raises(SceneError, match="arrangement.kind"):
-        held.with_(
+        rigid.with_(
             {"operation.preload_method": "fixed_position", "arrangement.kind": "spring_pair"}
         )
 

@@ -204,7 +204,8 @@ def test_several_scenes_lie_side_by_side(coarse):
     assert dataset["scene"].values.tolist() == ["gyro_s1", "faster"]
     alone = bearingwear.solve(other.with_({PRELOAD: 7}))
     assert dataset.total_qv.sel(scene="faster", preload_N=7) == alone.total_qv
-    assert [item["name"] for item in json.loads(dataset.attrs["scenes"])] == ["gyro_s1", "faster"]
+    scenes = json.loads(dataset.attrs["scenes"])
+    assert [scene["name"] for scene in scenes] == ["gyro_s1", "faster"]
     with pytest.raises(SceneError, match="name: got two scenes named gyro_s1"):
         bearingwear.sweep([coarse, coarse], {PRELOAD: [5, 7]}, workers=1)
 

@@ -22,7 +22,7 @@ from support import ROOT
 from bearingwear.cli import main
 
 OURS = re.compile(r"bearingwear (?!study)[^|<>&;$*]*( \|\| test \$\? = \d+)?")
-"""A line that needs no shell."""
+"""A line that only calls `bearingwear`, and so needs no shell."""
 
 STATEMENT = re.compile(r"^.*<<'END'\n(?:.*\n)*?END\n|^(?:.*\\\n)*.*\n", re.M)
 """A command with the lines that continue it, or the document that follows it."""

@@ -95,9 +95,11 @@ def test_scenes_of_each_machine_on_the_rotor(scene, method):
 
     The second bearing of the last has lost 2e-5 of its ball diameter of 2 mm: 0.04 um.
     """
-    held = scene("gyro_s1", {"operation.preload_method": method})
-    alone, alike, pushed, unlike = (scene_on_rotor(held, machine) for machine in MACHINES)
-    assert alone is held and alike.pair.is_symmetric and pushed.pair.external_axial_N == 0.5 * 7.0
+    preloaded = scene("gyro_s1", {"operation.preload_method": method})
+    alone, alike, pushed, unlike = (scene_on_rotor(preloaded, machine) for machine in MACHINES)
+    assert (
+        alone is preloaded and alike.pair.is_symmetric and pushed.pair.external_axial_N == 0.5 * 7.0
+    )
     assert unlike.sides[1].wear.ball_diameter_loss_um == pytest.approx((0.04,))
 
 
@@ -108,12 +110,12 @@ def test_loads_and_unequal_wear_shorten_the_life_on_the_rotor(scene, method):
     A symmetric pair has the QV and the life of the bearing alone, as they are those of one bearing.
     The first bearing of the pair under a force has at least 10 % more preload.
     """
-    held = scene("gyro_s1", {"operation.preload_method": method})
+    preloaded = scene("gyro_s1", {"operation.preload_method": method})
 
     def values_on(machine):
         point = SweepPoint(label=machine, value=0.0, fidelity="steady", machine=machine,
                            settings=(), text=machine)  # fmt: skip
-        return point_values(held, point, 1, 1.0)  # one repeat: times do not matter here
+        return point_values(preloaded, point, 1, 1.0)  # one repeat: times do not matter here
 
     alone, alike, pushed, unlike = (values_on(machine) for machine in MACHINES)
     assert alike["total_qv"] == alone["total_qv"] and alike["life"] == alone["life"]
@@ -127,9 +129,10 @@ def test_each_kind_of_growth_raises_the_preload(scene):
     With a thermal network that hardly warms, it is that of speed alone to 0.1 N. The scene has no
     bore; that of a usual inner ring is 4 mm.
     """
-    held = scene("gyro_s1", {"operation.preload_method": "fixed_position"})
-    scenes = mounted, turning, warm, network = [scene_with_growth(held, w) for w in WARMTHS]
-    assert mounted is held and turning.bearing.bore_mm == pytest.approx(4.0)
+    preloaded = scene("gyro_s1", {"operation.preload_method": "fixed_position"})
+    scenes = [scene_with_growth(preloaded, warmth) for warmth in WARMTHS]
+    mounted, turning, warm, network = scenes
+    assert mounted is preloaded and turning.bearing.bore_mm == pytest.approx(4.0)
     assert warm.temperature.inner_ring_C == 25.0 and network.thermal is not None
     preloads = [solve(scene).values["residual_preload"] for scene in scenes]
     assert preloads[0] < preloads[1] < preloads[2]

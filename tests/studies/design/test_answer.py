@@ -350,16 +350,16 @@ def median_life(dataset):
 
 def test_the_spread_is_that_of_the_recommended_preload(files, spread_file, small_project, tmp_path):
     """Lives are sampled about the recommended preload, not about the scene's own."""
-    own = tmp_path / "own.nc"
+    about_scene = tmp_path / "about_scene.nc"
     scene = small_project / "mine.yaml"
-    assert step(f"{QUANTILES}.uncertain_lives", own, settings=SAMPLING, scene=scene) == 0
+    assert step(f"{QUANTILES}.uncertain_lives", about_scene, settings=SAMPLING, scene=scene) == 0
     spread, dataset = load(spread_file), load(files["recommendation"])
     preloads = spread["preload"].values.ravel().tolist()
     assert preloads == dataset["preload"].values.tolist()
     nominal = spread["nominal_life"].values.ravel()
     assert nominal == pytest.approx(dataset["life"].values, rel=0.02)  # sampled lives are quick
     # at 4.1 N in place of the scene's 7 N, about half as long again
-    assert median_life(spread) > 1.3 * median_life(load(own))
+    assert median_life(spread) > 1.3 * median_life(load(about_scene))
 
 
 def test_the_answer_has_the_spread_of_its_file(files, spread_file, tmp_path):

@@ -69,7 +69,7 @@ class InventedLives:
     ):
         self.life, self.stiffness, self.practical, self.other = life, stiffness, practical, other
         self.new_over_worn = new_over_worn
-        self.count = {NEW_BEARING: 0, EXACT_LIFE: 0}
+        self.count = dict.fromkeys((NEW_BEARING, QUICK_LIFE, EXACT_LIFE), 0)
         self.search = PreloadSearch(scene, STIFF, self.answers_at)
         self.line = self.search.lines[0]
         if other is None:
@@ -87,7 +87,7 @@ class InventedLives:
 
         solved: kind of solve, such as QUICK_LIFE.
         """
-        self.count[solved] = self.count.get(solved, 0) + 1
+        self.count[solved] += 1
         preload = operation.preload_N
         invented = self if operation.preload_method == "constant_force" else self.other
         life = invented.life(preload)

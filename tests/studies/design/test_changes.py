@@ -91,8 +91,8 @@ def test_a_rigid_pair_is_better_up_to_a_warmth_and_a_spring_above(scene, recomme
         """Returns the index of the method that lives longest with a warmer inner ring."""
         lives = []
         for k, method in enumerate(PRELOAD_METHODS):
-            held = with_method(scene("gyro_s1"), method, float(recommended["preload"][k]))
-            warm = held.with_({"temperature.inner_ring_C": 20.0 + kelvin})
+            preloaded = with_method(scene("gyro_s1"), method, float(recommended["preload"][k]))
+            warm = preloaded.with_({"temperature.inner_ring_C": 20.0 + kelvin})
             lives.append(quick_life(warm)["life"])
         return int(np.argmax(lives))
 

@@ -124,15 +124,17 @@ def test_a_life_that_ends_when_new_needs_no_groove(scene):
 @pytest.mark.parametrize("method", METHODS)
 def test_quick_lives_are_those_of_life(scene, method):
     """Lives agree to 3e-3 and the least stiffness to 2 %, by fewer cells and longer steps."""
-    held = with_method(scene, method, 7.0)
-    quick, exact = (design_point(held, slip_limit(0.12), is_quick) for is_quick in (True, False))
+    preloaded = with_method(scene, method, 7.0)
+    quick, exact = (
+        design_point(preloaded, slip_limit(0.12), is_quick) for is_quick in (True, False)
+    )
     assert_allclose(quick["life"], exact["life"], rtol=3e-3)
     assert quick["end_criterion"] == exact["end_criterion"]
     assert_allclose(quick["axial_stiffness"], exact["axial_stiffness"], rtol=2e-2)
 
 
 @pytest.fixture(scope="module")
-def held(scene):
+def preloaded(scene):
     """Returns a fixed position of 7 N, whose life ends with 40 % of the preload left."""
     return with_method(scene, "fixed_position", 7.0)
 
@@ -143,18 +145,18 @@ def with_limits(scene, **limits):
 
 
 @pytest.mark.parametrize("limits", [{}, {"preload_fraction": 0.3}, {"preload_fraction": 0.6}])
-def test_a_life_to_the_farthest_end_has_the_lives_to_all_others(held, limits):
+def test_a_life_to_the_farthest_end_has_the_lives_to_all_others(preloaded, limits):
     """The times at which it passes other ends agree to 3e-3 with lives followed to these alone."""
-    farthest = with_limits(held, ball_diameter_loss_um=1.4, preload_fraction=0.2)
-    life_to = lives_by_end(held, farthest.wear.end_of_life)
-    limited = with_limits(held, **limits)
+    farthest = with_limits(preloaded, ball_diameter_loss_um=1.4, preload_fraction=0.2)
+    life_to = lives_by_end(preloaded, farthest.wear.end_of_life)
+    limited = with_limits(preloaded, **limits)
     expected = design_point(limited, slip_limit(None))["life"]
     assert life_to(limited.wear.end_of_life) == pytest.approx(expected, rel=3e-3)
 
 
-def test_the_time_to_an_end_met_when_new_is_zero_and_to_one_not_reached_is_nan(held):
+def test_the_time_to_an_end_met_when_new_is_zero_and_to_one_not_reached_is_nan(preloaded):
     """New bearings exceed a slip share of 1e-4; a life ends before 1 % of the preload is left."""
-    life_to = lives_by_end(held, held.wear.end_of_life)
-    assert life_to(with_limits(held, gyroscopic_slip_share=1e-4).wear.end_of_life) == 0.0
-    never = with_limits(held, preload_fraction=0.01).wear.end_of_life
-    assert np.isnan(worn_life(held).time_to(Criteria(with_end(held, never))))
+    life_to = lives_by_end(preloaded, preloaded.wear.end_of_life)
+    assert life_to(with_limits(preloaded, gyroscopic_slip_share=1e-4).wear.end_of_life) == 0.0
+    never = with_limits(preloaded, preload_fraction=0.01).wear.end_of_life
+    assert np.isnan(worn_life(preloaded).time_to(Criteria(with_end(preloaded, never))))

@@ -33,14 +33,14 @@ def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
     States of unlike bearings have it. A state that stands for both bearings of a symmetric pair has
     NaN, and the frequency is computed here.
     """
-    held = with_method(scene("gyro_s1", changes), method)
-    new = HertzianLives(held)(held).states[0]
+    preloaded = with_method(scene("gyro_s1", changes), method)
+    new = HertzianLives(preloaded)(preloaded).states[0]
     frequency = new["lowest_frequency"]
     if np.isnan(frequency):
-        frequency = lowest_frequency(held, (new, new))
-    case = solve(held).values
+        frequency = lowest_frequency(preloaded, (new, new))
+    case = solve(preloaded).values
     assert_allclose(frequency, case["natural_frequency"].min(), rtol=1e-5)
-    assert life_point(held, None)["lowest_frequency"] <= frequency * (1.0 + 1e-12)
+    assert life_point(preloaded, None)["lowest_frequency"] <= frequency * (1.0 + 1e-12)
 
 
 def test_a_point_of_the_map_has_the_worst_values_along_a_life(scene):
@@ -77,8 +77,8 @@ def test_the_required_frequency_limits_spring_and_rigid_pair(scene, recommended)
     limits = [names[int(k)] for k in recommended["active_limit"].values]
     assert limits == ["lowest_frequency_Hz"] * 2
     for k, method in enumerate(METHODS):
-        held = with_method(scene("gyro_s1", PUSHED), method, float(recommended["preload"][k]))
-        life_h = life_point(held, None)["life"] / 3600.0
+        preloaded = with_method(scene("gyro_s1", PUSHED), method, float(recommended["preload"][k]))
+        life_h = life_point(preloaded, None)["life"] / 3600.0
         assert_allclose(life_h, recommended["life"][k], rtol=1e-9, err_msg=method)
 
 

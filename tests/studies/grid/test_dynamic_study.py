@@ -42,7 +42,8 @@ def flag(name, dims, values):
     return (dims, values, attrs)
 
 
-ONE, WATT, WEAR_RATE = ({"units": unit} for unit in ("1", "W", "m3 s-1"))
+# attributes of variables
+ONE, WATT, WEAR_RATE = {"units": "1"}, {"units": "W"}, {"units": "m3 s-1"}
 
 
 def invented_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **changes):
@@ -68,7 +69,7 @@ def invented_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **ch
         "race_wear_rate": (("race",), np.array([2e-16, 3e-16]) * size, WEAR_RATE),
     }
     coords = {"ball": np.arange(n), "race": flag("race", ("race",), [0, 1])}
-    if status:  # as the solver writes it: without the values of the dynamic model
+    if status:  # as the solver writes it: all NaN, and without the values of the dynamic model
         values = {
             name: (dims, np.full_like(numbers, np.nan), attrs)
             for name, (dims, numbers, attrs) in values.items()
@@ -85,11 +86,11 @@ def invented_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **ch
 
 
 def invented_run(size, ball_count, drift):
-    """Returns the variables and coordinates that a case of the dynamic model has besides.
+    """Returns the further variables and coordinates of a case that is solved dynamically.
 
     Histories settle on the means of the case.
 
-    size: factor of all wear rates. drift: that of the wear rate in a turn [1].
+    size: factor of wear rates, as in `invented_case`. drift: of the wear rate per turn [1].
     """
     time = np.linspace(1e-4, 0.04, 400)
     settling = size * (1.0 + 2.0 * np.exp(-time / 0.004) + 0.3 * np.sin(3e3 * time))

@@ -560,7 +560,7 @@ def inside(folder, inputs):
     inputs: names of files, or lists of them, by arguments of the step.
     """
     return {
-        name: folder / value if isinstance(value, str) else [folder / item for item in value]
+        name: folder / value if isinstance(value, str) else [folder / file for file in value]
         for name, value in inputs.items()
     }
 

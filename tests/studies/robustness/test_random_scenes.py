@@ -107,12 +107,12 @@ def scene_and_life():
 
 
 def test_a_right_life_violates_nothing(scene_and_life):
-    """The checks pass the life that the next test spoils."""
+    """The checks pass the life of which the next test falsifies values."""
     assert life_violations(*scene_and_life) == []
 
 
 @pytest.mark.parametrize(
-    ("name", "spoilt"),
+    ("name", "falsified"),
     [
         ("loss_at_end", lambda value: 2.0 * value),
         ("history_qv", lambda value: 1.2 * value),
@@ -121,10 +121,13 @@ def test_a_right_life_violates_nothing(scene_and_life):
         ("status", lambda value: code.UNVERIFIED),
     ],
 )
-def test_violations_of_a_wrong_life_are_reported(scene_and_life, name, spoilt):
-    """One variable at a time is spoilt: a factor, a reversed history, NaN, another status."""
+def test_violations_of_a_wrong_life_are_reported(scene_and_life, name, falsified):
+    """One variable at a time is false: by a factor, a reversed history, NaN, another status.
+
+    falsified: function that returns the false value for the right one.
+    """
     scene, values = scene_and_life
-    assert life_violations(scene, values | {name: spoilt(values[name])}) != []
+    assert life_violations(scene, values | {name: falsified(values[name])}) != []
 
 
 def test_random_dynamic_runs_conserve_energy_or_say_why_not():
@@ -153,8 +156,8 @@ def test_a_wrong_number_is_a_violation():
     scene = load_scene(scene_file("gyro_s1"))
     values = solved_values(scene, "steady")
     assert violations(scene, "steady", values) == []
-    spoilt = values | {"residual_preload": 1.001 * values["residual_preload"]}
-    assert violations(scene, "steady", spoilt)
+    wrong_preload = values | {"residual_preload": 1.001 * values["residual_preload"]}
+    assert violations(scene, "steady", wrong_preload)
     (violation,) = violations(scene, "steady", values | {"total_qv": np.nan})
     assert violation.startswith("total_qv ")
     assert violations(scene, "steady", values | {"power_balance_error": 1e-4})

@@ -225,11 +225,11 @@ def test_a_seed_decides_the_lives_whatever_the_processes():
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 def test_sampled_lives_follow_grooves_where_life_does(method):
     """Lives agree to 1 %, as sampled ones have fewer cells and longer steps."""
-    held = with_preload(load_scene(scene_file("gyro_s1"), FOLLOWED), method, 7.0)
-    rows = sample_of(held, ALL_BUT_WEAR, Sampling(samples=4)).rows
-    sampled = sampled_lives(held, rows)
+    preloaded = with_preload(load_scene(scene_file("gyro_s1"), FOLLOWED), method, 7.0)
+    rows = sample_of(preloaded, ALL_BUT_WEAR, Sampling(samples=4)).rows
+    sampled = sampled_lives(preloaded, rows)
     for row, time in zip(rows, sampled.life, strict=True):
-        assert_allclose(time, scene_life(held, row) / HOURS_PER_SECOND, rtol=0.01)
+        assert_allclose(time, scene_life(preloaded, row) / HOURS_PER_SECOND, rtol=0.01)
 
 
 def test_lives_that_fail_are_counted(tmp_path, capsys):
@@ -268,7 +268,7 @@ def test_the_spread_at_each_friction_is_that_of_the_scene_with_it(tmp_path):
     few = ["--samples", "8", "--quiet", "-o"]
     assert main(["uncertainty", path, *few, str(out), "--friction", "0.02", "0.08"]) == 0
     both = load_quantiles(out)
-    assert [plain_scene(item)["friction"]["ball_race"] for item in both] == [0.02, 0.08]
+    assert [plain_scene(spread)["friction"]["ball_race"] for spread in both] == [0.02, 0.08]
     for of_both, mu in zip(both, ("0.02", "0.08"), strict=True):
         file = tmp_path / f"{mu}.nc"
         assert main(["uncertainty", path, *few, str(file), "--friction", mu]) == 0
