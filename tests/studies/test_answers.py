@@ -46,7 +46,7 @@ def sleep(seconds):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_answers_stand_in_the_order_of_their_points(workers):
-    """No point, one and many, in a list or an array."""
+    """Points are none, one or many, in a list or an array."""
     with Workers(workers, progress=False) as pool:
         for points in ([], [3], list(range(50)), np.arange(5.0)):
             squares = [answer["square"] for answer in pool.answers_at(square, points)]
@@ -90,7 +90,7 @@ def test_a_process_that_is_killed_is_named():
 
 
 def test_a_command_says_in_one_line_that_a_process_ended(monkeypatch, capsys):
-    """With status 3. The function of the command is replaced by one whose worker is killed."""
+    """The status is 3. The function of the command is replaced by one whose worker is killed."""
 
     def command_with_killed_worker(args):
         list(answers_at(killed_at_one, [0, 1, 2], 2, "uncertainty", progress=False))

@@ -151,7 +151,7 @@ def test_the_configurations_of_the_project_pass_their_checks():
     ],
 )
 def test_a_faulty_life_is_named_in_one_line(life, problem):
-    """An unknown key, a life without an end, and a scene that is not there."""
+    """Faults are an unknown key, a life without an end, and a scene that is not there."""
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         configuration.check_lives({"lives": {"a": life}})
     assert problem in str(error.value)

@@ -83,7 +83,7 @@ def test_a_sweep_by_two_processes_is_that_by_one(coarse):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_warnings_of_a_sweep_are_counted(coarse, workers):
-    """One warning is issued in this file, with the count of cases, at the largest loss of them."""
+    """One warning is issued in this file, with the number of cases and their largest loss."""
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
     with pytest.warns(UserWarning, match="2 cases, .* 0.7 um") as caught:
         dataset = bearingwear.sweep(coarse, losses, workers=workers)
@@ -226,7 +226,7 @@ def as_many_as_newtons(scene):
 
 
 def test_values_of_another_shape_are_refused(coarse):
-    """A point whose values have not the shape of the first has none; the others stay.
+    """A point whose values differ in shape from those of the first has none; the others stay.
 
     A function that returns no values by name is an error.
     """
@@ -261,7 +261,7 @@ def test_only_what_is_kept_is_in_the_dataset(coarse):
     ],
 )
 def test_what_a_case_has_not_cannot_be_kept(coarse, keep, problem):
-    """A misspelt name, and extremes, which only a life has."""
+    """Refused are a misspelt name, and extremes, which only a life has."""
     with pytest.raises(SceneError, match=problem):
         bearingwear.sweep(coarse, {PRELOAD: [5, 7]}, workers=1, keep=keep)
 

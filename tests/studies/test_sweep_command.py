@@ -86,7 +86,7 @@ def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, m
 
 
 def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
-    """A friction of zero leaves spin undetermined. Exit status 3 only if no point is solved.
+    """A friction of zero leaves spin undetermined. The status is 3 only if no point is solved.
 
     With `--record-failures` it is 0 even then.
     """
@@ -132,7 +132,7 @@ def test_a_single_number_with_a_negative_exponent_is_an_axis(number):
     ],
 )
 def test_wrong_axes_and_rows_are_refused_in_one_line(words, line, tmp_path, monkeypatch, capsys):
-    """With exit status 2; the line begins as stated."""
+    """The exit status is 2, and the line begins as stated."""
     monkeypatch.chdir(tmp_path)
     Path("short.csv").write_text("operation.preload_N,friction.ball_race\n5,0.05\n7\n")
     Path("twice.csv").write_text("operation.preload_N,operation.preload_N\n5,6\n")
@@ -149,7 +149,7 @@ def test_options_that_are_no_numbers_are_refused(words, capsys):
 
 
 def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, monkeypatch, capsys):
-    """Without `-o`, in the present folder; a line of standard error names it."""
+    """Without `-o` it is in the present folder; a line of standard error names it."""
     (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
     options = ["sweep", "mine.yaml", "--axis", "operation.preload_N=6,7", "-j", "1"]
@@ -159,7 +159,7 @@ def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, mon
 
 
 def test_the_file_of_an_export_is_named_after_the_scene(tmp_path, monkeypatch, capsys):
-    """Without `-o`; a line of standard output names it."""
+    """This applies without `-o`; a line of standard output names the file."""
     (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
     assert main(["export", "mine.yaml", "--speeds", "20000,30000"]) == 0

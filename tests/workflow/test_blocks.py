@@ -269,7 +269,7 @@ def test_the_lines_of_a_page_that_is_not_run_are_those_of_one_that_is(page, run_
 
 
 def test_documented_commands_write_different_files():
-    """No file is written twice on a page, by option `-o`."""
+    """No page writes a file twice by the option `-o`."""
     for page in PAGES:
         outputs = re.findall(r" -o (\S+)", "\n".join(commands(page)))
         assert len(outputs) == len(set(outputs)), page

@@ -183,7 +183,7 @@ def test_the_lines_of_a_study_are_one_job_of_the_cluster_and_its_lives_another(s
 
 
 def test_a_map_on_slurm_has_the_same_bytes(cluster, new_project):
-    """A map without a cluster has the same. Both parts are one job, of four minutes for each."""
+    """They are those of a map without a cluster. Two parts are one job of twice four minutes."""
     target, contents = "results/gyro_s1/design/design.nc", []
     axes = {"preload_method": ["constant_force", "fixed_position"], "friction": [0.08]}
     axes |= {"shaft_speed_rpm": [30000], "preload_N": [2.0, 4.0, 6.0]}

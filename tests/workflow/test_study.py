@@ -234,7 +234,7 @@ def test_a_forced_case_is_solved_again(solved_study):
 
 @pytest.mark.long
 def test_chunks_of_several_lines_give_the_bytes_of_single_lines(first_run, solved_study):
-    """With four points to a job, two jobs solve two lines each, one for each preload method."""
+    """With four points to a job there are two jobs of two lines each, one for each method."""
     before = first_run[0].results()
     shutil.rmtree(solved_study.root / "results")
     config = solved_study.config
@@ -370,7 +370,7 @@ def test_a_broken_configuration_is_refused_in_one_line(new_project):
 
 
 def test_a_broken_scene_stops_with_one_line(new_project):
-    """A friction below zero: file, key and value are named once, and nothing is made."""
+    """The friction is below zero: file, key and value are named once, and nothing is made."""
     project = new_project()
     project.edit("config/scenes/gyro_s1_drag.yaml", "ball_race: 0.02", "ball_race: -0.02")
     run = project.run()
@@ -395,9 +395,9 @@ def test_a_given_configuration_replaces_that_of_the_folder(first_run):
 @pytest.mark.long
 @pytest.mark.skipif(not has_dynamic_model("gyro_s1"), reason="no dynamic model in this version")
 def test_dynamic_cases_are_solved_and_drawn_with_the_study(new_project):
-    """One case of four strips, for half a turn, beside the steady one, with figures and a table.
+    """A case of four strips is solved for half a turn, beside its steady case.
 
-    Another number of turns is planned to be solved again, and no steady case.
+    With another number of turns, only the dynamic case is planned again.
     """
     project = new_project()
     paper = "model: {contact: paper"

@@ -291,7 +291,7 @@ def test_ensembles_are_relative_to_the_first(cages, plan):
 
 
 def test_the_table_of_ensembles_is_written_into_the_docs(cages, plan, tmp_path):
-    """Between two marks. Before, every line of the table is missing; afterwards nothing differs."""
+    """Between its marks, every line of the table is missing before; afterwards nothing differs."""
     _, table = cages_part(load(cages), plan)
     docs = tmp_path / "accuracy.md"
     docs.write_text("<!-- cages: begin -->\n<!-- cages: end -->\n", encoding="utf-8")
@@ -317,8 +317,8 @@ def tables(trade, tmp_path_factory):
 def test_the_tables_have_the_errors_of_the_run(trade, tables):
     """The CSV has a line for each point and a head, the Markdown rows of the plan; neither NaN.
 
-    50 strips are the fourth point, solved in 5 scenes: by `invented_sweep`, QV is off by 0.1^4 or
-    0.01 % as the median and by 0.02 % at most, contacts by 0.03 %, the preload by 0.01 %.
+    50 strips are the fourth point, in five scenes. By `invented_sweep`, the median error of QV is
+    0.1^4 or 0.01 % and the largest 0.02 %; contacts have 0.03 %, the preload 0.01 %.
     """
     csv_text, markdown = (path.read_text(encoding="utf-8") for path in tables)
     assert "| 50 equal strips | 5 | 0.01 | 0.02 | 0.03 | 0.01 |" in markdown

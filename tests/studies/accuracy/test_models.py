@@ -91,9 +91,9 @@ def test_the_fit_changes_qv_by_less_than_3_percent(scene):
 
 @pytest.mark.parametrize("method", ["fixed_position", "constant_force"])
 def test_scenes_of_each_machine_on_the_rotor(scene, method):
-    """One bearing; a symmetric pair; a pair under half of its preload of 7 N; a pair, one worn.
+    """They are one bearing, and pairs: symmetric, under half of the preload of 7 N, unlike by wear.
 
-    The second bearing of the last has lost 2e-5 of its ball diameter of 2 mm: 0.04 um.
+    The second bearing of the last pair has lost 2e-5 of its ball diameter of 2 mm: 0.04 um.
     """
     preloaded = scene("gyro_s1", {"operation.preload_method": method})
     alone, alike, pushed, unlike = (scene_on_rotor(preloaded, machine) for machine in MACHINES)

@@ -62,7 +62,7 @@ def rows_of(table) -> dict[str, Row]:
 
 
 def test_the_answer_has_the_numbers_of_the_files(files, tmp_path):
-    """In its title, the sentences, and three tables by their places on the page.
+    """The title, the sentences and three tables have them. Tables are named by their places.
 
     Table `open` is the recommendation, `lead` what would change the choice of method, `charted` the
     points of the map. The small study recommends a constant force.
@@ -167,8 +167,8 @@ def test_the_headline_without_a_requirement_is_an_advice(files):
 def test_a_fixed_position_is_set_by_an_offset(files):
     """The offset [um] is twice the approach of the rings of one bearing under its preload.
 
-    The answer also says that its life ends with 40 % of the preload left, and the preload at speed
-    in brackets where that differs.
+    The answer also says that its life ends with 40 % of the preload left. Brackets have the preload
+    at speed where it differs.
     """
     design, dataset = load(files["design"]), load(files["recommendation"])
     dataset["life"][1] = 2.0 * float(dataset["life"][0])  # so that a fixed position is better
@@ -255,7 +255,10 @@ def test_a_tolerance_that_was_not_sought_says_so(files):
 
 @pytest.mark.parametrize("ratio, is_stated", [(0.99, True), (0.5, False)])
 def test_another_method_with_about_the_same_life_is_stated(files, ratio, is_stated):
-    """With its preload [N]. ratio: of the life of the second method to that of the first."""
+    """Its preload [N] is stated, too.
+
+    ratio: of the life of the second method to that of the first.
+    """
     dataset = load(files["recommendation"])
     dataset["life"][1] = ratio * float(dataset["life"][0])
     verdict = sentences_of(preload_document(dataset))["verdict"]
@@ -288,7 +291,7 @@ def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(f
 
 
 def test_a_spacer_that_is_off_by_its_tolerance_stays_within_the_range(files):
-    """A fixed position may have its recommended preload up to 1.5 times that.
+    """The range goes from the recommended preload of a fixed position to 1.5 times that preload.
 
     In offsets [um], the tolerance is minus zero, plus 90 to 100 % of the room: it is rounded down.
     """

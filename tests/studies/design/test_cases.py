@@ -63,8 +63,10 @@ def recommended(scene):
 def worst_cases(points):
     """Returns the names of the cases with the worst values, by `life` and extremes of measures.
 
-    An extreme that is not known in all cases is left out; the worst is the least of a measure that
-    falls, or the largest magnitude. points: design points by the names of cases.
+    The worst is the least of a measure that falls, or the largest magnitude. An extreme that is not
+    known in all cases is left out.
+
+    points: design points by the names of cases.
     """
     names, by_case = list(points), list(points.values())
     worst = {"life": names[int(np.argmin([point["life"] for point in by_case]))]}

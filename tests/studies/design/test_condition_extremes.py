@@ -195,8 +195,8 @@ def test_the_deciding_condition_is_the_worst_one(spindle):
 def test_worn_grooves_are_solved_at_other_speeds():
     """Worn states are solved at other speeds, where balls run beside the middle of their tracks.
 
-    At the full speed the state is the last one of the life: pressure to 2 %, stiffness to 3 %, the
-    errors of a quick life.
+    At the full speed the state is the last one of the life. Pressure agrees to 2 % and stiffness to
+    3 %, the errors of a quick life.
     """
     scene = bearing_at("7008C", 18000.0, **{"model.contact": "auto"})
     preloaded = with_method(scene, "constant_force", 400.0)

@@ -104,8 +104,8 @@ UP, DOWN = [1, 2, 3, 4], [9, 8, 7, 6]  # lives or stiffnesses along a line
 def test_the_best_point_of_a_line_and_what_forbids_its_neighbour(line, limits, index, active):
     """index: of the best point, -1 where no preload is within the limits.
 
-    active: name in `ACTIVE` of what its neighbour with a longer life violates; `none` if both
-    neighbours are worse, and `end_of_range` where there is no neighbour on that side.
+    active: name in `ACTIVE` of what its neighbour with a longer life violates. It is `none` if both
+        neighbours are worse, and `end_of_range` if the neighbour is missing.
     """
     best, limit = best_within(line, limits)
     assert int(best) == index
@@ -150,7 +150,7 @@ def files_in(folder):
 
 
 def test_a_method_without_a_preload_has_no_status_of_a_solve(folder, tmp_path):
-    """With 40 N/um required there is none: its status is -1, and not the last one of the names."""
+    """No preload has the required 40 N/um: the status is -1, and not the last of the names."""
     design, file = tmp_path / "design.nc", tmp_path / "recommendation.nc"
     parts = [folder / f"{method}.nc" for method in METHODS]
     write_dataset(design_map(parts, LIMITS | {"axial_stiffness_N_um": 40.0}), design)
@@ -190,7 +190,7 @@ def test_the_recommended_preload_just_meets_its_limit(folder, scene, k):
 
 
 def test_no_preload_of_the_map_within_the_limits_lives_longer_than_the_recommended(folder):
-    """By method: `recommended_life` of the map is the longest allowed life of its preloads."""
+    """The variable `recommended_life` of a map is the longest allowed life of its own preloads."""
     dataset, design = load(folder / "recommendation.nc"), load(folder / "design.nc")
     assert np.all(dataset["life"].values >= design["recommended_life"].values[:, 0, 0])
 
@@ -219,7 +219,7 @@ def test_figures_and_tables_are_drawn(folder, tmp_path):
 
 
 def test_figures_and_tables_of_wrong_files_are_refused(folder, tmp_path):
-    """By status 2: a figure of no such name, files in the wrong order, a spread as a map."""
+    """The status is 2 for an unknown figure, files in the wrong order, and a spread as a map."""
     files = files_in(folder)
     tables = [tmp_path / "map.csv", tmp_path / "design.md"]
     assert step(f"{DRAW}.other", tmp_path / "x.svg", **files) == 2

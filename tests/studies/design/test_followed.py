@@ -64,7 +64,7 @@ BY_METHOD = pytest.mark.parametrize(("k", "method"), [*enumerate(METHODS)])
 
 @BY_METHOD
 def test_the_recommended_life_is_that_of_life(scene, recommended, k, method):
-    """To rounding, and with the same criterion; files have hours."""
+    """They are equal but for rounding and have the same criterion; files have hours."""
     point = recommended.isel(preload_method=k)
     values = life(with_method(scene, method, float(point["preload"]))).values
     assert_allclose(point["life"], values["life"] / 3600.0, rtol=1e-15)
@@ -110,8 +110,8 @@ def test_a_scene_of_the_paper_has_the_hertzian_groove(scene):
     assert worn_life(paper) is None
 
 
-def test_too_little_wear_for_the_contact_to_feel_follows_no_groove(scene):
-    """A life that ends with a loss of 0.01 um: `worn_life` is None."""
+def test_a_life_with_too_little_wear_to_change_the_contact_follows_no_groove(scene):
+    """For a life that ends with a loss of 0.01 um, `worn_life` is None."""
     assert worn_life(scene.with_({"wear.end_of_life.ball_diameter_loss_um": 0.01})) is None
 
 

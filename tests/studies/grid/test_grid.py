@@ -50,7 +50,7 @@ def test_case_ids_are_unique_and_contain_the_values(mus, losses):
     ],
 )
 def test_grids_that_are_refused(methods, mus, losses, problem):
-    """In one line: too many decimals, values below zero or NaN, twice, none, no method."""
+    """Faults are decimals, values below zero, NaN, given twice or missing, and a wrong method."""
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         Grid.from_lists(methods, mus, losses)
     assert problem in str(error.value)

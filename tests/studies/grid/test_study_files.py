@@ -123,7 +123,7 @@ def test_gathering_twice_gives_the_same_bytes(folder, cases, tmp_path):
 
 
 def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
-    """One sweep for each preload method; either order of the axes gives the same file."""
+    """There is a sweep for each preload method; either order of the axes gives the same file."""
     frictions, losses = (
         ("friction.ball_race", "0,0.08"),
         ("wear.ball_diameter_loss_um", "0,0.35,0.7"),

@@ -111,7 +111,7 @@ def test_intervals_of_sobol_samples_cover_the_quantiles(inputs):
 @pytest.mark.parametrize("samples", [16, 128])
 @pytest.mark.parametrize("share", [0.003, 0.02])
 def test_intervals_allow_for_an_end_of_life_that_few_bearings_meet(samples, share):
-    """A share of the bearings, of low friction, lives a hundredth of the others.
+    """The bearings with the lowest friction, a share of all, live a hundredth of the others' life.
 
     Closed form: the distribution of lives is the sum of two lognormal ones, inverted by a table.
     """

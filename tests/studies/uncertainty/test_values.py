@@ -169,7 +169,7 @@ def test_wear_values_of_both_materials_go_together(scene):
     ],
 )
 def test_samplings_that_are_refused(option, problem, tmp_path, capsys):
-    """With exit status 2, one line, and no file."""
+    """The exit status is 2, with one line and no file."""
     out = tmp_path / "out.nc"
     assert main(["uncertainty", str(scene_file("gyro_s1")), *option, "-o", str(out)]) == 2
     assert capsys.readouterr().err.strip() == problem and not out.exists()

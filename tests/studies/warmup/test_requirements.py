@@ -269,7 +269,7 @@ def test_a_warm_up_is_refused_without_heat_capacities(spindle):
 
 
 def test_a_warm_up_in_python_follows_its_course_to_its_duration(spindle):
-    """From rest to 12000 r/min in 5 s, at that speed until 20 s; the inner ring never cools."""
+    """The course takes 5 s to 12000 r/min and lasts until 20 s; the inner ring never cools."""
     warmed = bearingwear.warmup(spindle, course=[(0.0, 0.0), (5.0, 12000.0)], duration=20.0)
     assert warmed["ending"].item() == "duration" and float(warmed["end_time"]) == 20.0
     peak = warmed["residual_preload"].max()

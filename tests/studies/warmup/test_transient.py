@@ -237,7 +237,7 @@ def test_a_limit_that_every_ramp_keeps_needs_none(spindle):
 
 
 def test_a_limit_that_no_ramp_keeps_has_no_shortest(spindle):
-    """A limit of 100 N on a preload of 140 N as mounted: the answer is None."""
+    """The limit is 100 N, the preload as mounted 140 N: the shortest ramp is None."""
     assert shortest_ramp(spindle.with_(SLOW_HOUSING), {"preload": 100.0}) is None
 
 
@@ -266,8 +266,8 @@ POOR = {"thermal.conductance_W_K.inner_ring_shaft": 0.2}
 def test_a_runaway_is_named(spindle):
     """Both the warm-up and the steady solve say that there is no steady state.
 
-    The steady solve ends with `warm_seizure` where its search sees heat and preload grow without
-    limit, and with `no_heat_balance` where it stops before; both are right.
+    The steady solve ends with `warm_seizure` if heat and preload grow without limit in its search,
+    or with `no_heat_balance` if it stops before. Both are right.
     """
     warming = warm_up(spindle.with_(POOR), ramp(10.0))
     assert warming.status != code.OK and warming.runs_away
