@@ -74,7 +74,7 @@ def test_show_has_the_numbers_of_a_sweep(tmp_path, capsys):
 
 
 def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, monkeypatch):
-    """Four lines: points and axes, time by cores, the part, and the size of the file."""
+    """Its four lines have points and axes, time by cores, the part, and the size of the file."""
     monkeypatch.chdir(tmp_path)
     axes = ["--axis", "operation.preload_N=4:20:100", "--axis", "friction.ball_race=0.04:0.12:1000"]
     assert sweep(*COARSE, *axes, "-n", "-j", 2, "--part", "1/20") == 0

@@ -358,7 +358,7 @@ def test_an_edited_scene_solves_its_cases_alone(solved_study):
 
 
 def test_a_broken_configuration_is_refused_in_one_line(new_project):
-    """Other faults: tests/studies/test_configuration.py."""
+    """Here a key is misspelt. tests/studies/test_configuration.py has other faults."""
     project = new_project()
     config = copy.deepcopy(project.config)
     config["studies"][0]["frictoin"] = [0.1]

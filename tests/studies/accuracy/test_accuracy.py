@@ -209,7 +209,7 @@ def test_errors_are_against_the_reference_of_the_scene(trade, plan):
 
 @pytest.mark.long
 def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
-    """Sweeps without their reference, files of different sources, and no file."""
+    """Refused are sweeps without their reference, files of different sources, and no file."""
     without = [path for path in files if path.name != "turbine-long.nc"]
     with pytest.raises(CaseFileError, match="turbine, .*: the reference long is missing"):
         gathered_sweeps(without)

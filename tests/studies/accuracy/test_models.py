@@ -28,7 +28,7 @@ MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
 
 @pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0, 20.0, 60.0])
 def test_the_fit_is_within_the_percents_its_authors_state(ratio):
-    """Brewe and Hamrock: ellipticity and elliptic integrals within 3 to 4 %, at ratios of 1 to 100.
+    """Brewe and Hamrock state 3 to 4 % for ellipticity and elliptic integrals, at ratios to 100.
 
     The semi-axes c_a and c_b (at 1 N) are off by less, as they contain cube roots of these. The
     stiffness K contains a power of 3/2: at a round contact, where the fit is worst, it is off by

@@ -65,7 +65,8 @@ def spindle():
 def stiffness_by_solve(scene, method, preload, speed):
     """Returns the axial stiffness [N/um] of the bearings that hold a rotor, by a plain solve.
 
-    It is that of one bearing times the number of bearings that a method has hold the rotor.
+    It is that of one bearing times the number that holds the rotor: two of a rigid pair, or one
+    against a spring.
 
     preload [N]; speed [r/min].
     """

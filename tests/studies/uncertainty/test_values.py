@@ -176,7 +176,7 @@ def test_samplings_that_are_refused(option, problem, tmp_path, capsys):
 
 
 def test_every_value_that_is_sampled_arrives_in_the_scene():
-    """All keys of a film together, and one of each other block: none undoes another."""
+    """Keys of a film and of other blocks are set together: none undoes another."""
     film = load_scene(scene_file("mos2_gyro")).with_({"friction.film.thickness_um": 0.5})
     values = {"shear_strength_MPa": 30.0, "thickness_um": 0.4, "outer_groove_factor": 0.54}
     values |= {"preload_N": 8.0, "contact_angle_deg": 19.0, "inner_groove_factor": 0.53}

@@ -101,7 +101,7 @@ def test_a_required_thermal_margin_limits_the_preload():
 
 
 def test_a_map_contains_the_thermal_margin_if_it_is_required():
-    """At each of three preloads, that of a design point."""
+    """It is that of a design point at each of three preloads."""
     scene = warm_spindle().with_(STIFF_TO_THE_END)
     preloads = (100.0, 140.0, 200.0)
     axes = MapAxes(
@@ -126,7 +126,7 @@ def test_the_thermal_margin_is_unknown_where_it_is_not_required(spindle):
 
 
 def test_a_required_thermal_margin_does_not_end_the_life(spindle):
-    """Not even a margin of 1000, which the pair misses by far.
+    """The life is the same with a required margin of 1000, which the pair misses by far.
 
     Lives agree to 1e-5: the solves of the margin change where those of the life start.
     """

@@ -175,7 +175,7 @@ def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
     """The peak preload is to stay below 220 N. It falls with the length of the ramp.
 
     Expected is the ramp at which peaks over a grid, by warm-ups with finer steps than those of the
-    search, cross the limit. The search stops at 2 %, rounded up to three digits: within 3 %.
+    search, cross the limit. The search stops at 2 % and rounds up to three digits: within 3 %.
     """
     scene, limit = spindle.with_(SLOW_HOUSING), 220.0
     ramps = np.geomspace(80.0, 400.0, 17)
