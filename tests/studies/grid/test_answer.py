@@ -75,7 +75,7 @@ def test_the_headline_names_the_better_method_and_a_sentence_by_how_much(
     document = answer(lives, SCENE)
     assert document.title.startswith("a: ") and numbers_in(document.title) == [7.0]  # N
     _, _, headline = document.title.rpartition(", ")
-    assert {name for name in (C, F) if name.replace("_", " ") in headline} == methods
+    assert {name for name in PRELOAD_METHODS if name.replace("_", " ") in headline} == methods
     assert word in headline
     sentences = [with_spaces(text) for _, texts in sentence_blocks(document) for text in texts]
     assert any(numbers <= {*numbers_in(sentence)} for sentence in sentences), sentences

@@ -657,6 +657,8 @@ def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_p
 
     Every figure is drawn without a warning from cases of which none is solved. The figure of wear
     is also drawn from a study of which some are.
+
+    where: fixture of the folder.
     """
 
     def renamed(path, **axes):
@@ -671,11 +673,11 @@ def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_p
             inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
         if "friction" in settings:
             settings = {"friction": [0] if isinstance(settings["friction"], list) else 0}
-        monkeypatch.setitem(FIGURES, name, (inputs, settings))
-    fixture = request.getfixturevalue(where)
-    assert draw(name, tmp_path / "figure.svg", folder=fixture) == 0
-    drawn = ElementTree.parse(tmp_path / "figure.svg")
-    assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]
+    run, figure = f"studies.grid.figures.draw.draw_{name}", tmp_path / "figure.svg"
+    paths = inside(request.getfixturevalue(where), inputs)
+    assert step(run, figure, settings=settings, **paths) == 0
+    nodes = ElementTree.parse(figure).iter()
+    assert not [node for node in nodes if str(node.tag).endswith("}script")]
 
 
 def test_a_figure_of_what_the_file_has_not_is_refused_in_one_line(folder, tmp_path, capsys):
