@@ -375,7 +375,7 @@ def test_a_killed_command_ends_all_that_it_started(tmp_path, request):
 
 @pytest.mark.faults
 def test_results_that_cannot_be_written_are_reported_in_one_line(solved_tiny_study, undisturbed):
-    """Cases of a line are removed from a folder without write permission; the line is in its log.
+    """The folder of two removed cases is not writable; the log of their job has one line on that.
 
     Once the folder is writable, the study goes on.
     """
