@@ -46,7 +46,7 @@ def sleep(seconds):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_answers_stand_in_the_order_of_their_points(workers):
-    """There are no points, one, or many, in a list or an array."""
+    """Points are none, one or many, in a list or an array."""
     with Workers(workers, progress=False) as pool:
         for points in ([], [3], list(range(50)), np.arange(5.0)):
             squares = [answer["square"] for answer in pool.answers_at(square, points)]
@@ -54,9 +54,9 @@ def test_answers_stand_in_the_order_of_their_points(workers):
 
 
 def test_rounds_share_their_processes():
-    """Four rounds by two workers use at most two processes beside the process of the test.
+    """Four rounds by two workers use at most two processes beside the test's own.
 
-    That process evaluates the first point, before the others are forked from it.
+    Its own evaluates only the first point of the first round; the workers are then forked from it.
     """
     with Workers(2, progress=False) as pool:
         rounds = [list(pool.answers_at(square, range(20))) for _ in range(4)]
@@ -90,18 +90,20 @@ def test_a_process_that_is_killed_is_named():
 
 
 def test_a_command_says_in_one_line_that_a_process_ended(monkeypatch, capsys):
-    """The exit status is 3. A function whose worker is killed stands in for that of the command."""
+    """The status is 3. The function of the command is replaced by one whose worker is killed."""
 
-    def uncertainty(args):
+    def command_with_killed_worker(args):
         list(answers_at(killed_at_one, [0, 1, 2], 2, "uncertainty", progress=False))
 
-    monkeypatch.setattr("bearingwear.results.kinds.imported_function", lambda name: uncertainty)
+    monkeypatch.setattr(
+        "bearingwear.results.kinds.imported_function", lambda name: command_with_killed_worker
+    )
     assert main(["uncertainty", str(scene_file("gyro_s1"))]) == 3
     assert only_line(capsys).startswith("uncertainty: a process ended unexpectedly")
 
 
 def test_closing_early_does_not_wait_for_running_processes():
-    """Two of four answers are taken; the others would take 60 s."""
+    """Two of four answers are read; the other two would take 60 s."""
     answers = answers_at(sleep, [0.0, 0.0, 60.0, 60.0], 2, progress=False)
     assert [next(answers), next(answers)] == [{"seconds": 0.0}] * 2
     start = time.monotonic()
@@ -109,15 +111,15 @@ def test_closing_early_does_not_wait_for_running_processes():
     assert time.monotonic() - start < 20.0  # s
 
 
-def test_workers_are_at_least_one():
+def test_a_number_of_workers_below_one_is_refused():
     with pytest.raises(ValueError, match="life: workers: got 0, expected 1 or more"):
         Workers(0, "life")
 
 
 def test_progress_has_a_line_every_few_seconds(monkeypatch):
-    """Five points of 2 s each have lines after 4 s and 8 s, with the seconds that are left.
+    """Five points take 2 s each: lines appear after 4 s and 8 s, with the seconds that are left.
 
-    The first answer, after 2 s, comes before a line is due; the last ends the progress.
+    After 2 s no line is due yet, and after 10 s nothing is left to report.
     """
     clock, lines = [0.0], []
     monkeypatch.setattr(answers_module.time, "monotonic", lambda: clock[0])

@@ -1,4 +1,4 @@
-"""What the workflow reads: faults of configurations, and the values of scenes that decide."""
+"""What the workflow reads: faults of configurations, and the values of scenes that jobs read."""
 
 import copy
 
@@ -101,7 +101,7 @@ def faulty(keys, value):
 
 
 def test_a_right_configuration_passes():
-    """The check of CONFIG raises nothing, so that FAULTS are what it refuses elsewhere."""
+    """The check of CONFIG raises nothing, so that other tests fail only by its FAULTS."""
     configuration.check_config(CONFIG)
 
 
@@ -121,7 +121,7 @@ def test_a_faulty_configuration_is_refused_in_one_line(keys, value, problem):
     ],
 )
 def test_configurations_against_the_schema_are_refused_in_one_line(keys, value, problem, tmp_path):
-    """The faults are an unknown key, a number in place of a list, and a scene that is a path."""
+    """The schema is checked first: an unknown key, a number for a list, a path for a scene."""
     path = tmp_path / "config.yaml"
     path.write_text(yaml.safe_dump(faulty(keys, value)), encoding="utf-8")
     with pytest.raises(UsageError, match="^[^\n]*$") as error:
@@ -130,16 +130,14 @@ def test_configurations_against_the_schema_are_refused_in_one_line(keys, value, 
 
 
 def test_the_configurations_of_the_project_pass_their_checks():
-    """They are the files of design, lives and uncertainty; a missing file is read as empty.
+    """They are the files of design, lives and uncertainty; a missing file is read as nothing.
 
-    `set` and `limits` may be left out in a file; the schema then adds empty ones.
+    Files may omit `set` and `limits`, in whose place checked plans have empty blocks.
     """
     lives = configuration.read_config("config/lives.yaml")["lives"]
-    lives = {name: {"set": {}, **life} for name, life in lives.items()}
-    configuration.check_lives({"lives": lives})
+    configuration.check_lives({"lives": {name: {"set": {}} | lives[name] for name in lives}})
     scenes = configuration.read_config("config/design.yaml")["scenes"]
-    scenes = {name: {"limits": {}, **scene} for name, scene in scenes.items()}
-    configuration.check_design({"scenes": scenes})
+    configuration.check_design({"scenes": {name: {"limits": {}} | scenes[name] for name in scenes}})
     configuration.check_sampled(configuration.read_config("config/uncertainty.yaml"))
     assert configuration.read_config("config/none.yaml") == {}
 
@@ -153,7 +151,7 @@ def test_the_configurations_of_the_project_pass_their_checks():
     ],
 )
 def test_a_faulty_life_is_named_in_one_line(life, problem):
-    """The faults are an unknown key, a life without an end, and a scene that is not there."""
+    """Faults are an unknown key, a life without an end, and a scene that is not there."""
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         configuration.check_lives({"lives": {"a": life}})
     assert problem in str(error.value)
@@ -171,7 +169,8 @@ def test_limits_of_the_schema_are_those_of_the_measures():
     schema = yaml.safe_load((ROOT / "workflow/schemas/design.schema.yaml").read_text())
     scene = schema["properties"]["scenes"]["additionalProperties"]
     keys = set(file_part(DesignLimits).below)
-    assert set(scene["properties"]["limits"]["properties"]) == keys >= set(LIMITED)
+    assert set(scene["properties"]["limits"]["properties"]) == keys
+    assert keys >= set(LIMITED)
 
 
 # axes of a map, as in config/design.yaml
@@ -192,9 +191,7 @@ def test_an_axis_of_a_map_must_rise():
         configuration.map_axes(AXES | {"preload_N": [2.0, 1.0]})
 
 
-# what a scene decides
-
-# a key, its new value, and the jobs that read it
+# a key of a scene, its new value, and the jobs that read it
 CHANGES = (
     ("operation.preload_N", 8.0, {"solve", "spread", "dynamic"}),
     ("friction.ball_race", 0.07, {"spread", "dynamic"}),
@@ -207,9 +204,9 @@ CHANGES = (
 
 @pytest.mark.parametrize(("key", "value", "jobs"), CHANGES)
 def test_a_change_of_a_scene_concerns_only_the_jobs_that_read_it(key, value, jobs, tmp_path):
-    """It changes the hashes of a case, of sampled lives, or of a job of the dynamic model.
+    """A case, sampled lives and a job of the dynamic model each have a hash of what they read.
 
-    Friction does not count for a case, since it is an axis of the grid.
+    A case does not read the friction of its scene, which is an axis of the grid.
     """
 
     def hashes(name, scene):
@@ -229,7 +226,7 @@ def test_a_change_of_a_scene_concerns_only_the_jobs_that_read_it(key, value, job
 
 
 def test_a_cage_is_read_where_its_results_or_the_dynamic_model_are_required():
-    """A cage that a scene (plain data) only describes is not read."""
+    """A cage that is only described is not read. Scenes are plain data here."""
     assert reads_cage({"model": {"cage_results": True}})
     assert reads_cage({"model": {"fidelity": "dynamic"}})
     assert not reads_cage({"cage": {}, "model": None})

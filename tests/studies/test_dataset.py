@@ -18,7 +18,7 @@ PLACES = [1e-6, 2e-6, 3e-6]
 
 
 def test_rows_along_axes_are_scaled_and_have_the_attributes_of_their_table():
-    """Three rows lie along the axis `point`; the coordinate of races has the codes of its flags."""
+    """Three rows lie along the axis `point`; `race`, without values, has the codes of its flags."""
     rows = [
         {"side": 0, "shear": [1.0, 2.0]},
         {"side": 1, "shear": [np.nan, 4.0]},
@@ -62,7 +62,7 @@ def test_rows_over_two_axes_are_in_c_order():
 
 
 def test_names_shapes_and_numbers_of_rows_are_checked():
-    """Faults are an unknown name, two shapes of one variable, and one row for an axis of two."""
+    """Refused are an unknown name, two shapes of one variable, and one row for an axis of two."""
     with pytest.raises(KeyError, match="top"):
         dataset_of_rows(SIDES, {"race": 2}, [{"top": 1}])
     with pytest.raises(ValueError, match="shear"):
@@ -71,8 +71,8 @@ def test_names_shapes_and_numbers_of_rows_are_checked():
         dataset_of_rows(SIDES, {"row": 2, "race": 2}, [{}])
 
 
-def test_a_scene_is_stored_as_json(scene):
-    """It is in an attribute, even of a dataset without variables."""
+def test_a_scene_is_an_attribute_in_json(scene):
+    """A dataset without variables may have it, too."""
     s1 = scene("gyro_s1")
     dataset = dataset_of_rows({}, {}, [{}], scene=s1)
     assert json.loads(dataset.attrs["scene"]) == s1.to_dict()

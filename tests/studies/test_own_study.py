@@ -36,7 +36,7 @@ def with_friction(scene, mu):
 
 
 def test_the_grid_of_cases_is_around_the_scene(scene):
-    """It has both preload methods, and four frictions from half to twice the scene's 0.08."""
+    """It has both preload methods, and four frictions from half to twice the 0.08 of the scene."""
     config, _ = plans(scene)
     (block,) = config["studies"]
     assert block["scenes"] == config["uncertain_lives"]["scenes"] == ["mine"]
@@ -46,7 +46,7 @@ def test_the_grid_of_cases_is_around_the_scene(scene):
 
 
 def test_the_states_of_wear_go_to_the_end_of_the_scene_s_own_life(scene):
-    """They are nine losses of ball diameter; the last is rounded up to a hundredth of a um."""
+    """There are nine losses of ball diameter from zero; the last is rounded up to 0.01 um."""
     config, _ = plans(scene)
     losses = config["studies"][0]["ball_diameter_loss_um"]
     end = 1e6 * float(life(scene).values["loss_at_end"])
@@ -55,7 +55,7 @@ def test_the_states_of_wear_go_to_the_end_of_the_scene_s_own_life(scene):
 
 
 def test_the_map_of_preloads_is_around_the_scene(scene):
-    """It goes from an eighth to 32 times the 7 N of the scene, with its speed, friction and limits.
+    """Preloads go from an eighth to 32 times its 7 N; speed, friction and limits are its own.
 
     The configuration is plain data, which YAML reads back as it was.
     """
@@ -69,7 +69,7 @@ def test_the_map_of_preloads_is_around_the_scene(scene):
 
 
 def test_the_states_of_wear_of_a_pair_go_to_the_end_of_its_life(scene):
-    """The last is the loss of the bearing that loses more, rounded up to a hundredth of a um."""
+    """The last loss is that of the bearing that loses more, rounded up to 0.01 um."""
     pair = scene.with_({"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0})
     config, _ = plans(pair)
     (block,) = config["studies"]
@@ -126,12 +126,12 @@ def test_a_scene_with_a_film_has_no_grid_of_cases(scene):
     "mu, frictions", [(0.001, [0.001, 0.002]), (0.064, [0.032, 0.064, 0.096, 0.128])]
 )
 def test_own_friction_is_among_those_studied(scene, mu, frictions):
-    """The others are 0.5, 1.5 and 2 times it, rounded to thousandths; none is repeated or zero."""
+    """So are half, 1.5 times and twice it, rounded to thousandths; none is zero or there twice."""
     config, _ = plans(with_friction(scene, mu))
     assert config["studies"][0]["friction"] == frictions
 
 
-def test_a_scene_that_asks_of_its_cage_has_a_map_of_cages(scene, tmp_path):
+def test_a_scene_with_uncertain_cages_has_a_map_of_cages(scene, tmp_path):
     """With the block `cage_uncertainty` there is a plan, which passes the checks of the workflow.
 
     Axes are around the cage of gyro_s1, with a guide clearance of 0.1 mm and a friction of 0.05.
@@ -183,7 +183,7 @@ def contents(folder):
 
 
 def test_folder_holds_all_that_the_study_needs(mine, tmp_path):
-    """It has two plans and copies of both scenes, each with a first line about the command."""
+    """It has two plans and copies of both scenes; the first line of each names the command."""
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     names = {path.relative_to(folder).as_posix() for path in contents(folder)}
@@ -210,8 +210,8 @@ def test_same_command_writes_nothing_and_an_edit_of_the_scene_renews_the_copy(mi
     assert base.read_bytes() == before[base]
 
 
-def test_the_requirements_of_the_earlier_call_are_returned(mine, tmp_path):
-    """A page with requirements can then not be replaced silently by one without them."""
+def test_other_requirements_than_before_are_known(mine, tmp_path):
+    """They are returned, so that a command can report that other requirements are replaced."""
     folder = tmp_path / "study"
     assert write_study(mine, folder, LIMITS) == ""
     assert write_study(mine, folder, DesignLimits()) == "axial_stiffness_N_um 3"
@@ -220,7 +220,7 @@ def test_the_requirements_of_the_earlier_call_are_returned(mine, tmp_path):
 
 @pytest.mark.parametrize("name", ["scenes/mine.yaml", "scenes/base.yaml", "design.yaml"])
 def test_an_edited_file_of_a_study_is_not_replaced(mine, tmp_path, name):
-    """The scene and the limits have changed as well; the error names the edited file."""
+    """This applies even if scene and limits have changed; the error names the file."""
     folder = tmp_path / "study"
     write_study(mine, folder, LIMITS)
     edited = folder / "config" / name
@@ -241,7 +241,7 @@ def test_a_folder_with_other_files_is_refused(mine, tmp_path):
 
 
 def test_the_folder_of_another_scene_is_refused(mine, tmp_path):
-    """It is refused although both have the same contents; the error names the command."""
+    """This applies even to equal contents; the error has the command for a folder of its own."""
     write_study(mine, tmp_path / "study", LIMITS)
     other = mine.with_name("other.yaml")
     other.write_bytes(mine.read_bytes())

@@ -66,7 +66,7 @@ def test_axes_of_a_sweep_have_names_and_units(coarse):
 
 
 def test_a_sweep_by_two_processes_is_that_by_one(coarse):
-    """Six lives have both methods; a fixed position warns of its temperature."""
+    """Six lives by both methods are the same; a fixed position warns of its temperature."""
     changes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 6, 7]}
     results = []
     for workers in (1, 2):
@@ -83,7 +83,7 @@ def test_a_sweep_by_two_processes_is_that_by_one(coarse):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_warnings_of_a_sweep_are_counted(coarse, workers):
-    """One warning is issued in this file, with the count of cases and their largest loss."""
+    """One warning is issued in this file, with the number of cases and their largest loss."""
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
     with pytest.warns(UserWarning, match="2 cases, .* 0.7 um") as caught:
         dataset = bearingwear.sweep(coarse, losses, workers=workers)
@@ -244,7 +244,7 @@ def test_a_function_that_other_processes_cannot_import_is_refused(coarse):
 
 
 def test_only_what_is_kept_is_in_the_dataset(coarse):
-    """It also has the status. What is kept is identical to that of the whole dataset."""
+    """The status is there, too; what is kept is identical to the same part of the whole dataset."""
     axes = {PRELOAD: [5, 7]}
     whole = bearingwear.sweep(coarse, axes, workers=1)
     kept = bearingwear.sweep(coarse, axes, workers=1, keep=["total_qv", "contact_load"])
@@ -261,14 +261,14 @@ def test_only_what_is_kept_is_in_the_dataset(coarse):
     ],
 )
 def test_what_a_case_has_not_cannot_be_kept(coarse, keep, problem):
-    """One name is misspelt; extremes are only of a life."""
+    """Refused are a misspelt name, and extremes, which only a life has."""
     with pytest.raises(SceneError, match=problem):
         bearingwear.sweep(coarse, {PRELOAD: [5, 7]}, workers=1, keep=keep)
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_extremes_are_the_worst_values_along_a_life(coarse):
-    """They are the largest, least, or largest absolute values of histories, which are not kept.
+    """They are the largest or least values, or magnitudes, of its histories, which are not kept.
 
     preload_kept is the least preload over the initial 7 N.
     """
@@ -324,7 +324,7 @@ def part_files(scene, what, folder):
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("what", ["solve", "life", product_of_numbers])
 def test_parts_in_any_order_make_the_whole(coarse, what, tmp_path):
-    """The parts have cases, lives, or values of a function; some points are not solved."""
+    """They make it of cases, lives and values of a function, though some points are not solved."""
     files = part_files(coarse, what, tmp_path)
     whole = bearingwear.sweep(coarse, TWELVE_POINTS, what, workers=1)
     xr.testing.assert_identical(gathered_parts([files[2], files[1], files[3]]), whole)

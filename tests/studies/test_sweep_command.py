@@ -29,7 +29,7 @@ def coarse():
 
 
 def test_axes_of_the_command_make_the_dataset_of_python(coarse, tmp_path):
-    """One axis is a list, the other `first:last:count`. Files lack the attribute `message`."""
+    """Axes are a list and `first:last:count`; only the attribute `message` differs."""
     axes = {"operation.preload_N": [5, 7, 9], "friction.ball_race": np.linspace(0.05, 0.09, 3)}
     options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
     assert sweep(*options, "-o", tmp_path / "axes.nc") == 0
@@ -55,7 +55,7 @@ def test_rows_of_a_table_are_points_of_their_own(coarse, tmp_path):
 
 
 def test_gather_joins_parts_byte_for_byte(tmp_path, capsys):
-    """They become the file of the whole sweep. A missing part is named, with exit status 2."""
+    """The result is the file of the whole sweep. A missing part is named, with status 2."""
     options = [*COARSE, "--axis", PRELOADS, "--axis", FRICTIONS, "-j", 1]
     parts = [tmp_path / f"{k}.nc" for k in (1, 2)]
     for k, path in enumerate(parts, 1):
@@ -74,7 +74,7 @@ def test_show_prints_a_variable_of_a_sweep(tmp_path, capsys):
 
 
 def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, monkeypatch):
-    """Its four lines state points and axes, time by cores, the part, and the size of the file."""
+    """Its four lines have points and axes, time by cores, the part, and the size of the file."""
     monkeypatch.chdir(tmp_path)
     axes = ["--axis", "operation.preload_N=4:20:100", "--axis", "friction.ball_race=0.04:0.12:1000"]
     assert sweep(*COARSE, *axes, "-n", "-j", 2, "--part", "1/20") == 0
@@ -86,7 +86,7 @@ def test_a_dry_run_states_points_and_time_and_writes_nothing(tmp_path, capsys, m
 
 
 def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
-    """A friction of zero leaves spin undetermined; the exit status is 3 if no point is solved.
+    """A friction of zero leaves spin undetermined. The status is 3 only if no point is solved.
 
     With `--record-failures`, it is 0 even then.
     """
@@ -101,7 +101,7 @@ def test_failed_points_are_reported_and_recorded(tmp_path, capsys):
 
 @pytest.mark.parametrize("number", ["1e-5", "2.5E-4", "-1e-5"])
 def test_a_single_number_with_a_negative_exponent_is_an_axis(number):
-    """Its hyphen does not separate two numbers, as that of 5-9, which is refused."""
+    """Its hyphen separates no numbers, unlike that of 5-9, which is refused."""
     points = typed_points([f"model.tolerance={number}"], None)
     assert points == {"model.tolerance": [float(number)]}
 
@@ -132,7 +132,7 @@ def test_a_single_number_with_a_negative_exponent_is_an_axis(number):
     ],
 )
 def test_wrong_axes_and_rows_are_refused_in_one_line(words, line, tmp_path, monkeypatch, capsys):
-    """The exit status is 2, and the line begins with `line`. Empty lines of a table count."""
+    """The exit status is 2, and the line begins as stated."""
     monkeypatch.chdir(tmp_path)
     Path("short.csv").write_text("operation.preload_N,friction.ball_race\n5,0.05\n\n7\n")
     Path("twice.csv").write_text("operation.preload_N,operation.preload_N\n5,6\n")
@@ -143,13 +143,13 @@ def test_wrong_axes_and_rows_are_refused_in_one_line(words, line, tmp_path, monk
 
 @pytest.mark.parametrize("words", [["--part", "3"], ["--part", "a/b"], ["-j", "0"], ["-j", "-1"]])
 def test_options_that_are_no_numbers_are_refused(words, capsys):
-    """Numbers of cores below one are refused, too."""
+    """So are numbers of cores below one."""
     assert sweep("-n", "--axis", PRELOADS, *words) == 2
     assert "expected" in capsys.readouterr().err
 
 
 def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, monkeypatch, capsys):
-    """Without `-o`, it is in the present folder; a line of standard error names it."""
+    """Without `-o` it is in the present folder; a line of standard error names it."""
     (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
     options = ["sweep", "mine.yaml", "--axis", "operation.preload_N=6,7", "-j", "1"]
@@ -159,7 +159,7 @@ def test_the_file_of_a_sweep_is_named_after_the_scene_and_the_part(tmp_path, mon
 
 
 def test_the_file_of_an_export_is_named_after_the_scene(tmp_path, monkeypatch, capsys):
-    """Without `-o`, a line of standard output names it."""
+    """This applies without `-o`; a line of standard output names the file."""
     (tmp_path / "mine.yaml").write_text(scene_file("gyro_s1").read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
     assert main(["export", "mine.yaml", "--speeds", "20000,30000"]) == 0

@@ -86,7 +86,10 @@ class Project:
         return variables | {"NUMBA_CACHE_DIR": str(Path(PROJECT.code_folder).parent)}
 
     def command(self, *arguments: str, jobs: int | None = 2) -> list[str]:
-        """Returns the words of a command that runs Snakemake, with `jobs` at once."""
+        """Returns the words of a command that runs Snakemake.
+
+        jobs: number that may run at once, or None for a command that runs no job.
+        """
         return [sys.executable, "-P", "-m", "snakemake", *_options(jobs), *arguments]
 
     def run(self, *arguments: str, jobs: int | None = 2, prefix: Sequence[str] = ()) -> "Run":
@@ -103,13 +106,13 @@ class Project:
         return Run(0, max(self._logs()).read_text(encoding="utf-8")).jobs
 
     def _logs(self) -> set[Path]:
-        """Returns the paths of the logs of Snakemake itself."""
+        """Returns the logs that Snakemake has written in the copy."""
         return set((self.root / ".snakemake/log").glob("*.log"))
 
     def _run(self, arguments: Sequence[str], jobs: int | None, prefix: Sequence[str]) -> "Run":
-        """Runs Snakemake as `run` does; the table of jobs is that of its output, if any."""
+        """Runs Snakemake: by `planner`, or by another program whose words are the prefix."""
         if not prefix:
-            return self._planned([*_options(jobs), *arguments])
+            return self._run_by_planner([*_options(jobs), *arguments])
         completed = subprocess.run(
             [*prefix, *self.command(*arguments, jobs=jobs)],
             cwd=self.root,
@@ -120,7 +123,7 @@ class Project:
         )
         return Run(completed.returncode, completed.stdout + completed.stderr)
 
-    def _planned(self, arguments: Sequence[str]) -> "Run":
+    def _run_by_planner(self, arguments: Sequence[str]) -> "Run":
         """Runs Snakemake by `planner`, which has it imported."""
         server = planner()
         with tempfile.NamedTemporaryFile() as output:

@@ -21,16 +21,16 @@ from support import ROOT
 
 from bearingwear.cli import main
 
-OUR_COMMAND = re.compile(r"bearingwear (?!study)[^|<>&;$*]*( \|\| test \$\? = \d+)?")
-"""A line that calls only `bearingwear`, and needs no shell."""
+OURS = re.compile(r"bearingwear (?!study)[^|<>&;$*]*( \|\| test \$\? = \d+)?")
+"""A line that only calls `bearingwear`, and so needs no shell."""
 
 STATEMENT = re.compile(r"^.*<<'END'\n(?:.*\n)*?END\n|^(?:.*\\\n)*.*\n", re.M)
 """A command with the lines that continue it, or the document that follows it."""
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 PAGES = sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("*.md"), ROOT / "config/README.md"])
-REPEATED_PAGES = {"README.md": "docs/quickstart.md"}
-"""Pages whose lines stand in another page as well, which is run."""
+RUN_ELSEWHERE = {"README.md": "docs/quickstart.md"}
+"""Pages that are not run, and those that have the same lines and are run."""
 
 SHOWN = {
     r"pip install -c constraints.txt \.$": "tests/test_installed.py::installed",
@@ -73,7 +73,7 @@ SHOWN = {
 
 
 def blocks(path):
-    """Returns (language, text) of every fenced block of a Markdown file."""
+    """Returns pairs (language, text) of all fenced blocks of a Markdown file."""
     return re.findall(r"^```(\w+)\n(.*?)^```$", path.read_text(encoding="utf-8"), re.M | re.S)
 
 
@@ -88,16 +88,16 @@ def lines_of(text):
     return [line for line in lines if line]
 
 
-def agree(documented: str, printed: str) -> bool:
+def agree(documented: str, actual: str) -> bool:
     """Returns whether two lines have the same words, and numbers that agree to 1e-3."""
-    documented_words, printed_words = documented.split(), printed.split()
-    if len(documented_words) != len(printed_words):
+    documented_words, actual_words = documented.split(), actual.split()
+    if len(documented_words) != len(actual_words):
         return False
     return all(
         float(a) == pytest.approx(float(b), rel=1e-3)
         if NUMBER.fullmatch(a) and NUMBER.fullmatch(b)
         else a == b
-        for a, b in zip(documented_words, printed_words, strict=True)
+        for a, b in zip(documented_words, actual_words, strict=True)
     )
 
 
@@ -134,6 +134,7 @@ def run(tmp_path, monkeypatch):
     folder.mkdir()
     shutil.copytree(ROOT / "config", folder / "config")
     shutil.copytree(ROOT / "docs/gallery", folder / "docs/gallery")
+    names = {"__name__": "__main__"}  # of one Python, block after block
     environment = os.environ | {
         "PATH": f"{command.parent}:{os.environ['PATH']}",
         "PYTHONPATH": str(ROOT),
@@ -159,7 +160,6 @@ def run(tmp_path, monkeypatch):
 
     monkeypatch.chdir(folder)
     monkeypatch.setenv("MPLBACKEND", "agg")
-    names = {"__name__": "__main__"}  # of one Python, block after block
     run.folder = folder
     return run
 
@@ -167,25 +167,27 @@ def run(tmp_path, monkeypatch):
 def compared_lines(run, page, languages):
     """Runs the blocks of a page in some languages; returns how many lines of `text` it compared.
 
-    Each of them must stand in what the block before it printed. Text below a block that is not run
-    does not count.
+    Each of these must stand in what the block before it printed. Text below a block that is not run
+    is not compared.
+
+    run: function of the fixture `run`.
     """
-    printed, compared = "", 0
+    output, compared = "", 0
     if page.name == "python.md":  # which loads a file of the reader's
         shutil.copy(ROOT / "config/scenes/gyro_s1.yaml", run.folder / "mine.yaml")
     ran = False
     for language, text in blocks(page):
         if language == "text" and ran:
-            lines = printed.splitlines()
+            lines = output.splitlines()
             for documented_line in text.splitlines():
                 assert any(agree(documented_line, line) for line in lines), (
-                    f"{documented_line!r} is not in\n{printed}"
+                    f"{documented_line!r} is not in\n{output}"
                 )
                 compared += 1
         elif language == "python" and language in languages:
-            printed = run("python", text)
+            output = run("python", text)
         elif language in languages:
-            printed = run("sh", text)
+            output = run("sh", text)
         if language in ("sh", "bash", "python"):
             ran = language in languages
     return compared
@@ -199,7 +201,7 @@ def named(page):
 GALLERY = ("dental-drill", "mos2-film", "spindle-pair", "sweep")
 SLOW = ("docs/cage.md", "docs/calibrate.md", "docs/dynamic.md")
 SLOW += tuple(f"docs/gallery/{name}.md" for name in GALLERY)
-"""Pages whose quick blocks take many seconds, too: `make test-long` runs them."""
+"""Pages whose blocks of `sh` and `python` take many seconds: `make test-long` runs them."""
 
 SLOW_PYTHON = ("docs/tutorial.md",)
 """Pages of which `make test` leaves out the Python, sixteen lives with grooves as they wear."""
@@ -208,7 +210,7 @@ SLOW_PYTHON = ("docs/tutorial.md",)
 def with_marks(pages):
     """Returns pages, the slow ones marked as long, so that `make test` leaves them out.
 
-    Slow ones with a block of `bash` are left out: the other test runs them as a whole.
+    Slow ones with a block of `bash` are omitted: the test of such pages runs them as a whole.
     """
     slow = [page for page in pages if named(page) in SLOW]
     alone = [page for page in slow if page not in holding("bash")]
@@ -218,13 +220,13 @@ def with_marks(pages):
 
 def holding(*languages):
     """Returns the pages that are run and have a block in one of these languages."""
-    pages = (page for page in PAGES if named(page) not in REPEATED_PAGES)
+    pages = (page for page in PAGES if named(page) not in RUN_ELSEWHERE)
     return [page for page in pages if any(name in languages for name, _ in blocks(page))]
 
 
 @pytest.mark.parametrize("page", with_marks(holding("sh", "python")), ids=named)
 def test_a_page_prints_what_it_shows(run, page):
-    """Two pages must have compared some lines, so that lines are compared at all.
+    """The tutorial has more than 20 lines to compare, and the page on Python four or more.
 
     The page on Python writes just the files that it names.
     """
@@ -244,7 +246,7 @@ def test_a_page_prints_what_it_shows(run, page):
 @pytest.mark.long
 @pytest.mark.parametrize("page", holding("bash"), ids=named)
 def test_a_page_that_takes_minutes_prints_what_it_shows(run, page):
-    """All of its blocks are run; the tutorial has more than 50 lines to compare, and a figure."""
+    """All of its blocks are run. The tutorial has more than 50 lines to compare, and a figure."""
     compared = compared_lines(run, page, ("sh", "bash", "python"))
     if page.name == "tutorial.md":
         assert compared > 50
@@ -258,16 +260,16 @@ def shown_lines(page):
     return {line for text in texts for line in text.split("\n")}
 
 
-@pytest.mark.parametrize("page, run_page", REPEATED_PAGES.items())
+@pytest.mark.parametrize("page, run_page", RUN_ELSEWHERE.items())
 def test_the_lines_of_a_page_that_is_not_run_are_those_of_one_that_is(page, run_page):
-    """Its commands stand in the other page in the same order, and what they print as well."""
+    """The other page has its commands in the same order, and the lines that they print."""
     here, there = commands(ROOT / page), commands(ROOT / run_page)
     assert here and [line for line in there if line in here] == here
     assert shown_lines(ROOT / page) <= shown_lines(ROOT / run_page)
 
 
 def test_documented_commands_write_different_files():
-    """The option `-o` names no file twice on a page."""
+    """No page writes a file twice by the option `-o`."""
     for page in PAGES:
         outputs = re.findall(r" -o (\S+)", "\n".join(commands(page)))
         assert len(outputs) == len(set(outputs)), page
@@ -278,19 +280,20 @@ def test_every_line_that_is_only_shown_is_run_by_a_test():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for page in PAGES:
         for line in commands(page, ("console",)):
-            (runner,) = {SHOWN[p] for p in SHOWN if re.match(p, line)} or {None}
-            assert runner, f"{named(page)}: {line}"
+            places = {place for pattern, place in SHOWN.items() if re.match(pattern, line)}
+            assert len(places) == 1, f"{named(page)}: {line}"
+            (place,) = places
             # without a number of jobs Snakemake runs none
             assert not re.match("snakemake", line) or re.search(
                 r" (-j\d|-n|--list|--unlock|--report|--workflow-profile)\b", line
             ), line
-            if runner == "Makefile":
+            if place == "Makefile":
                 assert re.search(rf"^{line.split()[1]}:", makefile, re.M), line
-            elif runner == "benchmarks":
+            elif place == "benchmarks":
                 assert (ROOT / line.split()[1]).exists(), line
             else:
-                file, _, name = runner.partition("::")
-                assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), runner
+                file, _, name = place.partition("::")
+                assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), place
 
 
 def test_commands_are_in_blocks_with_a_language():

@@ -42,10 +42,10 @@ def study(folder, *arguments):
     return completed
 
 
-def test_a_case_without_a_solution_is_recorded_and_told_at_the_end(folder):
+def test_a_case_without_a_solution_is_recorded_and_reported_at_the_end(folder):
     """Without friction the rotation of a ball is undetermined. All else of the study is made.
 
-    The case is in the summary, and the last job, the verdict, fails with its file and status. A
+    The summary lists the case. The last job, the verdict, fails and names its file and status. A
     second run of the rules repeats the verdict alone.
     """
     completed = study(folder, "-j2")
@@ -64,7 +64,7 @@ def test_a_case_without_a_solution_is_recorded_and_told_at_the_end(folder):
 
 
 def test_a_folder_without_a_study_is_refused_in_one_line(tmp_path):
-    """The command without a scene takes `all`, the whole study of a folder."""
+    """Without a scene, the command makes `all`, the whole study of a folder."""
     completed = study(tmp_path)
     assert completed.returncode == 2
     assert completed.stderr.splitlines() == [

@@ -1,7 +1,7 @@
-"""Breaks a study on purpose; what the README says then finishes it, and nothing finished is lost.
+"""Breaks a study on purpose; the commands of the README then finish it, and no result is lost.
 
-The long ones, `make test-faults`, break a study in mid-run. What they end with is compared, byte by
-byte, with a study that nothing happened to.
+The results are compared, byte by byte, with those of an undisturbed study. `make test-faults` runs
+these tests.
 """
 
 import base64
@@ -79,7 +79,7 @@ def wait(condition, seconds=120.0):
 
 
 def finished(project):
-    """Returns (date [ns], bytes) of every case that Snakemake knows to be finished, by path.
+    """Returns pairs (date [ns], bytes) of all cases that Snakemake knows to be finished, by path.
 
     Snakemake marks files of running jobs by names that are their paths in base64.
     """
@@ -89,8 +89,8 @@ def finished(project):
     return {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in paths}
 
 
-def jobs_below(process, step):
-    """Returns the processes below another whose command line has a word, the step.
+def jobs_below(process, word):
+    """Returns the processes below another whose command line has a word, such as a step.
 
     Those that end meanwhile are left out.
     """
@@ -98,7 +98,7 @@ def jobs_below(process, step):
     with suppress(psutil.Error):
         for child in psutil.Process(process.pid).children(recursive=True):
             with suppress(psutil.Error):
-                if step in child.cmdline():
+                if word in child.cmdline():
                     jobs.append(child)
     return jobs
 
@@ -109,21 +109,21 @@ def solver_processes(process):
 
 
 def whole_lines(paths):
-    """Returns those paths of cases whose line is whole, both cases of it being among them."""
+    """Returns those paths of cases whose line is whole: both of its cases are among the paths."""
     paths = list(paths)
     stems = {path.stem for path in paths}
     whole = [line for line in LINES if {case for case in CASES if line in case} <= stems]
     return {path for path in paths if path.stem.rpartition("-")[0] in whole}
 
 
-def check_resumes(project, before, undisturbed, *arguments, ran_on=0):
-    """Runs a study again; checks that it ends as if nothing had happened.
+def resumes(project, before, undisturbed, *arguments, ran_on=0):
+    """Runs a study again, and checks that it ends with the results of the undisturbed one.
 
-    It must solve no finished line again, and leave the files of finished lines.
+    It must not solve finished lines again, nor change their files.
 
-    before: of `finished` after the fault.
-    ran_on: number of jobs that ran on when Snakemake was gone. It may not have marked them as
-    begun: what they finish then counts as finished, but not in `before`.
+    before: result of `finished` after the fault.
+    ran_on: number of jobs that ran on when Snakemake was gone. They may have finished lines that
+        are not in `before`, if Snakemake had not marked them as begun.
     """
     run = project.run(*arguments)
     assert run.status == 0, run.text
@@ -134,16 +134,13 @@ def check_resumes(project, before, undisturbed, *arguments, ran_on=0):
     assert {path: after[path] for path in kept} == {path: before[path] for path in kept}
     # a process that is killed while it writes leaves a file .part
     results = project.results()
-    results = {name: results[name] for name in results if not name.endswith(".part")}
-    assert results == undisturbed.results()
-
-
-# in mid-run
+    whole = {name: data for name, data in results.items() if not name.endswith(".part")}
+    assert whole == undisturbed.results()
 
 
 @pytest.mark.faults
 def test_a_study_goes_on_after_a_job_is_killed(project, undisturbed):
-    """Snakemake then fails, with some of the cases finished."""
+    """Snakemake fails when some cases are finished; the next run solves the others."""
     process = project.start()
     victim = wait(lambda: finished(project) and solver_processes(process))[0]
     victim.kill()
@@ -176,7 +173,7 @@ def test_a_study_goes_on_after_snakemake_alone_is_killed(project, undisturbed):
 
 @pytest.mark.faults
 def test_a_study_goes_on_after_all_its_processes_are_killed(project, undisturbed):
-    """It goes on by `--unlock`, and a run with `--rerun-incomplete`."""
+    """The user runs `--unlock`, and then the study with `--rerun-incomplete`."""
     process = project.start()
     wait(lambda: finished(project) and solver_processes(process))
     os.killpg(process.pid, signal.SIGKILL)
@@ -188,7 +185,7 @@ def test_a_study_goes_on_after_all_its_processes_are_killed(project, undisturbed
 
 @pytest.mark.faults
 def test_a_second_run_at_once_is_refused(project, undisturbed):
-    """The lock of the first run refuses it; the first ends with the same results as if alone."""
+    """The lock of the first run refuses it, and the first ends with the usual results."""
     first = project.start()
     wait(lambda: list((project.root / ".snakemake/locks").glob("*")))
     second = project.run()
@@ -230,7 +227,7 @@ def can_mount():
 def test_a_study_goes_on_after_its_results_filled_the_disk(project, undisturbed, room):
     """The first run fails on a file system of the size `room`: its files are whole, logs say why.
 
-    The second run, with more room, solves only lines that are not whole, and ends as undisturbed.
+    The second run, with more room, solves only lines that are not whole, and has all results.
     """
     if not can_mount():
         pytest.skip("needs the right to mount a small file system of its own")
@@ -270,10 +267,10 @@ def test_a_study_goes_on_after_its_results_filled_the_disk(project, undisturbed,
 
 @pytest.mark.faults
 def test_a_study_on_a_full_disk_goes_on_with_more_room(tmp_path, undisturbed):
-    """Configuration, logs and notes of Snakemake are on the disk, too; each run has more room.
+    """Configuration, logs and notes of Snakemake are on that disk, too; each run has more room.
 
-    Runs that fail say so without a traceback, and leave whole files. The first fails, the last
-    succeeds. Pages are not compared.
+    Runs that fail report it without a traceback, and leave whole files. The first run fails, the
+    last succeeds. Pages are not compared.
     """
     if not can_mount():
         pytest.skip("needs the right to mount a small file system of its own")
@@ -328,9 +325,9 @@ DEATHS = {
 @pytest.mark.faults
 @pytest.mark.parametrize("death", DEATHS)
 def test_the_log_says_why_the_process_of_a_job_ended(project, death):
-    """The last line of the log that the study names says it, and so does the terminal.
+    """The last line of its log says it, and so does the terminal.
 
-    Jobs import a module that is edited to die where it is asked to solve lines (`--each`).
+    Jobs import a module that is edited to end the process of a job that solves lines (`--each`).
     """
     line = "import time\n"
     # Snakemake's own process and the job that compiles kernels import it, too
@@ -350,42 +347,35 @@ def test_the_log_says_why_the_process_of_a_job_ended(project, death):
 @pytest.mark.faults
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="elsewhere jobs have no server")
 def test_a_killed_command_ends_all_that_it_started(tmp_path, request):
-    """Four signals kill it at three moments: as Snakemake starts, in the map, in the samples.
+    """Each of four signals is sent as Snakemake starts, in the map, and in the samples.
 
-    All processes that were below it end within a minute.
+    All processes below the command end within a minute.
     """
-    # below `nohup` a command ignores it, and is right to go on
+    # a command below `nohup` ignores SIGHUP, and is right to go on
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     request.addfinalizer(lambda: signal.signal(signal.SIGHUP, before))
     shutil.copy(ROOT / "config/scenes/gyro_s1.yaml", tmp_path / "mine.yaml")
     command = [sys.executable, "-m", "bearingwear", "study", "mine.yaml", "--stiffness", "3"]
 
-    def starts(run):
-        return jobs_below(run, "snakemake")
-
-    def is_in_the_map(run):
-        return jobs_below(run, "bearingwear.studies.design.recommend.small_map")
-
-    def samples(run):
-        return jobs_below(run, "uncertainty")
-
+    # words of the jobs at these moments, in the order in which the study runs them
+    moments = "snakemake", "bearingwear.studies.design.recommend.small_map", "uncertainty"
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGKILL):
         shutil.rmtree(tmp_path / "mine", ignore_errors=True)
-        for moment in (starts, is_in_the_map, samples):  # in the order of the priorities of rules
+        for word in moments:
             nothing = subprocess.DEVNULL
             run = subprocess.Popen(command, cwd=tmp_path, stdout=nothing, stderr=nothing)
-            wait(lambda run=run, moment=moment: run.poll() is not None or moment(run), 600.0)
-            assert run.poll() is None, (number, moment)
-            below = psutil.Process(run.pid).children(recursive=True)
+            wait(lambda run=run, word=word: run.poll() is not None or jobs_below(run, word), 600.0)
+            assert run.poll() is None, (number, word)
+            children = psutil.Process(run.pid).children(recursive=True)
             run.send_signal(number)
             run.wait()
-            _, alive = psutil.wait_procs(below, timeout=60)
-            assert below and not alive, (number, moment, alive)
+            _, alive = psutil.wait_procs(children, timeout=60)
+            assert children and not alive, (number, word, alive)
 
 
 @pytest.mark.faults
-def test_results_that_cannot_be_written_are_told_in_one_line(solved_tiny_study, undisturbed):
-    """The folder has no write permission; the line is in the log of cases that were removed.
+def test_results_that_cannot_be_written_are_reported_in_one_line(solved_tiny_study, undisturbed):
+    """The folder of two removed cases is not writable; the log of their job has one line on that.
 
     Once the folder is writable, the study goes on.
     """
@@ -414,9 +404,9 @@ def test_unsolved_cases_are_solved_once_the_solver_is_mended(solved_tiny_study, 
     before, it solves all four lines, to the bytes of the undisturbed study.
     """
     source = "bearingwear/kernels/steady/level_solver.py"
-    for most in ("NEWTON_STEPS", "most"):  # Newton's iterations, and those of the method after it
+    for limit in ("NEWTON_STEPS", "most"):  # Newton's iterations, and those of the method after it
         solved_tiny_study.edit(
-            source, f"for iteration in range({most}):", f"for iteration in range(0 * {most}):"
+            source, f"for iteration in range({limit}):", f"for iteration in range(0 * {limit}):"
         )
     run = solved_tiny_study.run()
     assert run.status == 1

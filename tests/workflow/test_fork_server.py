@@ -15,9 +15,9 @@ from bearingwear.studies import fork_server
 
 @pytest.mark.skipif(sys.platform != "linux", reason="jobs run alone where there is no pidfd")
 def test_a_client_that_is_killed_before_it_asks_holds_up_no_job(tmp_path, monkeypatch):
-    """A client connects and is closed without a word; the next job is served all the same.
+    """A client connects and is closed without a request; the next job is served all the same.
 
-    `sleep` stands in for Snakemake: when it ends, the server ends by itself.
+    The process `sleep` has the part of Snakemake: the server ends when it does.
     """
     monkeypatch.chdir(tmp_path)  # the address of a socket must be short
     snakemake = subprocess.Popen(["sleep", "60"])

@@ -25,7 +25,8 @@ from bearingwear.studies.design import plan as design_plan
 def study(tmp_path, monkeypatch, capfd):
     """Returns a function that runs `bearingwear study mine.yaml -o folder` with more options.
 
-    It returns exit status and output. mine.yaml is gyro_s1; grid, samples and map are small.
+    The function returns exit status and output. mine.yaml is gyro_s1; grid, samples and map are
+    small.
     """
     monkeypatch.setattr(own_study, "FRICTIONS", (1.0,))
     monkeypatch.setattr(own_study, "STATES_OF_WEAR", 2)
@@ -58,8 +59,8 @@ def rules(output):
 def test_a_study_of_one_scene_ends_with_its_page(study, tmp_path):
     """Run again, it does what is left: nothing, a deleted result, other limits, an edited scene.
 
-    This is one test, as it takes minutes and each run goes on from the one before. Exit status 4:
-    no preload meets the limits.
+    This is one test, as it takes minutes and each run goes on from the one before. Exit status 4
+    means that no preload satisfies the limits.
     """
     folder = tmp_path / "folder"
     status, output = study("-j2", "--stiffness", "3")
@@ -125,16 +126,16 @@ def in_a_folder(tmp_path):
 
 
 def test_an_interrupt_ends_the_command_and_all_that_it_started(in_a_folder):
-    """It comes after 4 s; the exit status is 130, and the last line names the interrupt."""
+    """Snakemake and its jobs end, too. The exit status is 130; the last line says interrupted."""
     run = subprocess.Popen(STUDY, **in_a_folder)
     time.sleep(4.0)  # by then Snakemake runs its first jobs
-    below = psutil.Process(run.pid).children(recursive=True)
+    children = psutil.Process(run.pid).children(recursive=True)
     run.send_signal(signal.SIGINT)
     _, output = run.communicate(timeout=60)
     assert run.returncode == 130 and output.endswith("interrupted\n") and "Traceback" not in output
-    _, left = psutil.wait_procs(below, timeout=30)
-    # one that ended may stay in the table of processes where nobody asks for its status
-    assert not [process for process in left if process.status() != psutil.STATUS_ZOMBIE]
+    _, alive = psutil.wait_procs(children, timeout=30)
+    # one that ended stays in the table of processes as long as no parent reads its status
+    assert all(child.status() == psutil.STATUS_ZOMBIE for child in alive)
 
 
 @pytest.mark.long
@@ -170,7 +171,7 @@ def test_a_closed_pipe_ends_the_study(in_a_folder):
     ],
 )
 def test_wrong_arguments_of_study_are_refused_in_one_line(study, arguments, expected, tmp_path):
-    """The exit status is 2. Without further arguments, the fault is a file in the folder."""
+    """The status is 2. Without arguments, the fault is another file in the folder."""
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "notes.txt").touch()
     status, printed = study(*arguments)
@@ -184,7 +185,7 @@ def test_wrong_arguments_of_study_are_refused_in_one_line(study, arguments, expe
     ids=["limits without a scene", "missing scene", "folder without a configuration"],
 )
 def test_a_study_of_nothing_is_refused(arguments, tmp_path, monkeypatch):
-    """The exit status is 2, and no file is made."""
+    """The status is 2, and no file is made."""
     monkeypatch.chdir(tmp_path)
     assert main(["study", *arguments]) == 2
     assert not list(tmp_path.iterdir())

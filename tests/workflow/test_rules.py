@@ -14,14 +14,14 @@ from bearingwear.provenance import PACKAGE, sources
 FILES = sorted(ROOT.glob("workflow/rules/*.smk"))
 TEXT = "\n".join(file.read_text(encoding="utf-8") for file in FILES)
 RULE_TABLE = benchmark("rule_table")
-# of each rule by its name: text, line of the shell, and such a line that runs a step of ours
+# by names of rules: their text, their line of the shell, and such a line if it runs a step of ours
 RULES = {name: body for name, _, body in RULE_TABLE.rules()}
 SHELL_LINES = {name: RULE_TABLE.shell_line(body) for name, body in RULES.items()}
 STEPS = {name: line for name, line in SHELL_LINES.items() if "bearingwear step " in line}
 
 
 def test_every_rule_has_a_name_and_no_rule_is_made_in_a_loop():
-    """The number of named rules, above 30, is that of lines that begin with the word `rule`."""
+    """There are as many names of rules as lines that begin with the word `rule`: more than 30."""
     assert len(RULES) == len(re.findall(r"^ *rule\b", TEXT, re.M)) > 30
 
 
@@ -34,9 +34,9 @@ def test_a_rule_says_in_a_sentence_what_it_makes():
 
 
 def test_the_table_of_rules_is_up_to_date():
-    """It has each rule with a line of the shell, and Python that can be imported.
+    """It has each rule with a line of the shell, and the Python that the line runs.
 
-    That is a function for a step, and a module for another program.
+    That is a function for a step, or a module for another program; both can be imported.
     """
     text = (ROOT / "docs/studies.md").read_text(encoding="utf-8")
     assert RULE_TABLE.renewed(text) == text, "run: python benchmarks/rule_table.py docs/studies.md"
@@ -44,11 +44,10 @@ def test_the_table_of_rules_is_up_to_date():
     assert {row[0] for row in rows} == {name for name, line in SHELL_LINES.items() if line}
     for name, _, _, python in rows:
         module, _, function = python.rpartition(".")
-        spec = importlib.util.find_spec(python) if name not in STEPS and python else None
         if name in STEPS:
             assert callable(getattr(importlib.import_module(module), function)), name
         elif python:
-            assert spec is not None, name
+            assert importlib.util.find_spec(python) is not None, name
 
 
 def test_the_code_common_to_the_rules_is_short():
@@ -75,7 +74,6 @@ def test_every_step_has_the_arguments_of_its_function_and_depends_on_its_source(
         signature = inspect.signature(getattr(importlib.import_module(module), function))
         names = re.findall(r"(?:^| )([a-z]\w*)=", arguments)
         signature.bind(**dict.fromkeys(names))  # a TypeError where they do not fit
-        # an edit of the function makes its results anew
         hashed = re.search(r'code=sources\(\s*"([\w.]+)"', RULES[name])
         if name != "verdict":  # which is called each time
             path = ROOT.joinpath(*module.split(".")).with_suffix(".py")
@@ -90,7 +88,10 @@ def test_the_files_of_the_workflow_are_installed():
 
 
 def test_the_image_is_made_by_commands_and_of_folders_that_are_there():
-    """The Dockerfile is only read; no test builds the image."""
+    """The Dockerfile copies folders that exist, all packages among them, and runs our commands.
+
+    No test builds the image.
+    """
     text = (ROOT / "Dockerfile").read_text(encoding="utf-8")
     for line in re.findall(r"^COPY (.+) \S+$", text, re.M):
         assert all((ROOT / name).exists() for name in line.split()), line

@@ -74,7 +74,7 @@ PartitionName=local Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
 
 
-def missing() -> str:
+def why_not_started() -> str:
     """Returns why no Slurm can be started here; the text is empty if one can."""
     lacking = [name for name in PROGRAMS if not shutil.which(name)]
     if lacking:
@@ -87,7 +87,7 @@ def missing() -> str:
 
 
 def stop(pid_file: Path) -> None:
-    """Ends the daemon whose number is in a file, and waits until it is gone, 10 s at most."""
+    """Ends the daemon whose process number is in a file, and waits for that, 10 s at most."""
     with suppress(FileNotFoundError, ProcessLookupError):
         pid = int(pid_file.read_text())
         os.kill(pid, signal.SIGTERM)
@@ -102,7 +102,7 @@ def cluster(tmp_path_factory):
 
     Where it cannot be started, tests are skipped, or fail if REQUIRE_SLURM is set.
     """
-    if reason := missing():
+    if reason := why_not_started():
         if os.environ.get("REQUIRE_SLURM"):
             pytest.fail(reason)
         pytest.skip(reason)
@@ -172,9 +172,9 @@ def test_a_study_on_slurm_has_the_same_bytes(study_on_slurm, new_project):
 
 
 def test_the_lines_of_a_study_are_one_job_of_the_cluster_and_its_lives_another(study_on_slurm):
-    """The queue has only these two: what takes a second is run where Snakemake runs.
+    """The queue has only these two: jobs of a second run where Snakemake runs.
 
-    Four lines of cases run one after the other: four minutes, but memory and cores of one line.
+    Four lines of cases run one after the other, in four minutes with memory and core of one line.
     """
     assert [line.split() for line in queued("%T %l %C %m")] == [
         ["COMPLETED", "1:00", "1", "1000M"],  # the lives, the newest first
@@ -183,7 +183,7 @@ def test_the_lines_of_a_study_are_one_job_of_the_cluster_and_its_lives_another(s
 
 
 def test_a_map_on_slurm_has_the_same_bytes(cluster, new_project):
-    """A map without a cluster has them, too. Its two parts are one job, of four minutes each."""
+    """They are those of a map without a cluster. Two parts are one job of twice four minutes."""
     target, contents = "results/gyro_s1/design/design.nc", []
     axes = {"preload_method": ["constant_force", "fixed_position"], "friction": [0.08]}
     axes |= {"shaft_speed_rpm": [30000], "preload_N": [2.0, 4.0, 6.0]}

@@ -1,8 +1,8 @@
 """The study as its user runs it: what a run makes, and what a change makes anew.
 
-Which sources and values a job reads is asked, without Snakemake, by tests/test_provenance.py,
-tests/studies/test_configuration.py and test_rules.py. `make test` tries here that Snakemake heeds
-it for a source, a scene and what is not read; `make test-long` for the rest.
+Which sources and values a job reads is tested, without Snakemake, by tests/test_provenance.py,
+tests/studies/test_configuration.py and test_rules.py. Here `make test` tests that Snakemake runs
+such jobs again for a source, a scene and what is not read; `make test-long` tests the rest.
 """
 
 import copy
@@ -25,7 +25,7 @@ from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.effects.choice import choice
 
-# a case of the small study, which tests/workflow/conftest.py configures; its figures, by folder
+# a case and, by folder, the figures of the small study that tests/workflow/conftest.py configures
 WORN = "fixed_position-mu0.080-loss0.50"
 FIGURES_OF_THE_SMALL_STUDY = {
     "gyro_s1/figures": {"fig07_fresh", "fig08_worn", "fig09_slip", "fig10_wear", "wear_life"},
@@ -33,9 +33,10 @@ FIGURES_OF_THE_SMALL_STUDY = {
     "figures": {"fig10_wear", "spread_drag"},
 }
 
-# rules that draw figures; and a study of one case
+# rules that draw figures
 DRAWN = {"figures", "friction_figures", "overlay", "wear_columns"}
 
+# a study of one case
 ONE_CASE = {
     "scenes": ["gyro_s1"],
     "preload_method": ["constant_force"],
@@ -72,7 +73,7 @@ def test_every_study_is_planned(repository):
 
 
 def test_the_linter_of_snakemake_asks_for_environments_alone(repository):
-    """It has findings, all of them that a rule has no environment of its own."""
+    """All its findings are that a rule has no environment of its own."""
     run = repository.run("--lint", jobs=None)
     findings = re.findall(r"^    \* (.*)$", run.text, re.M)
     # the study is one package in one environment: no rule needs one of its own
@@ -88,7 +89,7 @@ def test_options_that_run_no_job_need_no_jobs(repository, option):
 
 
 def test_a_run_makes_everything_and_then_nothing(first_run, solved_study):
-    """The run makes studies, lives, tables, figures, the page with its links, and the verdict.
+    """It makes studies, lives, tables, figures, the page with its links, and the verdict.
 
     A copy of the project in another folder has nothing left to do.
     """
@@ -118,10 +119,10 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved_study):
 
 
 def test_the_notebook_runs_on_a_study_and_draws_the_figures(solved_study):
-    """Every cell is run as plain Python; Snakemake has nothing to make there.
+    """Every cell runs as plain Python; Snakemake has nothing to make there.
 
-    Its variable `preload_left` has the share of the preload at a loss of 0.5 um, by method: all of
-    it under a spring, and at a fixed position 0.40 in the paper, here 0.2 to 0.6.
+    Its variable `preload_left` has the share of the preload at a loss of 0.5 um, by method. It is
+    one under a spring, and 0.2 to 0.6 in a fixed position; the paper has 0.40.
     """
     cells = json.loads((ROOT / "docs/paper.ipynb").read_text(encoding="utf-8"))["cells"]
     code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
@@ -197,7 +198,7 @@ def test_captions_find_the_files_that_they_name():
 
 
 def test_the_page_shows_large_maps_if_the_configuration_says_so(solved_study):
-    """A map that is merely present is not shown: the configuration decides what the page has."""
+    """The inputs of the page follow from the configuration, not from the maps that are there."""
     path = solved_study.root / "config/design.yaml"
     design = yaml.safe_load(path.read_text(encoding="utf-8"))
     axes = {"preload_method": ["constant_force"], "friction": [0.02, 0.08]}
@@ -233,7 +234,7 @@ def test_a_forced_case_is_solved_again(solved_study):
 
 @pytest.mark.long
 def test_chunks_of_several_lines_give_the_bytes_of_single_lines(first_run, solved_study):
-    """With four points to a job, two jobs solve two lines each, one for each preload method."""
+    """With four points to a job there are two jobs of two lines each, one for each method."""
     before = first_run[0].results()
     shutil.rmtree(solved_study.root / "results")
     config = solved_study.config
@@ -249,10 +250,10 @@ def test_chunks_of_several_lines_give_the_bytes_of_single_lines(first_run, solve
 
 
 def test_edits_without_effect_run_no_job(solved_study):
-    """Dates, comments, help texts, digits of a configuration and values no job reads are edited."""
+    """They change dates, comments, help texts, order and digits of lists, and values none reads."""
     scene = "config/scenes/gyro_s1.yaml"
     with (solved_study.root / scene).open("a") as file:
-        file.write("# said again\n")
+        file.write("# a comment\n")
     # nothing reads the clearance of a cage that is not asked for
     solved_study.edit(scene, "pocket_clearance_mm: 0.15", "pocket_clearance_mm: 0.16")
     solved_study.edit("bearingwear/arguments.py", "a result file of any kind", "any result file")
@@ -289,7 +290,7 @@ def test_an_edited_figure_runs_the_jobs_of_its_study_alone(solved_study):
 
 
 def test_a_file_that_no_rule_makes_is_refused_by_name(solved_study):
-    """The file is studies.nc in place of study.nc; there is no traceback."""
+    """The error names studies.nc, asked for in place of study.nc, without a traceback."""
     run = solved_study.run("-n", "results/gyro_s1/studies.nc")
     assert run.status == 1 and "results/gyro_s1/studies.nc" in run.text
     assert "Traceback" not in run.text
@@ -297,7 +298,7 @@ def test_a_file_that_no_rule_makes_is_refused_by_name(solved_study):
 
 @pytest.mark.long
 def test_an_edited_source_of_the_study_gathers_again_and_solves_nothing(solved_study):
-    """A comment on code is an edit; of both scenes studies and lives are made again."""
+    """A comment on a line of code is an edit: studies and lives of both scenes are made again."""
     solved_study.edit(
         "bearingwear/studies/dataset.py", "import numpy as np\n", "import numpy as np  # edited\n"
     )
@@ -308,7 +309,7 @@ def test_an_edited_source_of_the_study_gathers_again_and_solves_nothing(solved_s
 
 @pytest.mark.long
 def test_an_edited_friction_solves_its_lines_alone(solved_study):
-    """It is 0.081 in place of 0.08: a line of each preload method is solved, a study gathered."""
+    """With 0.081 for 0.08, a line for each preload method and the study of one scene are made."""
     config = solved_study.config
     config["studies"][0]["friction"] = [0.02, 0.081]
     config["figures"].update(friction=[0.02, 0.081], wear_columns=[])
@@ -318,7 +319,7 @@ def test_an_edited_friction_solves_its_lines_alone(solved_study):
 
 
 def test_edits_that_no_case_reads_solve_none(solved_study):
-    """Edits are of the friction, which the study varies, the description, and a text of the page.
+    """Edited are the friction of the scene, which the study varies, its description, and the page.
 
     Only the page is made again, and the verdict, which always is.
     """
@@ -332,7 +333,7 @@ def test_edits_that_no_case_reads_solve_none(solved_study):
 
 @pytest.mark.long
 def test_uncertain_values_are_read_by_lives_and_no_case(solved_study):
-    """The scene loses one of its distributions, which lives quote; no case is solved again.
+    """The scene loses one of its distributions, which lives state; no case is solved again.
 
     Lives of both scenes and the map of preloads are made again, one scene being based on the other.
     """
@@ -357,7 +358,7 @@ def test_an_edited_scene_solves_its_cases_alone(solved_study):
 
 
 def test_a_broken_configuration_is_refused_in_one_line(new_project):
-    """The key `friction` is misspelt. Other faults: tests/studies/test_configuration.py."""
+    """Here a key is misspelt. tests/studies/test_configuration.py has other faults."""
     project = new_project()
     config = copy.deepcopy(project.config)
     config["studies"][0]["frictoin"] = [0.1]
@@ -369,7 +370,7 @@ def test_a_broken_configuration_is_refused_in_one_line(new_project):
 
 
 def test_a_broken_scene_stops_with_one_line(new_project):
-    """A friction below zero: file, key and value are named once, and nothing is made."""
+    """The friction is below zero: file, key and value are named once, and nothing is made."""
     project = new_project()
     project.edit("config/scenes/gyro_s1_drag.yaml", "ball_race: 0.02", "ball_race: -0.02")
     run = project.run()
@@ -381,7 +382,7 @@ def test_a_broken_scene_stops_with_one_line(new_project):
 
 @pytest.mark.long
 def test_a_given_configuration_replaces_that_of_the_folder(first_run):
-    """With `--configfile`, only its one case is planned, and nothing of config/config.yaml."""
+    """Given by `--configfile`, it has one case; nothing of config/config.yaml is planned."""
     project, _ = first_run
     study = {**ONE_CASE, "friction": [0.03]}
     other = project.root.parent / "other.yaml"
@@ -394,9 +395,9 @@ def test_a_given_configuration_replaces_that_of_the_folder(first_run):
 @pytest.mark.long
 @pytest.mark.skipif(not has_dynamic_model("gyro_s1"), reason="no dynamic model in this version")
 def test_dynamic_cases_are_solved_and_drawn_with_the_study(new_project):
-    """A case of four strips lasts half a turn; it has figures and a table beside the steady one.
+    """A case of four strips is solved for half a turn, beside its steady case.
 
-    Another number of turns is planned to be solved again, and no steady case.
+    With another number of turns, only the dynamic case is planned again.
     """
     project = new_project()
     paper = "model: {contact: paper"

@@ -24,7 +24,7 @@ def plugin():
 
 
 def test_a_study_by_a_submit_command_has_the_same_bytes(plugin, new_project, first_run):
-    """A study without a cluster has them, too. There is one job, and afterwards nothing to do."""
+    """They are those of a study without a cluster. It is one job; then nothing is left to do."""
     project, target = new_project(), "results/gyro_s1/study.nc"
     script = project.root / "submit.sh"
     script.write_text(SUBMIT, encoding="utf-8")

@@ -62,7 +62,7 @@ def rows_of(table) -> dict[str, Row]:
 
 
 def test_the_answer_has_the_numbers_of_the_files(files, tmp_path):
-    """They are in its title, its sentences, and three tables by their places on the page.
+    """The title, the sentences and three tables have them. Tables are named by their places.
 
     Table `open` is the recommendation, `lead` what would change the choice of method, `charted` the
     points of the map. The small study recommends a constant force.
@@ -70,17 +70,17 @@ def test_the_answer_has_the_numbers_of_the_files(files, tmp_path):
     path = tmp_path / "answer.json"
     assert step("studies.design.document.sheets.design_answer", path, **files) == 0
     answer, dataset = load_document(path), load(files["recommendation"])
-    spring = float(dataset["life"][0])
+    life = float(dataset["life"][0])  # under a constant force
     preload = float(dataset["preload"][0])
     assert "(constant force)" in answer.title
     assert numbers_in(answer.title) == [preload, 3.0, 30000.0]  # N, N/um, r/min
     assert numbers_in(answer.heading[1]) == [30000.0, 0.08]  # r/min, friction
     sentences = sentences_of(answer)
-    assert f"{digits(spring)} h" in sentences["verdict"]
+    assert f"{digits(life)} h" in sentences["verdict"]
     assert "temperature.inner_ring_C" in sentences["strip"]
     tables = tables_of(answer)
     recommended = rows_of(tables["open"])
-    assert recommended["life"].values[0] == spring
+    assert recommended["life"].values[0] == life
     assert recommended["active_limit"].values[0] == LIMITED[STIFFNESS].words_of(
         "system_axial_stiffness", short=True
     )
@@ -90,8 +90,8 @@ def test_the_answer_has_the_numbers_of_the_files(files, tmp_path):
     assert len(tables["charted"].table[1]) == 2 * load(files["design"]).sizes["preload"]
 
 
-def test_the_answer_has_three_sentences_at_most(files, tmp_path):
-    """The strip of assumptions does not count."""
+def test_the_answer_has_three_sentences_at_most(files):
+    """Sentences in the strip of assumptions do not count."""
     answer = preload_document(load(files["recommendation"]), load(files["design"]))
     lines = [line for block in answer.blocks if block.place != "strip" for line in block.lines]
     assert 0 < len(lines) <= 3
@@ -110,7 +110,7 @@ def test_each_point_of_the_table_names_the_requirements_that_it_violates(files):
 
 
 def test_the_table_has_the_units_of_the_requirements_and_says_why_a_life_is_zero(files):
-    """All lives are zero here; powers of more than a kilowatt stay in W, as in their key."""
+    """All lives of the map are zero here; powers above a kilowatt stay in W, as their key says."""
     design = load(files["design"])
     design["life"][...] = 0.0
     design["friction_power"][...] *= 1e6
@@ -167,8 +167,8 @@ def test_the_headline_without_a_requirement_is_an_advice(files):
 def test_a_fixed_position_is_set_by_an_offset(files):
     """The offset [um] is twice the approach of the rings of one bearing under its preload.
 
-    The answer also says that its life ends with 40 % of the preload left, and the preload at speed
-    in brackets where that differs.
+    The answer also says that its life ends with 40 % of the preload left. Brackets have the preload
+    at speed where it differs.
     """
     design, dataset = load(files["design"]), load(files["recommendation"])
     dataset["life"][1] = 2.0 * float(dataset["life"][0])  # so that a fixed position is better
@@ -184,11 +184,11 @@ def test_a_fixed_position_is_set_by_an_offset(files):
     assert f"({digits(3.0 * preload)} N at speed)" in preload_document(dataset, design).title
 
 
-def test_the_preload_of_a_set_is_that_of_a_side_and_of_which_pair(files):
-    """Two bearings against one are matched as a pair with 1/1.36 of the preload of a side.
+def test_the_preload_of_a_set_is_stated_for_a_side_and_for_a_matched_pair(files):
+    """Two bearings against one need bearings that are matched for 1/1.36 of the preload of a side.
 
-    The factor is that of `set_preload_ratio`; makers print 1.35 or 1.36. Bearings under a spring,
-    the first method, are not matched.
+    Makers print the factor as 1.35 or 1.36. Bearings under a spring, the first method, are not
+    matched.
     """
     dataset = load(files["recommendation"])
     scene = json.loads(dataset.attrs["scene"])
@@ -201,8 +201,8 @@ def test_the_preload_of_a_set_is_that_of_a_side_and_of_which_pair(files):
         words = sentences_of(preload_document(dataset))["lead"]
         preload = float(dataset["preload"][k])
         assert preload in numbers_in(words) and "on each side" in words
-        of_pair = pytest.approx(preload / 1.36, rel=5e-3)
-        assert any(number == of_pair for number in numbers_in(words)) == is_matched
+        pair_preload = pytest.approx(preload / 1.36, rel=5e-3)  # three digits are printed
+        assert any(number == pair_preload for number in numbers_in(words)) == is_matched
 
 
 def test_achieved_values_have_no_power_of_ten(files, tmp_path):
@@ -218,7 +218,7 @@ def test_achieved_values_have_no_power_of_ten(files, tmp_path):
 
 
 def test_the_chart_of_life_has_the_required_life(files, tmp_path):
-    """It is in hours, as its lines; the required stiffness in another chart is in N/um."""
+    """It is in hours, as the curves are; the stiffness of another chart is in N/um."""
     required = {"life_h": 1.5, STIFFNESS: 3.0}
     for name, path in files.items():
         changed = load(path).assign_attrs(limits=json.dumps(required))
@@ -255,9 +255,9 @@ def test_a_tolerance_that_was_not_sought_says_so(files):
 
 @pytest.mark.parametrize("ratio, is_stated", [(0.99, True), (0.5, False)])
 def test_another_method_with_about_the_same_life_is_stated(files, ratio, is_stated):
-    """The sentence has its preload [N].
+    """Its preload [N] is stated, too.
 
-    ratio: life of the second method over that of the first.
+    ratio: of the life of the second method to that of the first.
     """
     dataset = load(files["recommendation"])
     dataset["life"][1] = ratio * float(dataset["life"][0])
@@ -291,7 +291,7 @@ def test_one_preload_is_specified_with_a_tolerance_that_keeps_the_requirements(f
 
 
 def test_a_spacer_that_is_off_by_its_tolerance_stays_within_the_range(files):
-    """A fixed position may have its recommended preload up to 1.5 times that.
+    """The range goes from the recommended preload of a fixed position to 1.5 times that preload.
 
     In offsets [um], the tolerance is minus zero, plus 90 to 100 % of the room: it is rounded down.
     """
@@ -352,21 +352,21 @@ def median_life(dataset):
 
 
 def test_the_spread_is_that_of_the_recommended_preload(files, spread_file, small_project, tmp_path):
-    """Lives are sampled about the preload to take, not about the scene's own."""
-    own = tmp_path / "own.nc"
+    """Lives are sampled about the recommended preload, not about the scene's own."""
+    about_scene = tmp_path / "about_scene.nc"
     scene = small_project / "mine.yaml"
-    assert step(f"{QUANTILES}.uncertain_lives", own, settings=SAMPLING, scene=scene) == 0
+    assert step(f"{QUANTILES}.uncertain_lives", about_scene, settings=SAMPLING, scene=scene) == 0
     spread, dataset = load(spread_file), load(files["recommendation"])
     preloads = spread["preload"].values.ravel().tolist()
     assert preloads == dataset["preload"].values.tolist()
     nominal = spread["nominal_life"].values.ravel()
     assert nominal == pytest.approx(dataset["life"].values, rel=0.02)  # sampled lives are quick
     # at 4.1 N in place of the scene's 7 N, about half as long again
-    assert median_life(spread) > 1.3 * median_life(load(own))
+    assert median_life(spread) > 1.3 * median_life(load(about_scene))
 
 
 def test_the_answer_has_the_spread_of_its_file(files, spread_file, tmp_path):
-    """A row of the table `open` for each quantile that the file has, and none for another."""
+    """The table `open` has a row for each quantile of the file, and none for another quantile."""
     answer = tmp_path / "answer.json"
     run = "studies.design.document.sheets.design_answer"
     assert step(run, answer, **files, spread=spread_file) == 0
@@ -381,23 +381,23 @@ def test_the_answer_has_the_spread_of_its_file(files, spread_file, tmp_path):
 
 
 def test_without_a_recommendation_no_life_is_sampled(files, small_project, tmp_path):
-    """A study whose requirements no preload meets still ends with its answer."""
+    """A study whose limits no preload satisfies still ends with its answer."""
     none, path, answer = (tmp_path / name for name in ("none.nc", "spread.nc", "answer.json"))
     dataset = load(files["recommendation"])
     for name in ("life", "preload"):
         dataset[name][...] = np.nan
     dataset.to_netcdf(none)
     inputs = {"scene": small_project / "mine.yaml", "recommendation": none}
-    run = "studies.uncertainty.quantiles.recommended_life_quantiles"
-    assert step(run, path, settings={"samples": 16, "seed": 1}, **inputs) == 0
+    run = f"{QUANTILES}.recommended_life_quantiles"
+    assert step(run, path, settings=SAMPLING, **inputs) == 0
     assert load(path).sizes["preload_method"] == 0
     inputs = {"design": files["design"], "recommendation": none, "spread": path}
     assert step("studies.design.document.sheets.design_answer", answer, **inputs) == 0
     assert load_document(answer).title.startswith("mine: no preload")
 
 
-def test_the_requirement_that_nobody_gave_is_named_where_it_rejects_a_preload(files):
-    """A bearing that keeps no preload lifts off; the words do not name its residual preload."""
+def test_the_implied_requirement_is_named_where_it_rejects_a_preload(files):
+    """No bearing may lift off, though no user requires it; one without residual preload does."""
     point = load(files["recommendation"]).isel(preload_method=0)
     assert "lifts off" not in violated_words(point)
     for name in LIMITED["preload_kept"].extremes:

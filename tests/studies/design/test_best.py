@@ -1,4 +1,4 @@
-"""The sweep for the best preload, on lives that are written down, with what deceives a search."""
+"""The search for the best preload: on lives by formulas that could deceive it, and on bearings."""
 
 import json
 import math
@@ -47,12 +47,15 @@ def scene():
 
 
 class InventedLives:
-    """A search for the best preload by invented lives; quick ones are 1 % short, 2 % less stiff.
+    """A search for the best preload by invented lives, of which quick ones have errors.
 
-    life, stiffness [N/m] and practical (a bool) are functions of the preload [N]; a life of NaN is
-    one that was not solved. `other` is the search by the other preload method; if it is None, that
-    method is left out. `count` has the number of solves of each kind. new_over_worn: stiffness of
-    new bearings over that of worn ones.
+    Quick lives are 1 % too short and have 2 % too little stiffness. `count` has the number of
+    solves of each kind.
+
+    life, stiffness [N/m], practical (a bool): functions of the preload [N] with a constant force. A
+    life of NaN is not solved.
+    other: InventedLives with a fixed position; without it, that method is not searched.
+    new_over_worn: ratio of the stiffnesses of a new bearing and of a worn one.
     """
 
     def __init__(
@@ -66,34 +69,41 @@ class InventedLives:
     ):
         self.life, self.stiffness, self.practical, self.other = life, stiffness, practical, other
         self.new_over_worn = new_over_worn
-        self.count = {NEW_BEARING: 0, EXACT_LIFE: 0}
+        self.count = dict.fromkeys((NEW_BEARING, QUICK_LIFE, EXACT_LIFE), 0)
         self.search = PreloadSearch(scene, STIFF, self.answers_at)
         self.line = self.search.lines[0]
         if other is None:
             self.search.lines = [self.line]
 
     def answers_at(self, _, jobs):
-        """Stands in for `Workers.answers_at`: a job is a scene, limits, and a kind of solve."""
+        """Returns the values of each job, as `Workers.answers_at` does.
+
+        jobs: scene, limits, and kind of solve.
+        """
         return [self.values(scene.operation, solved) for scene, _, solved in jobs]
 
     def values(self, operation, solved):
-        """Returns the values of a design point for a kind of solve."""
-        self.count[solved] = self.count.get(solved, 0) + 1
+        """Returns the values of a design point, and counts it.
+
+        solved: kind of solve, such as QUICK_LIFE.
+        """
+        self.count[solved] += 1
         preload = operation.preload_N
-        lives = self if operation.preload_method == "constant_force" else self.other
-        life = lives.life(preload)
+        invented = self if operation.preload_method == "constant_force" else self.other
+        life = invented.life(preload)
         if math.isnan(life):
             return {"status": NOT_CONVERGED, "end_criterion": len(ENDS)}  # none
         is_quick = solved == QUICK_LIFE
-        stiffness = lives.stiffness(preload) * (0.98 if is_quick else 1.0)
+        stiffness = invented.stiffness(preload) * (0.98 if is_quick else 1.0)
         if solved == NEW_BEARING:
-            stiffness *= lives.new_over_worn
+            stiffness *= invented.new_over_worn
         values = dict.fromkeys(LIMITED["axial_stiffness_N_um"].extremes, stiffness)
-        # two criteria, 0 and 1, of which the second ends the lives of `peak` at low preloads
-        values |= {"status": OK, "end_criterion": int(lives.life is peak and preload < 333.0)}
+        # one criterion ends all lives but those of `peak` at low preloads
+        end_criterion = 1 if invented.life is peak and preload < 333.0 else 0
+        values |= {"status": OK, "end_criterion": end_criterion}
         if solved != NEW_BEARING:
             values |= {"life": life * (0.99 if is_quick else 1.0)}
-            values |= {"impractical": 0 if lives.practical(preload) else 1}
+            values |= {"impractical": 0 if invented.practical(preload) else 1}
         return values
 
     def best_point(self):
@@ -103,36 +113,36 @@ class InventedLives:
 
     def best_of_all(self):
         """Returns the longest life within the limits, at 2773 preloads that are 0.1 % apart."""
-        every = np.geomspace(FIRST, LAST, 2773)
-        allowed = [p for p in every if self.stiffness(p) >= 20e6]
-        return np.nanmax([self.life(p) for p in allowed if self.practical(p)])
+        preloads = np.geomspace(FIRST, LAST, 2773)
+        allowed = [p for p in preloads if self.stiffness(p) >= 20e6 and self.practical(p)]
+        return np.nanmax([self.life(p) for p in allowed])
 
 
-# Lives over a preload p [N], in arbitrary units.
+# lives at a preload p [N], in arbitrary units
 
 
 def falling(p):
-    """A life inverse to the preload above 100 N, and zero up to that."""
+    """Returns a life that is inverse to the preload, but zero up to 100 N."""
     return 1000.0 / p if p > FIRST else 0.0
 
 
 def cliff(p):
-    """A life as `falling`, but thirty times shorter below 427 N."""
+    """Returns a life like `falling`, but thirty times shorter below 427 N."""
     return falling(p) / (30.0 if p < 427.0 else 1.0)
 
 
-def nothing(p):
-    """A life as `falling`, but zero below 427 N, as of a criterion that is met when new."""
+def ended_when_new(p):
+    """Returns a life like `falling`, but zero below 427 N: new bearings meet a criterion there."""
     return 0.0 if p < 427.0 else falling(p)
 
 
 def unsolved(p):
-    """A life as `falling`, but not solved below 427 N."""
+    """Returns a life like `falling`, but NaN below 427 N, where nothing is solved."""
     return math.nan if p < 427.0 else falling(p)
 
 
 def peak(p):
-    """A life by two criteria: as `falling`, or rising with the preload; both are equal at 333 N."""
+    """Returns the shorter of two lives by different criteria, which are equal at 333 N."""
     return min(falling(p), 1000.0 / 333.0 * (p / 333.0) ** 1.2)
 
 
@@ -142,15 +152,16 @@ def peak(p):
         (falling, lambda p: 20e6 * (p / 381.6) ** 1.4, "axial_stiffness_N_um"),
         (peak, lambda p: 1e9, "end_of_life"),
         (cliff, lambda p: 1e9, "none"),
-        (nothing, lambda p: 1e9, "none"),
+        (ended_when_new, lambda p: 1e9, "none"),
         (unsolved, lambda p: 1e9, "not_solved"),
     ],
 )
 def test_no_allowed_preload_is_better_by_one_per_cent(scene, life, stiffness, active_limit):
     """The best of the search, by an exact life, is compared with brute force.
 
-    active_limit: name in `ACTIVE` of what forbids the longer lives beside it. 381.6 and 427 N lie
-    between preloads of the grid, which are 19 % apart.
+    Preloads of the grid are 19 % apart; 381.6 and 427 N lie between them.
+
+    active_limit: name in `ACTIVE` of what forbids the longer lives beside the best one.
     """
     lives = InventedLives(scene, life, stiffness)
     best = lives.best_point()
@@ -163,10 +174,10 @@ def test_no_allowed_preload_is_better_by_one_per_cent(scene, life, stiffness, ac
 
 
 def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
-    """A stiffness that is enough from 322 to 338 N and again from 700 N on.
+    """The stiffness is enough from 322 to 338 N and again from 700 N on.
 
-    With lives of 1000/p the better of the two ranges is the narrow one. By quick lives, 2 % less
-    stiff, no preload of the grid is stiff enough there.
+    As lives are 1000/p, the narrow range is the better one. Quick lives have 2 % less stiffness:
+    by them, no preload of the grid is stiff enough there.
     """
 
     def stiffness(p):
@@ -178,9 +189,10 @@ def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it(scene):
 
 
 def test_both_ends_of_an_allowed_range_are_found(scene):
-    """250 to 326 N are allowed worn. Both ends live longer than the middle, the lower one most.
+    """250 to 326 N are allowed. Lives are longer at both ends than between, and longest at 250 N.
 
-    The lower end is given by the stiffness, which new is twice as high; the upper one is practical.
+    The worn bearing is stiff enough from 250 N on, the new one is twice as stiff. Above 326 N
+    designs are impractical.
     """
 
     def valley(p):
@@ -196,19 +208,19 @@ def test_both_ends_of_an_allowed_range_are_found(scene):
 
 
 def test_a_preload_may_be_set_where_the_life_is_similar(scene):
-    """Settable points go from the cliff at 427 N up to lives of `SIMILAR` times the best.
+    """These preloads begin at the cliff at 427 N, and their lives are `SIMILAR` times the best.
 
-    They contain preloads more than 5 % above the best one.
+    The greatest is more than 5 % above the best one.
     """
     lives = InventedLives(scene, cliff)
     best = lives.best_point()
-    similar = [point.preload for point in lives.search.settable_points(lives.line)]
-    assert similar[0] >= 427.0 and cliff(similar[-1]) >= SIMILAR * best.life
-    assert similar[-1] > 1.05 * best.preload
+    preloads = [point.preload for point in lives.search.settable_points(lives.line)]
+    assert preloads[0] >= 427.0 and cliff(preloads[-1]) >= SIMILAR * best.life
+    assert preloads[-1] > 1.05 * best.preload
 
 
 def test_an_impractical_preload_is_not_recommended(scene):
-    """Up to 251.3 N lives are longer but impractical: the best is at most 1 % above."""
+    """Up to 251.3 N lives are longer but designs impractical: the best is at most 1 % above."""
     lives = InventedLives(scene, falling, practical=lambda p: p > 251.3)
     best = lives.best_point()
     assert 251.3 < best.preload < 1.01 * 251.3
@@ -218,7 +230,7 @@ def test_an_impractical_preload_is_not_recommended(scene):
 @pytest.mark.parametrize(
     "life, stiffness, preload, active_limit, has_point_beyond",
     [
-        # below the range, which begins at an eighth of the scene's 283 N: to the required stiffness
+        # down to the required stiffness; the range begins at an eighth of the scene's 283 N
         (
             lambda p: 1e3 / p,
             lambda p: 20e6 * (p / 11.0) ** 1.4,
@@ -226,16 +238,18 @@ def test_an_impractical_preload_is_not_recommended(scene):
             "axial_stiffness_N_um",
             False,
         ),
-        # a life that hardly grows any more there
+        # at the end of the range, as lives below it are hardly longer
         (lambda p: 1e3 / (2e3 + p), lambda p: 1e9, 283.0 / 8.0, "end_of_range", True),
     ],
 )
 def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
     scene, life, stiffness, preload, active_limit, has_point_beyond
 ):
-    """preload: expected best one [N], to 1 %.
+    """The extension is taken if its lives are more than 10 % longer than that at the end.
 
-    has_point_beyond: whether a preload beyond the range lives longer than that at its end.
+    preload: expected best one [N], to 1 %.
+    active_limit: name in `ACTIVE` of what forbids longer lives.
+    has_point_beyond: whether the search names a better preload beyond the one at the end.
     """
     lives = InventedLives(scene, life, stiffness)
     best = lives.best_point()
@@ -245,13 +259,13 @@ def test_a_search_goes_beyond_the_range_while_that_lengthens_the_life(
 
 
 def why_no_preload(lives):
-    """Returns the text that says why a search has found no preload, which must be so."""
+    """Runs a search, which must find no preload, and returns the text that says why."""
     assert lives.best_point() is None
     return infeasibility_text(lives.line.points(STIFF), STIFF, has_cases=False)
 
 
 def test_the_best_stiffness_is_named_where_none_is_enough(scene):
-    """It is p^0.3 N/um, with p in N: 15.4 at the end of the range, 32 times the scene's 283 N."""
+    """The stiffness at p N is p^0.3 N/um: 15.4 at the end of the range, 32 times the 283 N."""
     why = why_no_preload(InventedLives(scene, falling, lambda p: 1e6 * p**0.3))
     assert why.startswith("axial stiffness of one bearing")
     assert numbers_in(why)[:3] == [20, 15.4, 9060]  # N/um required, N/um at best, N
@@ -277,9 +291,9 @@ def test_no_computed_life_is_named(scene):
 
 
 def test_requirements_that_cannot_be_met_together_are_named():
-    """At k N the stiffness is k N/um and the power 0.1 k W: 3.5 N/um need 4 N, 0.33 W at most 3 N.
+    """At k N the stiffness is k N/um and the power 0.1 k W.
 
-    Each of the two requirements can be met without the other.
+    Of 1, 2, 3 and 4 N, only 4 N have 3.5 N/um, and only 3 N and less take no more than 0.33 W.
     """
     limits = DesignLimits(axial_stiffness_N_um=3.5, friction_power_W=0.33, at_speed_only=True)
     stiffness = LIMITED["axial_stiffness_N_um"].extremes
@@ -327,8 +341,8 @@ def test_wear_is_named_where_it_rules_out_what_new_bearings_allow():
         values |= {"status": OK, "life": 10.0, "end_criterion": 0}
         return PreloadPoint(float(k), values, solved)
 
-    order = [point(3, 0.9, NEW_BEARING), point(4, 0.3, EXACT_LIFE), point(5, 0.2, EXACT_LIFE)]
-    why = infeasibility_text(order, limits, has_cases=False)
+    points = [point(3, 0.9, NEW_BEARING), point(4, 0.3, EXACT_LIFE), point(5, 0.2, EXACT_LIFE)]
+    why = infeasibility_text(points, limits, has_cases=False)
     assert "individually" in why and "stiffness" not in why
     assert numbers_in(why)[-2:] == [30, 4]  # % of the preload kept, at 4 N
 
@@ -351,7 +365,7 @@ def test_the_stiffness_at_which_the_other_method_is_better(scene):
 
 
 def test_numbers_have_as_few_digits_as_fit_between_two():
-    """Three digits at least, and more where the rounded number would not lie between the two."""
+    """Numbers keep three digits, or more where the rounded one would not lie between the two."""
     assert round_number(381.62, 280.0, 396.0) == 382.0
     assert round_number(381.62, 381.0, 382.0) == 381.6
     assert round_number(1019.57, 990.0, 1100.0) == 1020.0

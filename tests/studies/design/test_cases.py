@@ -25,20 +25,21 @@ LIMITS = DesignLimits(launch_g=30.0, torque_margin=0.5)
 def scene():
     """Returns a rigid pair with the cases `cold` and `hot` beside the nominal one.
 
-    Inner rings are 1 K colder than outer rings in the first, and 2 K warmer in the second. A launch
-    and a drive have requirements. Contacts are Hertzian.
+    Inner rings are 1 K colder than outer rings in `cold`, and 2 K warmer in `hot`. The scene has a
+    launch and a drive, to which LIMITS apply. Contacts are Hertzian.
     """
     plain = bearingwear.new(
         designation="7001C", maker="NSK", preload_class="L", speed=3000.0, friction=0.1,
         preload_method="fixed_position",
     )  # fmt: skip
     arrangement = {"kind": "rigid_pair", "rotor_mass_kg": 0.5, "span_mm": 25.0}
-    # shares of the difference between the rings; outer ring and difference, in degC and K
-    rings = {"inner_ring_C": 1.0, "balls_C": 0.5, "outer_ring_C": 0.0}
-    at = {"cold": (-30.0, -1.0), "hot": (60.0, 2.0)}
+    temperatures = {  # [degC]
+        "cold": {"inner_ring_C": -31.0, "balls_C": -30.5, "outer_ring_C": -30.0},
+        "hot": {"inner_ring_C": 62.0, "balls_C": 61.0, "outer_ring_C": 60.0},
+    }
     cases = {
-        name: {f"temperature.{key}": C + share * K for key, share in rings.items()}
-        for name, (C, K) in at.items()
+        name: {f"temperature.{part}": C for part, C in values.items()}
+        for name, values in temperatures.items()
     }
     return plain.with_(
         {f"arrangement.{key}": value for key, value in arrangement.items()}
@@ -62,8 +63,10 @@ def recommended(scene):
 def worst_cases(points):
     """Returns the names of the cases with the worst values, by `life` and extremes of measures.
 
-    An extreme that is not known in all cases is left out; the worst is the least of a measure that
-    falls, or the largest magnitude. points: design points by the names of cases.
+    The worst is the least of a measure that falls, or the largest magnitude. An extreme that is not
+    known in all cases is left out.
+
+    points: design points by the names of cases.
     """
     names, by_case = list(points), list(points.values())
     worst = {"life": names[int(np.argmin([point["life"] for point in by_case]))]}
@@ -88,32 +91,35 @@ def is_within_limits(point):
 
 
 def shortest_life(points):
-    """Returns the shortest life of points [s]."""
+    """Returns the shortest life [s] of design points by the names of cases."""
     return min(float(point["life"]) for point in points.values())
 
 
 @pytest.mark.parametrize("k", range(2))
 def test_no_preload_within_all_limits_in_all_cases_lives_longer(scene, recommended, k):
-    """None of four preloads from 20 to 120 N that are practical in all cases lives 1 % longer.
+    """None of four preloads from 20 to 120 N does so by more than 1 %, if practical in all cases.
 
-    Without a recommended preload, none of them may be allowed.
+    Without a recommended preload, none of the four may be allowed.
+
+    k: of the preload method in the recommendation.
     """
-    method, best = PRELOAD_METHODS[int(recommended["preload_method"][k])], 0.0
+    method, longest = PRELOAD_METHODS[int(recommended["preload_method"][k])], 0.0
     for preload in np.geomspace(20.0, 120.0, 4).tolist():
         points = points_by_case(scene, method, preload)
         practical = not any(point["impractical"] for point in points.values())
         if practical and all(map(is_within_limits, points.values())):
-            best = max(best, shortest_life(points))
+            longest = max(longest, shortest_life(points))
     if np.isnan(recommended["preload"][k]):
-        assert best == 0.0  # none of the four was allowed
+        assert longest == 0.0  # none of the four was allowed
     else:
-        assert 3600.0 * float(recommended["life"][k]) >= 0.99 * best
+        assert 3600.0 * float(recommended["life"][k]) >= 0.99 * longest
 
 
 def test_the_recommended_preload_has_the_numbers_of_its_worst_cases(scene, recommended):
-    """They are life, preload at its end, and the case of each worst value, for each method.
+    """They are its life, the preload at its end, and the case of each worst value.
 
-    A method without a preload is left out. All requirements hold in all cases at a preload.
+    For each method with a recommended preload, that preload satisfies all requirements in all
+    cases.
     """
     solved = np.flatnonzero(np.isfinite(recommended["preload"]))
     assert solved.size
@@ -124,15 +130,15 @@ def test_the_recommended_preload_has_the_numbers_of_its_worst_cases(scene, recom
         assert all(map(is_within_limits, points.values())), method
         life = shortest_life(points)
         assert 3600.0 * float(point["life"]) == pytest.approx(life, rel=1e-9)
-        preload_at_end = min(float(p["residual_preload_at_end"]) for p in points.values())
-        assert float(point["residual_preload_at_end"]) == pytest.approx(preload_at_end, rel=1e-9)
+        left = min(float(values["residual_preload_at_end"]) for values in points.values())
+        assert float(point["residual_preload_at_end"]) == pytest.approx(left, rel=1e-9)
         assert json.loads(recommended.attrs[WORST_CASES])[k] == worst_cases(points)
 
 
 def test_the_worst_case_is_named(recommended):
     """Cold bearings open at the least acceleration; hot ones leave the least margin of torque.
 
-    The sheet names them; of the torque, it is the least over the corners of the machine.
+    The sheet names both cases. The margin of torque is the least over the corners of the machine.
     """
     k = int(np.flatnonzero(np.isfinite(recommended["preload"]))[0])
     worst = json.loads(recommended.attrs[WORST_CASES])[k]
@@ -148,8 +154,8 @@ def test_a_point_of_a_map_has_the_values_of_its_worst_cases(scene):
     """It has the least acceleration at which the pair opens (cold) and the highest pressure."""
     point = new_point(scene, LIMITS)
     by_case = {name: new_point(case, LIMITS) for name, case in scene.in_cases.items()}
-    opening = {name: item["opening_acceleration"] for name, item in by_case.items()}
+    opening = {name: values["opening_acceleration"] for name, values in by_case.items()}
     assert point["opening_acceleration"] == min(opening.values()) == opening["cold"]
     assert opening["cold"] < opening["nominal"]
-    pressures = [item["maximum_pressure"] for item in by_case.values()]
+    pressures = [values["maximum_pressure"] for values in by_case.values()]
     assert point["maximum_pressure"] == max(pressures)

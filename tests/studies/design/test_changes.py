@@ -19,7 +19,7 @@ STIFFNESS = "system_axial_stiffness_N_um"
 
 
 class Change(NamedTuple):
-    """A value now, and those below and above which the other method is better (NaN for none)."""
+    """An input now, and the values below and above which the other method is better, or NaN."""
 
     below: float
     now: float
@@ -53,7 +53,10 @@ def test_both_machines_are_as_stiff_as_required(recommended_at):
 
 
 def test_a_spring_is_better_up_to_a_stiffness_and_a_rigid_pair_above(recommended_at):
-    """It is 4.8 N/um, a regression value; recommendations for 4 % less and more confirm it."""
+    """The stiffness is 4.8 N/um, a regression value.
+
+    Recommendations for 4 % less and 4 % more have different methods with the longer life.
+    """
     soft = recommended_at(3.0)
     assert best_method(soft) == SPRING
     stiffness = change_in(soft, LIMIT_KEY + STIFFNESS)
@@ -88,8 +91,8 @@ def test_a_rigid_pair_is_better_up_to_a_warmth_and_a_spring_above(scene, recomme
         """Returns the index of the method that lives longest with a warmer inner ring."""
         lives = []
         for k, method in enumerate(PRELOAD_METHODS):
-            held = with_method(scene("gyro_s1"), method, float(recommended["preload"][k]))
-            warm = held.with_({"temperature.inner_ring_C": 20.0 + kelvin})
+            preloaded = with_method(scene("gyro_s1"), method, float(recommended["preload"][k]))
+            warm = preloaded.with_({"temperature.inner_ring_C": 20.0 + kelvin})
             lives.append(quick_life(warm)["life"])
         return int(np.argmax(lives))
 

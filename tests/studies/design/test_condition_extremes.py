@@ -1,4 +1,4 @@
-"""Requirements hold wherever a bearing runs: looked at by plain solves, which choose no speeds."""
+"""Requirements apply at all speeds, temperatures and wear: checks by solves at given conditions."""
 
 import json
 import math
@@ -44,7 +44,7 @@ from bearingwear.studies.design.recommend import recommendation
 STIFFNESS = "system_axial_stiffness"
 STIFF = DesignLimits(system_axial_stiffness_N_um=20.0)
 SPEEDS = (0.0, 100.0, 3000.0, 9000.0, 18000.0)
-"""Speeds [r/min] from rest to that of `spindle`, at which a plain solve looks."""
+"""Speeds [r/min] of plain solves, from rest to the full speed of `spindle`."""
 
 
 def bearing_at(designation, speed, **changes):
@@ -63,22 +63,24 @@ def spindle():
 
 
 def stiffness_by_solve(scene, method, preload, speed):
-    """Returns the axial stiffness [N/um] of all bearings that a method holds, by a plain solve.
+    """Returns the axial stiffness [N/um] of the bearings that hold a rotor, by a plain solve.
 
-    They share the load of a rotor, so that it is a multiple of that of a bearing, which is in N/m.
+    It is that of one bearing times the number that holds the rotor: two of a rigid pair, or one
+    against a spring.
 
     preload [N]; speed [r/min].
     """
-    held = with_method(scene, method, preload).with_({"operation.shaft_speed_rpm": speed})
-    result = solve(held)
+    preloaded = with_method(scene, method, preload).with_({"operation.shaft_speed_rpm": speed})
+    result = solve(preloaded)
     assert result.status == "ok"
     return 1e-6 * bearings_holding(method) * float(result.values["axial_stiffness"])
 
 
 def test_the_recommended_preload_is_stiff_enough_at_every_speed(spindle):
-    """It has 20 N/um at every one of SPEEDS, by either method, and at least the life required.
+    """It has 20 N/um at every one of SPEEDS, by either method, and at least the required life.
 
-    The least stiffness over the speed is only found to `SPEED_FOUND_TO`, so that much may lack.
+    The search finds the least stiffness over the speed to `SPEED_FOUND_TO`, by which it may fall
+    short.
     """
     required_life = 0.2  # h; low enough for the stiffness to decide: without it, lives reach 0.4 h
     recommended = recommendation(spindle, replace(STIFF, life_h=required_life))
@@ -95,15 +97,17 @@ PEAKED = {
         dict(bore=40, outside=68, contact_angle=15, balls=16, ball_diameter=7.938), 244.0
     ),
 }  # fmt: skip
-"""Bearings whose gyroscopic slip, worn, peaks below their full speed, and their preloads [N].
+"""Arguments of `new` and preloads [N] of bearings whose slip, worn, peaks below their full speed.
 
-Slip of the second has two peaks; the higher of them lies between eighths of the full speed."""
+The slip of the second has two peaks; the higher one lies between eighths of the full speed."""
 
 
 def slip_by_share(scene, shares):
-    """Returns the largest gyroscopic slip share of all contacts at the end of life, by speed.
+    """Returns the largest gyroscopic slip share of all contacts at the end of life, by `shares`.
 
-    shares: of the full speed, which are the keys. Speeds that are not solved are left out.
+    Speeds that are not solved are left out.
+
+    shares: speeds over the full one.
     """
     worn = worn_states(worn_life_with_stiffness(scene, quick=False))
     states = {share: worn(at_speed_share(scene, share))[0] for share in shares}
@@ -116,13 +120,13 @@ def slip_by_share(scene, shares):
 
 @pytest.mark.parametrize("bearing, preload", PEAKED.values(), ids=PEAKED)
 def test_slip_that_peaks_between_rest_and_speed_is_found_worn(bearing, preload):
-    """Both peak at 0.46 of the speed, just before control goes over to the other race.
+    """Both bearings peak at 0.46 of the speed, just before control changes to the other race.
 
-    A requirement of 0.36 finds the peak to 2 % of the highest of 50 speeds.
+    With a requirement of 0.36, the peak is found to 2 % of the highest of 50 speeds.
     """
-    held = with_method(bearingwear.new(**bearing, speed=18000.0), "fixed_position", preload)
-    point = design_point(held, DesignLimits(gyroscopic_slip_share=0.36))
-    highest = max(slip_by_share(held, np.linspace(0.02, 1.0, 50).tolist()).values())
+    preloaded = with_method(bearingwear.new(**bearing, speed=18000.0), "fixed_position", preload)
+    point = design_point(preloaded, DesignLimits(gyroscopic_slip_share=0.36))
+    highest = max(slip_by_share(preloaded, np.linspace(0.02, 1.0, 50).tolist()).values())
     assert highest > 0.365  # beyond the limit of 0.36
     assert point["gyroscopic_slip_share"] == pytest.approx(highest, rel=0.02)
 
@@ -130,88 +134,88 @@ def test_slip_that_peaks_between_rest_and_speed_is_found_worn(bearing, preload):
 def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
     """Worn, slip has a hump at 0.6 of the speed and a higher, narrow peak at 0.46.
 
-    The peak is found to 0.5 %: as the highest of the plain solves at the speeds below.
+    The peak is found to 0.5 % of the highest of eight solves about both.
     """
     plain = bearingwear.new(
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
         speed=18000.0, preload=120.0,
     )  # fmt: skip
-    held = with_method(plain, "fixed_position", 250.0)
-    point = design_point(held, DesignLimits(gyroscopic_slip_share=0.36))
+    preloaded = with_method(plain, "fixed_position", 250.0)
+    point = design_point(preloaded, DesignLimits(gyroscopic_slip_share=0.36))
     shares = (0.375, 0.44, 0.45, 0.46, 0.47, 0.48, 0.5, 0.6)
-    highest = max(slip_by_share(held, shares).values())
+    highest = max(slip_by_share(preloaded, shares).values())
     assert highest > 0.355  # so that there is a peak near the limit; a regression value
     assert point["gyroscopic_slip_share"] == pytest.approx(highest, rel=5e-3)
 
 
 def test_a_steep_peak_of_slip_that_begins_below_the_highest_known_speed_is_found():
-    """It is at 0.404 of the speed, between two sixteenths with less slip than a hump at 0.58.
+    """The peak is at 0.404 of the speed; the sixteenths beside it slip less than a hump at 0.58.
 
-    Of sixteenths alone, the hump would be the highest.
+    A search at sixteenths alone would find the hump.
     """
     plain = bearingwear.new(designation="7006C", speed=20000.0)
-    held = with_method(plain.with_({"cage": None}), "constant_force", 33.1)
-    point = design_point(held, DesignLimits(gyroscopic_slip_share=0.3351))
-    slip = slip_by_share(held, (0.375, 0.404, 0.4375, 0.5845))
+    preloaded = with_method(plain.with_({"cage": None}), "constant_force", 33.1)
+    point = design_point(preloaded, DesignLimits(gyroscopic_slip_share=0.3351))
+    slip = slip_by_share(preloaded, (0.375, 0.404, 0.4375, 0.5845))
     assert max(slip[0.375], slip[0.4375]) < slip[0.5845] < 0.9 * slip[0.404]
     assert point["gyroscopic_slip_share"] == pytest.approx(slip[0.404], rel=1e-2)
 
 
 def test_a_preload_that_is_enough_at_speed_may_be_too_little_below(spindle):
-    """Margins are more than a tenth of the 20 N/um either way; a solve at 3000 r/min confirms it.
+    """A new bearing under 17.5 N exceeds 20 N/um at 18000 r/min by more than a tenth.
 
-    Margins are shares of the limit; the least of all requirements counts, new. 17.5 N lie between
-    the preload that is enough at 18000 r/min and that which is enough below.
+    At lower speeds it lacks more than a tenth, as a solve at 3000 r/min confirms. Margins are
+    relative, and the least of all requirements counts.
     """
-    held = with_method(spindle, "fixed_position", 17.5)
+    preloaded = with_method(spindle, "fixed_position", 17.5)
     at_speed_only = replace(STIFF, at_speed_only=True)
-    assert min(limit_margins(new_point(held, at_speed_only), at_speed_only)) > 0.1
-    assert min(limit_margins(new_point(held, STIFF), STIFF)) < -0.1
+    assert min(limit_margins(new_point(preloaded, at_speed_only), at_speed_only)) > 0.1
+    assert min(limit_margins(new_point(preloaded, STIFF), STIFF)) < -0.1
     assert stiffness_by_solve(spindle, "fixed_position", 17.5, 3000.0) < 0.9 * 20.0
 
 
 def test_the_deciding_condition_is_the_worst_one(spindle):
-    """When new, stiffness at the speed named is as low as at any of 101 speeds, 1 % apart.
+    """When new, the stiffness at the speed named is as low as at any of 101 speeds, 1 % apart.
 
-    A plain solve at that speed has the value. Between the speeds of a grid, the worst one is only
-    looked for near a limit, here 36 N/um.
+    A plain solve at that speed has the same value. The worst speed is only refined near a limit,
+    here 36 N/um.
     """
-    held = with_method(spindle, "fixed_position", 60.0)
-    point = new_point(held, DesignLimits(system_axial_stiffness_N_um=36.0))
+    preloaded = with_method(spindle, "fixed_position", 60.0)
+    point = new_point(preloaded, DesignLimits(system_axial_stiffness_N_um=36.0))
     where = point[DECIDING][STIFFNESS]
     by_speed = [
-        float(new_states(at_speed_share(held, share))[0][STIFFNESS])
+        float(new_states(at_speed_share(preloaded, share))[0][STIFFNESS])
         for share in np.linspace(0.0, 1.0, 101).tolist()
     ]
     assert where["value"] == point[STIFFNESS] <= min(by_speed) * (1.0 + SPEED_FOUND_TO)
     assert 0.0 < where["speed_rpm"] < 18000.0 and where["wear"] == "new"
-    there = stiffness_by_solve(spindle, "fixed_position", 60.0, where["speed_rpm"])
-    assert 1e6 * there == pytest.approx(where["value"], rel=1e-6)
+    least = stiffness_by_solve(spindle, "fixed_position", 60.0, where["speed_rpm"])
+    assert 1e6 * least == pytest.approx(where["value"], rel=1e-6)
 
 
 def test_worn_grooves_are_solved_at_other_speeds():
-    """They are solved although the balls run beside the middle of their tracks there.
+    """Worn states are solved at other speeds, where balls run beside the middle of their tracks.
 
-    At the full speed, the state is the last one of the life: pressure to 2 %, stiffness to 3 %, the
-    errors of a quick life.
+    At the full speed the state is the last one of the life. Pressure agrees to 2 % and stiffness to
+    3 %, the errors of a quick life.
     """
     scene = bearing_at("7008C", 18000.0, **{"model.contact": "auto"})
-    held = with_method(scene, "constant_force", 400.0)
-    life = worn_life_with_stiffness(held, quick=True)
+    preloaded = with_method(scene, "constant_force", 400.0)
+    life = worn_life_with_stiffness(preloaded, quick=True)
     worn = worn_states(life)
-    for share in (0.0, 0.0625, 0.25, 0.5, 1.0):
-        (state,) = worn(at_speed_share(held, share))
+    for share in (0.0, 0.0625, 0.25, 0.5):
+        (state,) = worn(at_speed_share(preloaded, share))
         assert state.status == OK, share
-    last = life.last.states[0]
-    assert state["maximum_pressure"] == pytest.approx(last["maximum_pressure"], rel=0.02)
-    assert state[STIFFNESS] == pytest.approx(last[STIFFNESS], rel=0.03)
+    (at_speed,), last = worn(at_speed_share(preloaded, 1.0)), life.last.states[0]
+    assert at_speed["maximum_pressure"] == pytest.approx(last["maximum_pressure"], rel=0.02)
+    assert at_speed[STIFFNESS] == pytest.approx(last[STIFFNESS], rel=0.03)
 
 
 def test_a_worn_pair_that_keeps_its_preload_slow_keeps_it_at_rest():
-    """Preloads at a sixteenth of the speed and at rest, as mounted, differ by 2 % at most.
+    """With mounting temperatures, preloads at rest and at a sixteenth of the speed differ by 2 %.
 
-    A solve must start from where the rotor stood before: from the place that even wear would give,
-    it ends with bearing 2 unloaded.
+    The solve must start from the previous place of the rotor. From the place by even wear, it ends
+    with the second bearing unloaded.
     """
     plain = bearingwear.new(
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
@@ -220,19 +224,20 @@ def test_a_worn_pair_that_keeps_its_preload_slow_keeps_it_at_rest():
     keys = {"arrangement.kind": "rigid_pair", "arrangement.external_axial_N": 40.0}
     warm = {"inner_ring_C": 30.0, "balls_C": 28.0, "outer_ring_C": 25.0}
     scene = plain.with_(keys | {"temperature": warm | {"shaft_C": 30.0, "housing_C": 25.0}})
-    held = with_method(scene, "fixed_position", 300.0)
-    worn = worn_states(worn_life_with_stiffness(held, quick=False))
-    slow, resting = (worn(as_mounted(at_speed_share(held, share))) for share in (0.0625, 0.0))
-    for at_speed, at_rest in zip(slow, resting, strict=True):
-        assert at_speed.status == at_rest.status == OK
-        assert at_rest["residual_preload"] == pytest.approx(at_speed["residual_preload"], rel=0.02)
+    preloaded = with_method(scene, "fixed_position", 300.0)
+    worn = worn_states(worn_life_with_stiffness(preloaded, quick=False))
+    slow, resting = (worn(as_mounted(at_speed_share(preloaded, share))) for share in (0.0625, 0.0))
+    for turning, at_rest in zip(slow, resting, strict=True):
+        assert turning.status == at_rest.status == OK
+        assert at_rest["residual_preload"] == pytest.approx(turning["residual_preload"], rel=0.02)
 
 
 @pytest.fixture(scope="module")
 def pair():
-    """Returns a rigid pair under 150 N, which at 15 N of preload lifts one bearing off at rest.
+    """Returns a rigid pair under an axial force of 150 N.
 
-    At 24000 r/min warm rings and centrifugal force keep both loaded.
+    With 15 N of preload, one bearing lifts off at rest. At 24000 r/min, warm rings and centrifugal
+    force keep both loaded.
     """
     plain = bearingwear.new(
         designation="71910C", speed=24000.0, ball_material="silicon_nitride",
@@ -245,9 +250,9 @@ def pair():
 
 
 def test_a_bearing_that_lifts_off_somewhere_is_refused(pair):
-    """At rest, as mounted, it keeps less than 1 % of its preload (`LEAST_KEPT`): a negative margin.
+    """At rest, with mounting temperatures, less than 1 % of the preload is left (`LEAST_KEPT`).
 
-    At the full speed alone it keeps more than its initial preload.
+    That is a negative margin. At the full speed, each bearing has more than its initial preload.
     """
     limits = DesignLimits(system_axial_stiffness_N_um=60.0)
     point = new_point(with_method(pair, "fixed_position", 15.0), limits)
@@ -268,30 +273,30 @@ def recommended_pair(pair):
 
 
 def test_a_pair_is_stiff_enough_and_carries_load_cold_and_slow(pair, recommended_pair):
-    """Plain solves at six speeds have 60 N/um, and both bearings keep 1 % of the preload or more.
+    """Plain solves at six speeds have 60 N/um, and both bearings keep at least 1 % of the preload.
 
-    Below 3000 r/min they also have mounting temperatures, as rings have not warmed by then.
+    So do solves below 3000 r/min with mounting temperatures, as rings have not warmed by then.
     """
     k = PRELOAD_METHODS.index("fixed_position")
     preload = float(recommended_pair["preload"][k])
-    assert preload > 100.0  # many times what it takes at speed
+    assert preload > 100.0  # many times the 15 N that keep both loaded at speed
     for speed in (0.0, 100.0, 3000.0, 9000.0, 18000.0, 24000.0):
-        for scene in (pair, as_mounted(pair)) if speed < 3000.0 else (pair,):
-            held = with_method(scene, "fixed_position", preload)
-            solved = solve(held.with_({"operation.shaft_speed_rpm": speed}))
+        scenes = (pair, as_mounted(pair)) if speed < 3000.0 else (pair,)
+        for scene in scenes:
+            preloaded = with_method(scene, "fixed_position", preload)
+            solved = solve(preloaded.with_({"operation.shaft_speed_rpm": speed}))
             assert solved.status == "ok"
             assert float(solved.values[STIFFNESS]) >= 60e6 * (1.0 - SPEED_FOUND_TO)
             assert solved.values["residual_preload"].min() >= LEAST_KEPT * preload
 
 
 def test_a_recommendation_lists_its_conditions(recommended_pair):
-    """At rest both with running and with mounting temperatures, at full speed only with running."""
+    """They are rest with running and with mounting temperatures, full speed only with running."""
     conditions = [
-        (item["speed_rpm"], item["temperature"])
-        for item in json.loads(recommended_pair.attrs[CONDITIONS])
+        (condition["speed_rpm"], condition["temperature"])
+        for condition in json.loads(recommended_pair.attrs[CONDITIONS])
     ]
-    for condition in ((0.0, "running"), (0.0, MOUNTING), (24000.0, "running")):
-        assert condition in conditions
+    assert {(0.0, "running"), (0.0, MOUNTING), (24000.0, "running")} <= {*conditions}
     assert (24000.0, MOUNTING) not in conditions
     assert recommended_pair.attrs[AT_SPEED_ONLY] == 0
 
@@ -302,10 +307,9 @@ def test_a_case_at_standstill_changes_no_life(spindle):
     A recommendation with such a case has a finite preload, life and error estimate.
     """
     scene = spindle.with_({"cases": {"rest": {"operation.shaft_speed_rpm": 0.0}}})
-    held = with_method(scene, "constant_force", 400.0)
-    point, alone = (
-        design_point(item, STIFF) for item in (held, with_method(spindle, "constant_force", 400.0))
-    )
+    preloaded = with_method(scene, "constant_force", 400.0)
+    point = design_point(preloaded, STIFF)
+    alone = design_point(with_method(spindle, "constant_force", 400.0), STIFF)
     assert point["life"] == alone["life"]
     assert point["status"] == OK and point[STIFFNESS] == alone[STIFFNESS]
     recommended = recommendation(scene, STIFF)
@@ -332,25 +336,27 @@ def test_requirements_at_the_speed_alone_see_nothing_else(spindle):
     assert limits.effective == {"system_axial_stiffness_N_um": 20.0}
     assert STIFF.effective == limits.effective | {"preload_kept": LEAST_KEPT}
     point = design_point(with_method(spindle, "fixed_position", 20.0), limits)
-    assert {item["speed_rpm"] for item in point[DECIDING].values()} == {18000.0}
+    assert {condition["speed_rpm"] for condition in point[DECIDING].values()} == {18000.0}
     assert conditions_of(spindle, at_speed_only=True) == [
         {"case": "nominal", "speed_rpm": 18000.0, "temperature": "running"}
     ]
 
 
 def test_the_lowest_speed_ends_the_range(spindle):
-    """With a lowest speed of 9000 r/min, five conditions or more lie from that to the full speed.
+    """With a lowest speed of 9000 r/min, at least five conditions lie from there to the full speed.
 
-    A preload of 20 N is softest below it, so that its least stiffness is higher than from rest on.
-    A lowest speed above the full one is refused.
+    Under 20 N the bearing is softest below 9000 r/min, so that its least stiffness is now higher. A
+    lowest speed above the full one is refused.
     """
     scene = spindle.with_({"operation.lowest_speed_rpm": 9000.0})
-    speeds = [item["speed_rpm"] for item in conditions_of(scene)]
+    speeds = [condition["speed_rpm"] for condition in conditions_of(scene)]
     assert min(speeds) == 9000.0 and max(speeds) == 18000.0 and len(speeds) >= 5
-    held = with_method(scene, "fixed_position", 20.0)
+    preloaded = with_method(scene, "fixed_position", 20.0)
     held_at_all_speeds = with_method(spindle, "fixed_position", 20.0)
     limits = DesignLimits(system_axial_stiffness_N_um=30.0)
-    assert new_point(held, limits)[STIFFNESS] > new_point(held_at_all_speeds, limits)[STIFFNESS]
+    assert (
+        new_point(preloaded, limits)[STIFFNESS] > new_point(held_at_all_speeds, limits)[STIFFNESS]
+    )
     with pytest.raises(SceneError, match="lowest_speed_rpm: got 20000"):
         spindle.with_({"operation.lowest_speed_rpm": 2e4})
 
@@ -358,12 +364,12 @@ def test_the_lowest_speed_ends_the_range(spindle):
 def test_a_condition_that_is_not_solved_is_named(spindle):
     """All other conditions fail with status 1, `not_converged`; the first of them is at rest.
 
-    `State.unsolved(1, 0.0)` is such a state, at a ball diameter loss of zero.
+    `State.unsolved(1, 0.0)` is an unsolved state of that status, with a loss of zero.
     """
     other_conditions = OtherConditions(spindle, STIFF.effective, quick=True)
     where = OperatingCondition(spindle).where(wear="new")
-    own = state_extremes(spindle, new_states(spindle), where)
-    result = other_conditions.extremes(own, lambda scene: (State.unsolved(1, 0.0),), "new")
+    at_speed = state_extremes(spindle, new_states(spindle), where)
+    result = other_conditions.extremes(at_speed, lambda scene: (State.unsolved(1, 0.0),), "new")
     assert result.status == 1 and result.unsolved["status"] == "not_converged"
     assert result.unsolved["speed_rpm"] == 0.0 and result.unsolved["wear"] == "new"
     words = condition_words(result.unsolved)
@@ -372,9 +378,9 @@ def test_a_condition_that_is_not_solved_is_named(spindle):
 
 @pytest.mark.parametrize("contact", ["hertz", pytest.param("auto", marks=pytest.mark.long)])
 def test_a_preload_that_must_be_kept_may_decide(contact):
-    """The limit of the recommendation says residual preload and 80 %.
+    """The active limit of the recommendation names the residual preload and its 80 %.
 
-    Grooves that are followed (`auto`) take longer.
+    Lives that follow the grooves (`auto`) take longer.
     """
     scene = bearing_at("7004B", 8000.0, **{"model.contact": contact})
     recommended = recommendation(scene, DesignLimits(preload_kept=0.8))
@@ -383,9 +389,9 @@ def test_a_preload_that_must_be_kept_may_decide(contact):
 
 
 def test_a_stiffness_that_is_not_known_at_a_lower_speed_is_that_of_the_others(spindle):
-    """Balls that change their motion at half of the speed have no dynamic stiffness there: NaN.
+    """Balls that change their motion at half of the speed have no dynamic stiffness there (NaN).
 
-    The least stiffness of the other speeds, which lie close, differs by 5 % at most.
+    The least stiffness is then that of nearby speeds, which differs by 5 % at most.
     """
 
     def states_without_stiffness_at_half_speed(scene):
@@ -398,17 +404,17 @@ def test_a_stiffness_that_is_not_known_at_a_lower_speed_is_that_of_the_others(sp
 
     at_speed = state_extremes(spindle, new_states(spindle), OperatingCondition(spindle).where())
     conditions = OtherConditions(spindle, STIFF.effective, quick=True)
-    known, unknown = (
+    complete, incomplete = (
         conditions.extremes(at_speed, solve_states, "new").extremes[STIFFNESS]["value"]
         for solve_states in (new_states, states_without_stiffness_at_half_speed)
     )
-    assert unknown == pytest.approx(known, rel=0.05) and math.isfinite(known)
+    assert incomplete == pytest.approx(complete, rel=0.05) and math.isfinite(complete)
 
 
 def test_a_rotor_whose_stiffness_is_not_known_has_no_frequency():
-    """The answer is None where the stiffness matrix of one bearing is NaN, as it may be worn.
+    """The frequencies are None where the stiffness matrix of one bearing is NaN.
 
-    1e7 N/m is the axial stiffness of both.
+    Worn bearings may have such a matrix. 1e7 N/m is the axial stiffness of the pair.
     """
     scene = bearingwear.new(designation="7001C", speed=600.0, preload_method="fixed_position")
     pair = scene.with_(
@@ -420,21 +426,21 @@ def test_a_rotor_whose_stiffness_is_not_known_has_no_frequency():
     assert natural_frequencies(pair.arrangement, sides[[0, 0]], 1e7) is not None
 
 
-def test_lives_with_hertzian_contacts_end_worn_at_other_speeds(spindle):
-    """A worn state at a quarter of the speed is that of a solve with the ball loss at the end."""
-    held = with_method(spindle, "fixed_position", 300.0)
-    life = HertzianLives(held)(held)
-    (state,) = worn_states(life)(at_speed_share(held, 0.25))
+def test_worn_states_of_hertzian_lives_have_the_loss_at_their_end(spindle):
+    """At a quarter of the speed, a worn state is that of a solve with the ball loss at the end."""
+    preloaded = with_method(spindle, "fixed_position", 300.0)
+    life = HertzianLives(preloaded)(preloaded)
+    (state,) = worn_states(life)(at_speed_share(preloaded, 0.25))
     loss = 1e6 * life.last.states[0].loss
     worn = {"wear.ball_diameter_loss_um": loss, "operation.shaft_speed_rpm": 0.25 * 18000.0}
-    values = solve(held.with_(worn)).values
+    values = solve(preloaded.with_(worn)).values
     assert state["axial_stiffness"] == pytest.approx(float(values["axial_stiffness"]), rel=1e-6)
 
 
 def test_worn_bearings_far_from_the_last_speed_are_not_taken_for_unloaded():
-    """At the worst condition of 55 N at 60000 r/min a third of the preload is left, not nothing.
+    """Of 55 N at 60000 r/min, about 30 % are left in the worst condition (a regression value).
 
-    A solve that starts from the state at a far speed must not lose the contacts.
+    A solve that starts from the state at a far speed must not lose the contacts, with nothing left.
     """
     scene = bearingwear.new(
         designation="7004C", speed=60000, preload_method="fixed_position", preload=55

@@ -21,8 +21,8 @@ def test_the_table_is_whole():
 def test_lives_at_equal_stiffness_are_those_of_the_table(row):
     """Each preload has the required stiffness and the life of its row; 3 % less is too soft.
 
-    Stiffness is the lesser of the dynamic and the quasi-static one, and agrees to 0.5 %, of the
-    three digits of a preload; lives to 1 % and their ratio to 2 %, of two or three digits.
+    Stiffness is the lesser of the dynamic and the quasi-static one. As a preload has three digits,
+    it agrees to 0.5 %. Lives agree to 1 % and their ratio to 2 %, as they have two or three digits.
     """
     pairs = benchmark("pairs")
     stiffness, kelvin, *of_kinds, better, ratio = row  # of_kinds: N, h of spring; N, h of rigid

@@ -1,4 +1,4 @@
-"""A preload is chosen by lives with grooves that are followed as they wear, where `life` does."""
+"""A preload is chosen by lives that follow the wear of the grooves, where `life` follows it."""
 
 import numpy as np
 import pytest
@@ -64,7 +64,7 @@ BY_METHOD = pytest.mark.parametrize(("k", "method"), [*enumerate(METHODS)])
 
 @BY_METHOD
 def test_the_recommended_life_is_that_of_life(scene, recommended, k, method):
-    """Both agree to rounding, and the same criterion ends them; files have hours."""
+    """They are equal but for rounding and have the same criterion; files have hours."""
     point = recommended.isel(preload_method=k)
     values = life(with_method(scene, method, float(point["preload"]))).values
     assert_allclose(point["life"], values["life"] / 3600.0, rtol=1e-15)
@@ -77,7 +77,7 @@ def test_a_recommendation_has_the_life_with_a_hertzian_groove_beside_its_own(
 ):
     """The two lives differ by more than 2 %.
 
-    With grooves as they wear, the stiffness is the required one or up to 1 % more.
+    The stiffness with worn grooves is the required 5 N/um or up to 1 % more.
     """
     point = recommended.isel(preload_method=k)
     assert point["groove"] == WORN_GROOVE
@@ -88,7 +88,7 @@ def test_a_recommendation_has_the_life_with_a_hertzian_groove_beside_its_own(
 
 
 def test_a_map_has_lives_with_grooves_as_life_follows_them(scene, design_map):
-    """All points have worn grooves; that of 7 N and a constant force has the life of `life`."""
+    """All points have worn grooves; the point of a constant force of 7 N has the life of `life`."""
     assert (design_map["groove"] == WORN_GROOVE).all() and (design_map["status"] == 0).all()
     point = design_map.sel(preload=7.0).isel(preload_method=0, friction=0, shaft_speed=0)
     values = life(with_method(scene, METHODS[0], 7.0)).values
@@ -97,21 +97,21 @@ def test_a_map_has_lives_with_grooves_as_life_follows_them(scene, design_map):
 
 @BY_METHOD
 def test_no_preload_of_the_map_within_the_limit_lives_longer(design_map, recommended, k, method):
-    """They are compared with the life at the recommended preload of the same method."""
+    """The recommended preload of the same method has at least the longest of those lives."""
     line = design_map.isel(preload_method=k, friction=0, shaft_speed=0)
     within = line["life"].where(line["system_axial_stiffness"] >= 5e6)
     assert float(recommended["life"][k]) >= float(within.max())
 
 
 def test_a_scene_of_the_paper_has_the_hertzian_groove(scene):
-    """gyro_s1 itself has `model.contact: paper`; no worn life is followed, which is None."""
+    """gyro_s1 itself has `model.contact: paper`: `worn_life` is None, as it follows no grooves."""
     paper = with_method(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
     assert design_point(paper, slip_limit(0.1))["groove"] == HERTZIAN_GROOVE
     assert worn_life(paper) is None
 
 
-def test_too_little_wear_for_the_contact_to_feel_follows_no_groove(scene):
-    """A life that ends with a loss of 0.01 um: `worn_life` is None."""
+def test_a_life_with_too_little_wear_to_change_the_contact_follows_no_groove(scene):
+    """For a life that ends with a loss of 0.01 um, `worn_life` is None."""
     assert worn_life(scene.with_({"wear.end_of_life.ball_diameter_loss_um": 0.01})) is None
 
 
@@ -123,16 +123,18 @@ def test_a_life_that_ends_when_new_needs_no_groove(scene):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_quick_lives_are_those_of_life(scene, method):
-    """Lives agree to 3e-3, the least stiffness to 2 %: quick ones take fewer cells and steps."""
-    held = with_method(scene, method, 7.0)
-    quick, exact = (design_point(held, slip_limit(0.12), is_quick) for is_quick in (True, False))
+    """Lives agree to 3e-3 and the least stiffness to 2 %, by fewer cells and longer steps."""
+    preloaded = with_method(scene, method, 7.0)
+    quick, exact = (
+        design_point(preloaded, slip_limit(0.12), is_quick) for is_quick in (True, False)
+    )
     assert_allclose(quick["life"], exact["life"], rtol=3e-3)
     assert quick["end_criterion"] == exact["end_criterion"]
     assert_allclose(quick["axial_stiffness"], exact["axial_stiffness"], rtol=2e-2)
 
 
 @pytest.fixture(scope="module")
-def held(scene):
+def preloaded(scene):
     """Returns a fixed position of 7 N, whose life ends with 40 % of the preload left."""
     return with_method(scene, "fixed_position", 7.0)
 
@@ -143,21 +145,18 @@ def with_limits(scene, **limits):
 
 
 @pytest.mark.parametrize("limits", [{}, {"preload_fraction": 0.3}, {"preload_fraction": 0.6}])
-def test_one_march_has_the_lives_of_all_ends(held, limits):
-    """A life is followed to the farthest end; the times at which it passes others are lives.
-
-    They agree to 3e-3 with lives that are followed to each of these ends alone.
-    """
-    farthest = with_limits(held, ball_diameter_loss_um=1.4, preload_fraction=0.2)
-    life_to = lives_by_end(held, farthest.wear.end_of_life)
-    limited = with_limits(held, **limits)
+def test_a_life_to_the_farthest_end_has_the_lives_to_all_others(preloaded, limits):
+    """The times at which it passes other ends agree to 3e-3 with lives followed to these alone."""
+    farthest = with_limits(preloaded, ball_diameter_loss_um=1.4, preload_fraction=0.2)
+    life_to = lives_by_end(preloaded, farthest.wear.end_of_life)
+    limited = with_limits(preloaded, **limits)
     expected = design_point(limited, slip_limit(None))["life"]
     assert life_to(limited.wear.end_of_life) == pytest.approx(expected, rel=3e-3)
 
 
-def test_a_march_has_no_time_to_an_end_met_when_new_and_none_to_one_beyond_it(held):
-    """The time to an end that a new bearing meets is zero; to one that was not reached, NaN."""
-    life_to = lives_by_end(held, held.wear.end_of_life)
-    assert life_to(with_limits(held, gyroscopic_slip_share=1e-4).wear.end_of_life) == 0.0
-    never = with_limits(held, preload_fraction=0.01).wear.end_of_life
-    assert np.isnan(worn_life(held).time_to(Criteria(with_end(held, never))))
+def test_the_time_to_an_end_met_when_new_is_zero_and_to_one_not_reached_is_nan(preloaded):
+    """New bearings exceed a slip share of 1e-4; a life ends before 1 % of the preload is left."""
+    life_to = lives_by_end(preloaded, preloaded.wear.end_of_life)
+    assert life_to(with_limits(preloaded, gyroscopic_slip_share=1e-4).wear.end_of_life) == 0.0
+    never = with_limits(preloaded, preload_fraction=0.01).wear.end_of_life
+    assert np.isnan(worn_life(preloaded).time_to(Criteria(with_end(preloaded, never))))

@@ -18,32 +18,33 @@ from bearingwear.studies.design.map import life_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import recommendation
 
-# a rotor of 30 g on bearings 20 mm apart; under 1 N; and with two bearings on one side
+METHODS = ("constant_force", "fixed_position")
+# a rotor of 30 g on bearings 20 mm apart; a pair with it under 1 N; two bearings on one side of it
 ROTOR = {"arrangement.rotor_mass_kg": 0.03, "arrangement.span_mm": 20.0}
 PUSHED = {"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0} | ROTOR
-METHODS = ("constant_force", "fixed_position")
 UNLIKE = PUSHED | {"arrangement.tandem": [2, 1]}
 
 
 @pytest.mark.parametrize("changes", [ROTOR | {"arrangement.kind": "spring_pair"}, PUSHED, UNLIKE])
 @pytest.mark.parametrize("method", METHODS)
 def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
-    """New, the lowest one is that of a solved case, to 1e-5; along the life it is no higher.
+    """When new, the lowest one is that of a solved case; along the life it is no higher.
 
-    States of unlike bearings have it; a state that stands for both of a symmetric pair has NaN.
+    States of unlike bearings have it. A state that stands for both bearings of a symmetric pair has
+    NaN, and the frequency is computed here.
     """
-    held = with_method(scene("gyro_s1", changes), method)
-    new = HertzianLives(held)(held).states[0]
+    preloaded = with_method(scene("gyro_s1", changes), method)
+    new = HertzianLives(preloaded)(preloaded).states[0]
     frequency = new["lowest_frequency"]
     if np.isnan(frequency):
-        frequency = lowest_frequency(held, (new, new))
-    case = solve(held).values
+        frequency = lowest_frequency(preloaded, (new, new))
+    case = solve(preloaded).values
     assert_allclose(frequency, case["natural_frequency"].min(), rtol=1e-5)
-    assert life_point(held, None)["lowest_frequency"] <= frequency * (1.0 + 1e-12)
+    assert life_point(preloaded, None)["lowest_frequency"] <= frequency * (1.0 + 1e-12)
 
 
 def test_a_point_of_the_map_has_the_worst_values_along_a_life(scene):
-    """They are the extremes over the history of `life`, and over both of two unlike bearings."""
+    """They are the extremes over the history of `life`, and over both bearings of a pair."""
     rigid = with_method(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
     point, values = life_point(rigid, None), life(rigid).values
     expected = {
@@ -70,14 +71,14 @@ def recommended(scene):
 
 
 def test_the_required_frequency_limits_spring_and_rigid_pair(scene, recommended):
-    """Both have 2100 Hz or more, but for rounding, and the life of their preload on a map."""
+    """Both pairs have 2100 Hz or more, but for rounding, and the life of a map at their preload."""
     assert (recommended["lowest_frequency"] >= 2100.0 * (1.0 - 1e-6)).all()
     names = recommended["active_limit"].attrs["flag_meanings"].split()
     limits = [names[int(k)] for k in recommended["active_limit"].values]
     assert limits == ["lowest_frequency_Hz"] * 2
     for k, method in enumerate(METHODS):
-        held = with_method(scene("gyro_s1", PUSHED), method, float(recommended["preload"][k]))
-        life_h = life_point(held, None)["life"] / 3600.0
+        preloaded = with_method(scene("gyro_s1", PUSHED), method, float(recommended["preload"][k]))
+        life_h = life_point(preloaded, None)["life"] / 3600.0
         assert_allclose(life_h, recommended["life"][k], rtol=1e-9, err_msg=method)
 
 

@@ -24,7 +24,7 @@ CASES = {
     "slow": {"operation.shaft_speed_rpm": 500.0},
     "fast": {"operation.shaft_speed_rpm": 24000.0, "temperature.inner_ring_C": 40.0},
 }
-METHODS = {"flag_values": [0, 1], "flag_meanings": "constant_force fixed_position"}
+METHOD_FLAGS = {"flag_values": [0, 1], "flag_meanings": "constant_force fixed_position"}
 # warnings of a scene
 COLD = {"id": "temperature_left_out", "sentence": "temperature is neglected", "advice": "set it"}
 HIGH = {"id": "high", "sentence": "it is high", "advice": "mind it"}
@@ -37,9 +37,9 @@ def scene():
 
 
 def recommended_for(scene, limits=None, active=STIFFNESS, **values):
-    """Returns a recommendation of a fixed position, with no more than what words are made of.
+    """Returns a recommendation of a fixed position, with only the values that sentences use.
 
-    Everything is decided in the case `fast`, by the second bearing, new, at 3000 r/min.
+    The second bearing, new, at 3000 r/min in the case `fast`, decides everything.
 
     limits: requirements by key; 20 N/um of the system if omitted. active: name in `ACTIVE` of what
     forbids a longer life. values: of other variables.
@@ -57,7 +57,7 @@ def recommended_for(scene, limits=None, active=STIFFNESS, **values):
     warnings = [COLD | {"in_cases": ["nominal"]}, HIGH | {"in_cases": ["slow", "fast"]}]
     return xr.Dataset(
         {name: ("preload_method", [value]) for name, value in numbers.items()},
-        {"preload_method": ("preload_method", [1], METHODS)},
+        {"preload_method": ("preload_method", [1], METHOD_FLAGS)},
         {
             "scene": json.dumps(scene.to_dict()),
             "limits": json.dumps({STIFFNESS: 20.0} if limits is None else limits),
@@ -68,9 +68,9 @@ def recommended_for(scene, limits=None, active=STIFFNESS, **values):
 
 
 def test_the_first_lines_name_cases_and_speeds(scene):
-    """From rest to the 18000 r/min of the scene.
+    """Without cases, they say from rest to the 18000 r/min of the scene.
 
-    With two cases beside the nominal one, their number and names and the highest of all speeds.
+    With two cases beside the nominal one, they have number and names of all, and the highest speed.
     """
     words = conditions_words(recommended_for(scene))
     assert "rest" in words and numbers_in(words) == [18000.0]
@@ -83,8 +83,8 @@ def test_the_first_lines_name_the_lowest_speed_in_place_of_rest(scene):
     assert numbers_in(conditions_words(slowest)) == [2000.0, 18000.0]
 
 
-def test_the_first_lines_name_speeds_of_cases_where_nothing_else_was_looked_at(scene):
-    """With requirements at the speed of each case alone, the words have the extremes of these."""
+def test_the_first_lines_name_the_speeds_of_cases_if_no_others_were_checked(scene):
+    """Requirements apply at the speed of each case alone: the lowest and the highest are named."""
     limits = {STIFFNESS: 20.0, "at_speed_only": True}
     words = conditions_words(recommended_for(scene.with_({"cases": CASES}), limits=limits))
     assert numbers_in(words)[-2:] == [500.0, 24000.0] and "rest" not in words
@@ -96,17 +96,18 @@ def limit_words(recommended):
 
 
 def test_the_headline_names_where_a_requirement_is_just_met(scene):
-    """The words have speed, wear and bearing, and the case if there are several."""
+    """It names speed, wear and bearing, and the case if there are several."""
     words = limit_words(recommended_for(scene))
     assert numbers_in(words) == [20.0, 3000.0, 2.0] and "new" in words  # N/um, r/min, bearing
     assert "case" not in words
     assert limit_words(recommended_for(scene.with_({"cases": CASES}))).endswith("(case fast)")
 
 
-def test_the_headline_names_a_limit_that_is_not_just_met_without_its_place(scene):
-    """A stiffness of 21 in place of 20.01 N/um, of the 20 that are required."""
+def test_the_headline_does_not_call_a_limit_just_met_that_is_exceeded(scene):
+    """The stiffness is 21 N/um in place of 20.01, and 20 N/um are required; the place is named."""
     words = limit_words(recommended_for(scene, system_axial_stiffness=21e6))
-    assert words.startswith("limited by 20")
+    assert words.startswith("limited by 20") and "just met" not in words
+    assert 3000.0 in numbers_in(words)
 
 
 def test_the_headline_names_no_limit_where_none_is_met(scene):
@@ -120,7 +121,7 @@ def test_the_headline_names_the_bearing_that_lifts_off(scene):
 
 
 def test_a_life_names_the_speed_and_the_case_in_which_it_is_the_shortest(scene):
-    """At 3000 r/min; if there are several cases, the words have `fast` and their number."""
+    """The words have the 3000 r/min and, with three cases, the name `fast` and their number."""
     of_scene = recommended_for(scene)
     best = of_scene.isel(preload_method=0)  # the only method
     assert numbers_in(life_condition_words(of_scene, best))[0] == 3000.0
@@ -129,7 +130,7 @@ def test_a_life_names_the_speed_and_the_case_in_which_it_is_the_shortest(scene):
 
 
 def test_warnings_are_those_of_the_cases_that_have_them(scene):
-    """A warning of temperatures left out, in the nominal case, and another one in both cases."""
+    """The nominal case neglects temperatures; another warning is of the cases `slow` and `fast`."""
     cold, high = stated_warnings(recommended_for(scene.with_({"cases": CASES})))
     assert cold["id"] == "temperature_left_out"
     assert cold["sentence"].startswith("case nominal: ")  # `fast` has temperatures
@@ -140,7 +141,7 @@ def test_warnings_of_a_scene_without_cases_name_none(scene):
     assert stated_warnings(recommended_for(scene))[0]["sentence"] == COLD["sentence"]
 
 
-def test_neglected_temperatures_are_said_of_the_cases_without_any(scene):
+def test_a_warning_of_neglected_temperatures_names_the_cases_without_any(scene):
     """Where no case has temperatures, the warning stays as it is, without names."""
     warning = warning_with_cases(COLD, scene.with_({"cases": CASES}).to_dict())
     assert warning["sentence"].startswith("cases nominal, slow: ")
@@ -149,7 +150,7 @@ def test_neglected_temperatures_are_said_of_the_cases_without_any(scene):
 
 
 def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
-    """The line has the extreme speeds of cases and their names; without cases, only a speed."""
+    """The line has the lowest and the highest speed of cases and their names, or the one speed."""
     data = scene.with_({"cases": CASES}).to_dict()
     line = bearing_line(data)
     assert "500 to 24000 r/min" in line and line.endswith("nominal, slow, fast")
@@ -161,8 +162,8 @@ def test_a_bearing_with_cases_is_described_from_case_to_case(scene):
     assert speeds == {"nominal": 18000.0, "slow": 500.0, "fast": 24000.0}
 
 
-def test_a_method_without_a_preload_is_named_in_its_heading(scene):
-    """It is not named where no method has a preload: first the life is NaN, then 1 h."""
+def test_a_heading_names_the_method_without_a_preload_if_another_has_one(scene):
+    """The heading names the fixed position if a life of 1 h exists, but not if all are NaN."""
     recommended = recommended_for(scene, active=ACTIVE[NO_PRELOAD])
     recommended = recommended.assign(life=("preload_method", [np.nan]))
     recommended.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "x"})

@@ -39,7 +39,7 @@ def with_spaces(text):
 
 
 def life(method, friction, hours, error=0.01, scene="a"):
-    """Returns a life with a relative error, NaN for an unknown one; it ends by a criterion `x`."""
+    """Returns a life that ends by a criterion `x`; its relative error is NaN if it is unknown."""
     return MethodLife(scene, method, friction, hours, error, "x")
 
 
@@ -68,14 +68,14 @@ HEADLINES = [
 def test_the_headline_names_the_better_method_and_a_sentence_by_how_much(
     lives, methods, word, numbers
 ):
-    """The title is the scene, the preload, and the headline behind the last comma.
+    """The title has the scene, the preload and, after the last comma, the headline.
 
-    The numbers stand together in one sentence of the answer.
+    One sentence of the answer contains all the numbers.
     """
     document = answer(lives, SCENE)
     assert document.title.startswith("a: ") and numbers_in(document.title) == [7.0]  # N
     _, _, headline = document.title.rpartition(", ")
-    assert {name for name in (C, F) if name.replace("_", " ") in headline} == methods
+    assert {name for name in PRELOAD_METHODS if name.replace("_", " ") in headline} == methods
     assert word in headline
     sentences = [with_spaces(text) for _, texts in sentence_blocks(document) for text in texts]
     assert any(numbers <= {*numbers_in(sentence)} for sentence in sentences), sentences
@@ -83,7 +83,7 @@ def test_the_headline_names_the_better_method_and_a_sentence_by_how_much(
 
 @pytest.mark.parametrize("lives", [lives for lives, *_ in HEADLINES])
 def test_the_table_has_a_row_for_each_life_of_the_scene_and_no_nan(lives):
-    """Lives of another scene have none; neither the table nor a sentence has NaN."""
+    """Lives of another scene have no row; no cell and no sentence contains NaN."""
     document = answer(lives, SCENE)
     rows = table_block(document).table[1]
     assert len(rows) == len([life for life in lives if life.scene == "a"])
@@ -96,13 +96,14 @@ def test_the_table_has_a_row_for_each_life_of_the_scene_and_no_nan(lives):
 def lives_and_spread(small_project, tmp_path):
     """Returns the paths of lives and of an invented spread beside them.
 
-    Quantiles are 2, 4, ... 40 h, by preload method, preload and probability; those of a batch, its
-    median times 0.5 to 2. Ends of intervals are 10 % off. Of the second method one life failed.
+    Quantiles are 2, 4, ... 40 h, by preload method, preload and probability. With the inputs of a
+    batch alone, they are the median times 0.5 to 2. Ends of intervals are 10 % off. One life of the
+    second method failed.
     """
     scene = load_scene(small_project / "mine.yaml")
-    middle = np.arange(2.0, 41.0, 2.0).reshape(2, 2, 5)  # method, at, probability
-    of_batch = middle[..., [2]] * np.array([0.5, 0.7, 1.0, 1.5, 2.0])
-    inputs = middle, middle, middle, of_batch  # all, all but wear, scatter, batch
+    quantiles = np.arange(2.0, 41.0, 2.0).reshape(2, 2, 5)  # method, preload, probability
+    of_batch = quantiles[..., [2]] * np.array([0.5, 0.7, 1.0, 1.5, 2.0])
+    by_inputs = quantiles, quantiles, quantiles, of_batch  # all, all but wear, scatter, batch
     counts = np.array([[[100, 0], [100, 0]], [[99, 1], [100, 0]]])
     dims = ("preload_method", "preload_choice", "uncertain_inputs", "probability")
     statuses = {"flag_values": [0, 1], "flag_meanings": "ok not_converged"}
@@ -110,7 +111,7 @@ def lives_and_spread(small_project, tmp_path):
     dataset = xr.Dataset(
         {
             **{
-                f"life_quantile{end}": (dims, factor * np.stack(inputs, axis=2))
+                f"life_quantile{end}": (dims, factor * np.stack(by_inputs, axis=2))
                 for end, factor in (("_low", 0.9), ("", 1.0), ("_high", 1.1))
             },
             "solved_share": (dims[:2], [[1.0, 1.0], [0.99, 1.0]]),
@@ -135,7 +136,7 @@ def lives_and_spread(small_project, tmp_path):
 def row_of(document, method, friction):
     """Returns the cells of a life by the heads of their columns.
 
-    method and friction: as in the table, the latter a text.
+    method, friction: texts of the table.
     """
     heads, lines = table_block(document).table
     (row,) = [line for line in lines if line[:2] == [friction, method]]
@@ -161,14 +162,14 @@ def answer_of(lives, spread=()):
     return load_document(path)
 
 
-def test_the_answer_has_the_lives_of_the_file(small_project):
-    """The small study (tests/small_study.py) has a ratio of lives, ends, and a table.
+def test_the_answer_is_that_of_the_file(small_project):
+    """The ratio of lives, their end and cells of the table are those of tests/small_study.py.
 
-    The first sentence compares the methods at the friction 0.02. There is no spread.
+    The first sentence compares the methods at the friction 0.02. The study has no spread.
     """
     lives = lives_of(load(small_project / FOLDER / "wear_life.nc"))
-    hours_at_002 = {life.method: life.hours for life in lives if life.friction == 0.02}
-    ratio = hours_at_002["constant_force"] / hours_at_002["fixed_position"]
+    hours_by_method = {life.method: life.hours for life in lives if life.friction == 0.02}
+    ratio = hours_by_method["constant_force"] / hours_by_method["fixed_position"]
     document = load_document(small_project / LIVES_ANSWER)
     blocks = sentence_blocks(document)
     sentences = with_spaces(" ".join(text for _, texts in blocks for text in texts))
@@ -185,9 +186,10 @@ def test_the_answer_has_the_lives_of_the_file(small_project):
 
 
 def test_the_summary_has_lives_with_their_spread(small_project, lives_and_spread):
-    """It has the interval of 90 % of bearings at the scene's own friction, 0.08.
+    """A column has the lives of 90 % of bearings at the scene's own friction of 0.08.
 
-    Lives at another friction have a dash, and the text names the command that samples them.
+    Lives at a friction without a spread have a dash, and the text names the command that samples
+    them.
     """
     lives, spread = lives_and_spread
     written, table = lives.parent / "a.csv", lives.parent / "summary.md"
@@ -196,17 +198,17 @@ def test_the_summary_has_lives_with_their_spread(small_project, lives_and_spread
     text = table.read_text().replace("\N{NO-BREAK SPACE}", " ").partition("## Wear life\n\n")[2]
     heads, _, *rows = (line.split(" | ") for line in text.partition("\n\n")[0].splitlines())
     column = heads.index("90 % of bearings (h)")
-    rows = {(row[1], row[0][2:]): row[column] for row in rows}
-    assert rows["constant force", "0.08"] == "2 to 10"
-    assert rows["fixed position", "0.08"] == "22 to 30"
-    assert rows["constant force", "0.02"] == "–"
+    bearings = {(row[1], row[0].removeprefix("| ")): row[column] for row in rows}
+    assert bearings["constant force", "0.08"] == "2 to 10"
+    assert bearings["fixed position", "0.08"] == "22 to 30"
+    assert bearings["constant force", "0.02"] == "–"
     assert "bearingwear uncertainty" in table.read_text()
 
 
 def test_the_answer_has_lives_with_their_spread(lives_and_spread):
-    """Expected are the invented quantiles [h], at 10 and 50 % of the median batch, else 5 to 95 %.
+    """Cells are quantiles of `lives_and_spread` [h], and dashes for a life without a spread.
 
-    A life without a spread has a dash.
+    Of the median batch they are the 10 and 50 % points, else the 5 and 95 % points.
     """
     lives, spread = lives_and_spread
     document = answer_of(lives, [spread])

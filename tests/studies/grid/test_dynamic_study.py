@@ -21,14 +21,10 @@ STEADY = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.5, 0.
 DYNAMIC = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.08], [0.0, 0.5, 0.7])
 NOT_CONVERGED = 1  # status
 # steps
-GATHER, TABLES = (
-    "studies.grid.gather.gathered_study",
-    "studies.grid.dynamic_tables.dynamic_comparison",
-)
-COMPARED, AVERAGE = (
-    "studies.grid.figures.draw.draw_dynamic",
-    "studies.grid.figures.draw.draw_running_average",
-)
+GATHER = "studies.grid.gather.gathered_study"
+TABLES = "studies.grid.dynamic_tables.dynamic_comparison"
+COMPARED = "studies.grid.figures.draw.draw_dynamic"
+AVERAGE = "studies.grid.figures.draw.draw_running_average"
 # names of the flags of variables
 FLAGS = {
     "status": "ok not_converged",
@@ -39,68 +35,83 @@ FLAGS = {
 
 
 def flag(name, dims, values):
-    """Returns a variable of flags for a dataset: dimensions, codes, attributes."""
+    """Returns a variable of a dataset, (dims, codes, attributes), with the names of FLAGS."""
     meanings = FLAGS[name].split()
     values = np.asarray(values, dtype=np.int8)
     attrs = {"flag_values": np.arange(len(meanings), dtype=np.int8), "flag_meanings": FLAGS[name]}
     return (dims, values, attrs)
 
 
-def invented_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **changes):
-    """Returns the dataset of a case file with plausible numbers; its histories settle on its means.
+# attributes of variables
+ONE, WATT, WEAR_RATE = {"units": "1"}, {"units": "W"}, {"units": "m3 s-1"}
 
-    QV is 1.4 W and wear rates are some 1e-16 m3/s, times 0.9 + friction, times the share of preload
-    that is left: of a fixed position, 1 - 1.2 per um of loss. Dynamic ones are 1 % higher.
+
+def invented_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **changes):
+    """Returns the dataset of a case file with plausible numbers.
+
+    QV is 1.4 W and wear rates are some 1e-16 m3/s, times 0.9 + friction, times the share of the
+    preload that is left. A fixed position loses 1.2 of it per um of loss. Dynamic numbers are 1 %
+    higher.
 
     status: a case that was not solved has no numbers. changes: of attributes.
     """
     is_dynamic = fidelity == "dynamic"
     plain = variant(scene_file(scene), case.changes).to_dict()
     n = plain["bearing"]["ball_count"] if is_dynamic else 1
-    is_rigid = case.preload_method == "fixed_position"
-    preload_share = 1.0 - (1.2 * case.ball_diameter_loss_um if is_rigid else 0.0)
-    scale = (1.0 + 0.01 * is_dynamic) * preload_share * (0.9 + case.friction)
-    power, wear_rate = {"units": "W"}, {"units": "m3 s-1"}  # attributes
+    is_fixed = case.preload_method == "fixed_position"
+    left = 1.0 - (1.2 * case.ball_diameter_loss_um if is_fixed else 0.0)
+    size = (1.01 if is_dynamic else 1.0) * left * (0.9 + case.friction)
     values = {
-        "status": flag("status", (), status),
-        "total_qv": ((), 1.4 * scale, power),
-        "qv": (("ball", "race"), np.full((n, 2), 0.07 * scale), power),
-        "residual_preload": ((), 7.0 * preload_share, {"units": "N"}),
-        "ball_wear_rate": (("ball",), np.full(n, 1e-17 * scale), wear_rate),
-        "race_wear_rate": (("race",), np.array([2e-16, 3e-16]) * scale, wear_rate),
+        "total_qv": ((), 1.4 * size, WATT),
+        "qv": (("ball", "race"), np.full((n, 2), 0.07 * size), WATT),
+        "residual_preload": ((), 7.0 * left, {"units": "N"}),
+        "ball_wear_rate": (("ball",), np.full(n, 1e-17 * size), WEAR_RATE),
+        "race_wear_rate": (("race",), np.array([2e-16, 3e-16]) * size, WEAR_RATE),
     }
     coords = {"ball": np.arange(n), "race": flag("race", ("race",), [0, 1])}
-    if is_dynamic:
-        per_turn = {"qv_drift_per_turn": 1e-4, "wear_rate_drift_per_turn": 0.02 * is_rigid}
-        counts = {"simulated_turns": 20.0, "evaluated_turns": 10.0}
-        numbers = {name: ((), value, {"units": "1"}) for name, value in (per_turn | counts).items()}
-        numbers["cage_wear_rate"] = ((), 4e-15 * scale, wear_rate)
-        numbers["cage_land_wear_rate"] = ((), 5e-17 * scale, wear_rate)
-        numbers["steps_accepted"] = ((), np.int32(1000), {"units": "1"})
-        numbers["final_state"] = (("state",), np.arange(7.0), {"units": "1"})
-        numbers["final_time"] = ((), 0.04, {"units": "s"})
-        time = np.linspace(1e-4, 0.04, 400)
-        settling = 1.0 + 2.0 * np.exp(-time / 0.004) + 0.3 * np.sin(3e3 * time)
-        for name, mean in (("cage_pocket", 4e-15), ("cage_land", 5e-17)):
-            rate = (mean * scale * settling).astype("f4")
-            numbers[f"history_{name}_wear_rate"] = (("time",), rate, wear_rate)
-        rate = np.repeat((1e-17 * scale * settling)[:, None], n, axis=1).astype("f4")
-        numbers["history_ball_wear_rate"] = (("time", "ball"), rate, wear_rate)
-        land = np.zeros((400, 2), dtype="f4")
-        numbers["history_land_force"] = (("time", "edge"), land, {"units": "N"})
-        values |= numbers
-        coords |= {"time": ("time", time, {"units": "s"}), "edge": flag("edge", ("edge",), [0, 1])}
-    if status:  # as the solver leaves it: what it always writes is NaN, the rest not there
-        nan_values = {"status": values["status"]}
-        for name in ("total_qv", "qv", "residual_preload", "ball_wear_rate", "race_wear_rate"):
-            dims, numbers, attrs = values[name]
-            nan_values[name] = (dims, np.full_like(numbers, np.nan), attrs)
-        values = nan_values
-        coords = {name: coords[name] for name in ("ball", "race")}
+    if status:  # as the solver writes it: all NaN, and without the values of the dynamic model
+        values = {
+            name: (dims, np.full_like(numbers, np.nan), attrs)
+            for name, (dims, numbers, attrs) in values.items()
+        }
+    elif is_dynamic:
+        dynamic_values, dynamic_coords = invented_run(size, n, drift=0.02 if is_fixed else 0.0)
+        values |= dynamic_values
+        coords |= dynamic_coords
+    values["status"] = flag("status", (), status)
     attrs = {name: "1" for name in ("source_hash", "package_version", "numpy_version")}
     attrs |= {"scene": json.dumps(plain), "fidelity": fidelity, "numba_version": "1"}
     attrs |= {"source": "bearingwear 1", "Conventions": "CF-1.11"}
     return xr.Dataset(values, coords, attrs | changes)
+
+
+def invented_run(size, ball_count, drift):
+    """Returns the further variables and coordinates of a case that is solved dynamically.
+
+    Histories settle on the means of the case.
+
+    size: factor of wear rates, as in `invented_case`. drift: of the wear rate per turn [1].
+    """
+    time = np.linspace(1e-4, 0.04, 400)
+    settling = size * (1.0 + 2.0 * np.exp(-time / 0.004) + 0.3 * np.sin(3e3 * time))
+    ball_rates = np.repeat((1e-17 * settling)[:, None], ball_count, axis=1)
+    values = {
+        "simulated_turns": ((), 20.0, ONE),
+        "evaluated_turns": ((), 10.0, ONE),
+        "qv_drift_per_turn": ((), 1e-4, ONE),
+        "wear_rate_drift_per_turn": ((), drift, ONE),
+        "steps_accepted": ((), np.int32(1000), ONE),
+        "final_state": (("state",), np.arange(7.0), ONE),
+        "final_time": ((), 0.04, {"units": "s"}),
+        "cage_wear_rate": ((), 4e-15 * size, WEAR_RATE),
+        "cage_land_wear_rate": ((), 5e-17 * size, WEAR_RATE),
+        "history_cage_pocket_wear_rate": (("time",), (4e-15 * settling).astype("f4"), WEAR_RATE),
+        "history_cage_land_wear_rate": (("time",), (5e-17 * settling).astype("f4"), WEAR_RATE),
+        "history_ball_wear_rate": (("time", "ball"), ball_rates.astype("f4"), WEAR_RATE),
+        "history_land_force": (("time", "edge"), np.zeros((400, 2), dtype="f4"), {"units": "N"}),
+    }
+    edge = flag("edge", ("edge",), [0, 1])
+    return values, {"time": ("time", time, {"units": "s"}), "edge": edge}
 
 
 def write_cases(folder, grid, fidelity, failed=(), **changes):
@@ -125,7 +136,7 @@ FAILED = ("fixed_position-mu0.020-loss0.70", "fixed_position-mu0.080-loss0.70")
 def folder(tmp_path_factory):
     """Returns the folder of a study, `study.nc`, and of some of its cases solved dynamically.
 
-    Of the latter, in `dynamic.nc`, the two of FAILED are not solved; of the study, the first.
+    These are in `dynamic.nc`. There both cases of FAILED are not solved, in the study the first.
     """
     folder = tmp_path_factory.mktemp("both")
     for grid, fidelity, cases, file in (
@@ -147,7 +158,7 @@ def steady_and_dynamic(folder):
 
 
 def test_a_study_of_dynamic_cases_holds_their_means_without_histories(folder):
-    """It has nine balls; dimensions and variables of a run in time are left out.
+    """It has means of each of nine balls, without the dimensions and variables of a run in time.
 
     Cases that were not solved have NaN.
     """
@@ -170,7 +181,7 @@ def test_steady_and_dynamic_cases_are_not_mixed(folder, tmp_path):
 
 
 def test_the_verdict_names_unsolved_files_of_steady_and_dynamic_cases(folder):
-    """It names the files of the cases, and counts all cases of both."""
+    """It names the files of unsolved cases, and counts all cases of both studies."""
     checked, unsolved = unsolved_lines([folder / "study.nc", folder / "dynamic.nc"])
     assert checked == len(STEADY.cases()) + len(DYNAMIC.cases())
     assert [line.partition(": ")[0] for line in unsolved] == [
@@ -185,7 +196,7 @@ def test_the_verdict_names_unsolved_files_of_steady_and_dynamic_cases(folder):
 def test_tables_compare_steady_and_dynamic_cases(folder, tmp_path):
     """Numbers of the first case follow from `invented_case`; cells of unsolved cases are empty.
 
-    The wear rate of fixed positions drifts by 2 % per turn, 20 % over the ten turns evaluated.
+    The wear rate of fixed positions drifts by 2 % per turn, so by 20 % over ten evaluated turns.
     """
     outputs = [tmp_path / "dynamic.csv", tmp_path / "dynamic.md"]
     assert step(TABLES, *outputs, **steady_and_dynamic(folder)) == 0
@@ -213,9 +224,9 @@ def test_tables_compare_steady_and_dynamic_cases(folder, tmp_path):
 def test_a_case_that_is_not_solved_or_without_a_cage_is_drawn_and_tabulated(
     folder, has_cage, tmp_path
 ):
-    """A single case: with a cage, but not solved, or solved, but without a cage.
+    """A single case has a cage but is not solved, or is solved but has no cage.
 
-    The table has no cage and no NaN.
+    Its table names no cage and has no NaN.
     """
     grid = Grid.from_lists(PRELOAD_METHODS[:1], [0.08], [0.0])
     failed = tuple(grid.cases()) if has_cage else ()
@@ -234,9 +245,9 @@ def test_a_case_that_is_not_solved_or_without_a_cage_is_drawn_and_tabulated(
 
 
 def test_files_that_do_not_belong_together_are_refused_in_one_line(folder, tmp_path, capsys):
-    """Faults are steady cases, other frictions, another scene, and a file of no dynamic case.
+    """Refused are steady cases in place of dynamic ones, other frictions, and another scene.
 
-    Nothing is drawn.
+    A running average is refused for a study and for a case that was not solved. Nothing is drawn.
     """
     steady, dynamic = steady_and_dynamic(folder).values()
     output = tmp_path / "a.svg"
@@ -296,7 +307,7 @@ def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path
     ],
 )
 def test_a_broken_reference_is_refused(folder, text, problem, tmp_path, capsys):
-    """One line names the file. A missing file is refused, too."""
+    """A line names the file and its problem, or says that a missing file cannot be read."""
     file = tmp_path / "values.csv"
     file.write_text(text)
     inputs = {"case": folder / "dynamic" / f"{FAILED[0]}.nc", "reference": file}

@@ -8,8 +8,8 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.grid import Case, Grid
 
 
-def test_id_of_a_case():
-    """It has at least three decimals of the friction and two of the loss [um], more if needed."""
+def test_the_id_of_a_case_has_its_method_friction_and_loss():
+    """It has three decimals of the friction and two of the loss [um], or as many as are needed."""
     assert Case("constant_force", 0.0125, 0.005).id == "constant_force-mu0.0125-loss0.005"
     case = Case("fixed_position", 0.08, 0.5)
     assert case.id == "fixed_position-mu0.080-loss0.50"
@@ -25,7 +25,7 @@ def test_id_of_a_case():
     losses=st.lists(st.integers(0, 5000), min_size=1, max_size=5, unique=True),
 )
 def test_case_ids_are_unique_and_contain_the_values(mus, losses):
-    """There is an id for each combination of values; a case has the values of its combination.
+    """There are as many ids as combinations of values, and each case has the values of its id.
 
     Frictions are multiples of 1e-4 up to 0.2, losses of 1e-3 um up to 5 um.
     """
@@ -50,17 +50,16 @@ def test_case_ids_are_unique_and_contain_the_values(mus, losses):
     ],
 )
 def test_grids_that_are_refused(methods, mus, losses, problem):
-    """Faults are too many decimals, values below zero, NaN, repeated or missing, and no method."""
+    """Faults are decimals, values below zero, NaN, given twice or missing, and a wrong method."""
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         Grid.from_lists(methods, mus, losses)
     assert problem in str(error.value)
 
 
-def test_chunks_of_a_grid():
-    """A chunk has whole lines, here of three losses; its name has the first and last friction.
+def test_chunks_have_whole_lines_and_the_names_of_their_first_and_last_friction():
+    """A line has three losses. The argument of `chunks` is the largest number of points in one.
 
-    The argument is the largest number of points in a chunk. Chunks of one line or less are not
-    used: the list is empty.
+    Chunks of one line or less are not used: the list is empty.
     """
     grid = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08, 0.11], [0.0, 0.1, 0.5])
     assert grid.chunks(None) == grid.chunks(5) == []  # of no size, or of one line

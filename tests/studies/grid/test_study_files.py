@@ -67,7 +67,7 @@ def cases(folder, tmp_path):
 
 
 def test_study_holds_every_case(folder):
-    """A case has its place on the grid, and the numbers and attributes of its file."""
+    """A case is at its place on the grid, with the numbers and attributes of its file."""
     gathered = load(folder / "study.nc")
     assert list(gathered["total_qv"].dims) == ["preload_method", "friction", "ball_diameter_loss"]
     assert gathered["ball_diameter_loss"].attrs["units"] == "um"
@@ -86,9 +86,9 @@ def test_study_holds_every_case(folder):
 
 
 def test_warnings_are_gathered_once_with_the_cases_counted(folder):
-    """Four of the six solved cases have worn grooves; the warning has the largest loss of them.
+    """The warning of worn grooves counts the solved cases that are not new, and the solved lives.
 
-    Both solved lives have the warning. No warning occurs twice.
+    Its first number is the largest loss of the cases. No warning stands twice.
     """
     cases, lives = (load(folder / name) for name in ("study.nc", "wear_life.nc"))
     warnings = warnings_in(cases.attrs)
@@ -111,7 +111,7 @@ def test_failed_cases_are_missing_numbers_with_a_status(folder):
 
 
 def test_flags_stay_whole_numbers_in_the_file(folder):
-    """They have one byte even where a case was not solved; coordinates have no fill value."""
+    """They have one byte, though some cases were not solved; coordinates have no fill value."""
     with xr.open_dataset(folder / "study.nc", mask_and_scale=False) as raw:
         assert raw["status"].dtype == raw["steady_state_branch"].dtype == np.int8
         assert all("_FillValue" not in raw[name].attrs for name in raw.coords)
@@ -123,7 +123,7 @@ def test_gathering_twice_gives_the_same_bytes(folder, cases, tmp_path):
 
 
 def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
-    """There is one sweep for each preload method, with the axes in either order."""
+    """There is a sweep for each preload method; either order of the axes gives the same file."""
     frictions, losses = (
         ("friction.ball_race", "0,0.08"),
         ("wear.ball_diameter_loss_um", "0,0.35,0.7"),
@@ -148,7 +148,7 @@ def test_sweeps_over_the_grid_are_gathered_to_the_same_bytes(folder, tmp_path):
     ],
 )
 def test_sweeps_that_are_no_grid_of_cases_are_refused(words, tmp_path, monkeypatch, capsys):
-    """One has an axis that a grid has not, one has lives, and one has rows in place of axes."""
+    """They have an axis that grids lack, lives in place of cases, or rows in place of axes."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rows.csv").write_text("friction.ball_race,wear.ball_diameter_loss_um\n0.08,0\n")
     assert main(["sweep", str(scene_file("gyro_s1")), *words, "--jobs", "1", "-o", "x.nc"]) == 0
@@ -157,7 +157,7 @@ def test_sweeps_that_are_no_grid_of_cases_are_refused(words, tmp_path, monkeypat
     assert only_line(capsys).startswith("x.nc: got another sweep, expected one of")
 
 
-# Damages: each changes files of cases, and returns the paths to gather and the one at fault.
+# kinds of damage: each changes files of cases, and returns the paths to gather and the faulty one
 
 
 def truncated(paths):
@@ -206,11 +206,11 @@ def of_another_solver(paths):
     ],
 )  # fmt: skip
 def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
-    """One line names the file at fault; nothing is written."""
-    paths, culprit = damage(cases)
+    """One line names the faulty file, and nothing is written."""
+    paths, faulty = damage(cases)
     output = tmp_path / "study.nc"
     assert step(GATHER, output, paths=paths) == 2
-    assert str(culprit) in only_line(capsys)
+    assert str(faulty) in only_line(capsys)
     assert not output.exists()
 
 
@@ -220,8 +220,10 @@ def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
 def line_of(losses, rate, preload, share=0.0, skid=0.0, status=None):
     """Returns a line of a study whose rate and criteria are known functions of the loss.
 
-    losses (n,) [um]; rate of the loss [m/s]; preload [N]; share and skid [1] of the slip criteria;
-    all of them scalars or (n,). status: zeros if omitted.
+    losses: (n,) [um].
+    rate, preload: of the loss [m/s], and residual [N]; scalars or (n,), as `share` and `skid`.
+    share, skid: gyroscopic slip share and skid ratio [1].
+    status: (n,), zeros if omitted.
     """
     n = len(losses)
     broadcast = np.broadcast_to
@@ -265,9 +267,9 @@ def test_a_life_at_a_constant_rate_is_loss_over_rate():
 
 
 def test_life_at_a_falling_rate_ends_where_the_preload_does():
-    """A rate proportional to 1/(1 + x), x being the loss in um: time is the integral of 1 + x.
+    """The rate is proportional to 1/(1 + x), x being the loss in um: time is the integral of 1 + x.
 
-    It ends at x = 0.6. To 0.1 %, as the rate is interpolated on a grid of 0.1 um.
+    The life ends at x = 0.6. It is right to 0.1 %, as rates are interpolated over steps of 0.1 um.
     """
     line = line_of(LOSSES, 1e-12 / (1.0 + LOSSES), 7.0 * (1.0 - LOSSES))
     interpolated = interpolated_life([Line(line, 7.0)], {"preload_fraction": 0.4})
@@ -281,7 +283,7 @@ def test_life_at_a_falling_rate_ends_where_the_preload_does():
 
 
 def test_the_first_criterion_ends_the_life():
-    """Four criteria are met at known losses; the sign of the skid ratio is ignored."""
+    """Four criteria are met at known losses; the skid ratio counts without its sign."""
     criteria = {
         "preload_fraction": 0.4,
         "gyroscopic_slip_share": 0.5,
@@ -323,9 +325,10 @@ def test_no_life_where_the_study_does_not_reach(line, criteria):
 
 
 def test_interpolated_lives_agree_with_followed_ones(folder):
-    """They agree to 1e-6 under a constant force, where the rate hardly changes, else to 3 %.
+    """Under a constant force they agree to 1e-6, as the rate hardly changes.
 
-    `life_route_difference` is the relative difference of both lives, interpolated by three states.
+    In a fixed position, three losses interpolate the life to 3 %. `life_route_difference` is the
+    relative difference of both lives.
     """
     lives = load(folder / "wear_life.nc")
     solved = lives.sel(friction=0.08)
@@ -361,7 +364,7 @@ def lives_between_cases(scene, losses, folder):
     ids=["single", "pair", "balls"],
 )
 def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path):
-    """Lives agree to 0.2 %, by the grid of 0.1 um; criterion and preload at the end agree, too.
+    """Lives agree to 0.2 %, the error of losses 0.1 um apart; criterion and last preload are equal.
 
     The preload is that of the phase that ends the life, and not of the nominal one. The duty
     changes lives by 10 % or more; a duty of the nominal phase alone changes nothing.
@@ -398,7 +401,7 @@ def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path)
 
 
 def test_a_phase_that_tells_bearings_apart_has_no_interpolated_life(tmp_path):
-    """A push on the rotor in one phase wears them unlike; the life is followed all the same."""
+    """A force on the rotor in one phase wears them unlike; the life is followed all the same."""
     changes = {
         "uncertainty": None,
         "cage": None,
@@ -557,10 +560,13 @@ FIGURES = {
 
 
 def inside(folder, inputs):
-    """Returns inputs of a step, files or lists of files, as paths in a folder."""
+    """Returns the inputs of a step as paths in a folder.
+
+    inputs: names of files, or lists of them, by arguments of the step.
+    """
     return {
-        name: folder / file if isinstance(file, str) else [folder / part for part in file]
-        for name, file in inputs.items()
+        name: folder / value if isinstance(value, str) else [folder / file for file in value]
+        for name, value in inputs.items()
     }
 
 
@@ -576,7 +582,7 @@ def draw(name, *outputs, folder) -> int:
 
 
 def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
-    """It is so as SVG and as PNG."""
+    """This applies to SVG and to PNG."""
     for copy in ("a", "b"):
         outputs = [tmp_path / f"{copy}.{suffix}" for suffix in ("svg", "png")]
         assert draw("friction", *outputs, folder=folder) == 0
@@ -585,7 +591,7 @@ def test_a_figure_is_the_same_bytes_twice(folder, tmp_path):
 
 
 def test_failed_cases_are_marked_by_crosses(folder):
-    """They are at zero friction, one for each preload method; the legend has an entry of them."""
+    """Both methods have one at the friction zero, and the legend has an entry for them."""
     drawn = quasistatic.friction_figure(load(folder / "study.nc"), 0.7)
     texts = [text.get_text() for text in drawn.legends[0].get_texts()]
     assert "not solved" in texts
@@ -593,7 +599,7 @@ def test_failed_cases_are_marked_by_crosses(folder):
     assert [line.get_xdata().tolist() for line in crosses] == [[0.0], [0.0]]
 
 
-# outputs and inputs of steps that write files, one or two, in three ways
+# outputs and inputs of steps that write netCDF, a figure, and two tables
 WRITERS = {
     GATHER: (["out.nc"], {"paths": [f"cases/{case_id}.nc" for case_id in GRID.cases()]}),
     "studies.grid.figures.draw.draw_life": (["f.svg"], {"lives": "wear_life.nc"}),
@@ -616,10 +622,10 @@ def test_no_room_leaves_nothing_half_written(folder, tmp_path, monkeypatch, caps
         names += outputs
     for name in names:
         (tmp_path / name).write_text("from before")
-    _, most = limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, most))
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, limits[1]))
     try:
-        statuses = [main(step) for step in steps]
+        statuses = [main(arguments) for arguments in steps]
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert statuses == [2] * len(steps)
@@ -651,12 +657,13 @@ def unsolved_folder(folder, tmp_path_factory):
 @pytest.mark.parametrize(
     ("name", "fixture"), [*((name, "unsolved_folder") for name in FIGURES), ("wear", "folder")]
 )
-def test_figures_show_failed_cases_and_names_as_text(name, fixture, request, tmp_path, monkeypatch):
-    """A scene named HOSTILE, which only a file from elsewhere can have, makes no script of an SVG.
+def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_path, monkeypatch):
+    """The name HOSTILE, which only a file from elsewhere can have, makes no script in an SVG.
 
-    Every figure is drawn without a warning from unsolved cases, and one from a partly solved study.
+    Every figure is drawn without a warning from cases of which none is solved. The figure of wear
+    is also drawn from a study of which some are.
 
-    fixture: name of the fixture that returns the folder of the study.
+    where: fixture of the folder.
     """
 
     def renamed(path, **axes):
@@ -671,15 +678,15 @@ def test_figures_show_failed_cases_and_names_as_text(name, fixture, request, tmp
             inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
         if "friction" in settings:
             settings = {"friction": [0] if isinstance(settings["friction"], list) else 0}
-        monkeypatch.setitem(FIGURES, name, (inputs, settings))
-    folder = request.getfixturevalue(fixture)
-    assert draw(name, tmp_path / "figure.svg", folder=folder) == 0
-    drawn = ElementTree.parse(tmp_path / "figure.svg")
-    assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]
+    run, figure = f"studies.grid.figures.draw.draw_{name}", tmp_path / "figure.svg"
+    paths = inside(request.getfixturevalue(where), inputs)
+    assert step(run, figure, settings=settings, **paths) == 0
+    nodes = ElementTree.parse(figure).iter()
+    assert not [node for node in nodes if str(node.tag).endswith("}script")]
 
 
 def test_a_figure_of_what_the_file_has_not_is_refused_in_one_line(folder, tmp_path, capsys):
-    """Faults are a friction that is not on the grid, and a study of cases in place of lives."""
+    """Refused are a friction that is not on the grid, and a study of cases in place of lives."""
     path, output = folder / "study.nc", tmp_path / "figure.svg"
     wear, life = "studies.grid.figures.draw.draw_wear", "studies.grid.figures.draw.draw_life"
     assert step(wear, output, studies=[path], settings={"friction": [0.03]}) == 2

@@ -7,7 +7,7 @@ from bearingwear.results.netcdf import load
 
 
 def test_a_life_with_worn_grooves_has_their_depth_in_sheet_figure_and_file(tmp_path, capsys):
-    """The life ends at a loss of 0.1 um, after few steps."""
+    """The life ends at a loss of 0.1 um, for which few steps are enough."""
     file = tmp_path / "life.nc"
     sets = ["--set=model.contact=worn", "--set=wear.end_of_life.ball_diameter_loss_um=0.1"]
     assert main(["life", str(scene_file("gyro_s1")), "-o", str(file), *sets]) == 0

@@ -37,9 +37,9 @@ FEW = {"model.strips": 20}  # fewer integration points, for speed
 
 
 def drawn_of_class(name, seed):
-    """Returns a random scene of a class of the plan; None where what is drawn makes no bearing.
+    """Returns a random scene of a class of the plan, or None if its values make no bearing.
 
-    seed: of all values of the scene.
+    name: of the class. seed: of all values of the scene.
     """
     generator = random.Random(seed)
     values = {key: d.value(generator) for key, d in draws(draw_blocks(PLAN, name)).items()}
@@ -64,9 +64,9 @@ def drawn_of_class(name, seed):
 def test_random_scenes_are_never_wrong(name, unexplained):
     """Each scene is solved without a violation of its checks, or refused.
 
-    Statuses without a physical reason stay rare: one of some 30 scenes may have such a status.
+    Statuses without a physical reason are rare: of some 30 scenes, one may have such a status.
 
-    unexplained: largest share of such statuses in the study of robustness, of thousands of scenes.
+    unexplained: share of such scenes that the study of robustness, with thousands, may have.
     """
     without_reason = scenes = 0
 
@@ -91,12 +91,11 @@ def test_random_scenes_are_never_wrong(name, unexplained):
 
 
 def test_random_lives_with_worn_grooves_are_never_wrong():
-    """None of ten lives violates a check; nine or more end at their criterion (status OK)."""
-    draw = draws(draw_blocks(PLAN, "worn_life"))
-    seed, count = 7, 10
-    ends = [outcome_of(BASE, values, "worn_life") for values in drawn_values(draw, seed, count)]
-    assert [end["violations"] for end in ends] == [""] * 10
-    assert sum(end["status"] == code.OK for end in ends) >= 9
+    """None of ten lives, drawn with the seed 7, violates a check; at least nine have status OK."""
+    scenes = drawn_values(draws(draw_blocks(PLAN, "worn_life")), seed=7, count=10)
+    outcomes = [outcome_of(BASE, values, "worn_life") for values in scenes]
+    assert [outcome["violations"] for outcome in outcomes] == [""] * 10
+    assert sum(outcome["status"] == code.OK for outcome in outcomes) >= 9
 
 
 @pytest.fixture(scope="module")
@@ -108,12 +107,12 @@ def scene_and_life():
 
 
 def test_a_right_life_violates_nothing(scene_and_life):
-    """The checks pass the life that the next test spoils."""
+    """The checks pass the life of which the next test falsifies values."""
     assert life_violations(*scene_and_life) == []
 
 
 @pytest.mark.parametrize(
-    ("name", "spoilt"),
+    ("name", "falsified"),
     [
         ("loss_at_end", lambda value: 2.0 * value),
         ("history_qv", lambda value: 1.2 * value),
@@ -122,16 +121,19 @@ def test_a_right_life_violates_nothing(scene_and_life):
         ("status", lambda value: code.UNVERIFIED),
     ],
 )
-def test_violations_of_a_wrong_life_are_reported(scene_and_life, name, spoilt):
-    """One variable at a time is spoilt: a factor, a reversed history, NaN, another status."""
+def test_violations_of_a_wrong_life_are_reported(scene_and_life, name, falsified):
+    """One variable at a time is false: by a factor, a reversed history, NaN, another status.
+
+    falsified: function that returns the false value for the right one.
+    """
     scene, values = scene_and_life
-    assert life_violations(scene, values | {name: spoilt(values[name])}) != []
+    assert life_violations(scene, values | {name: falsified(values[name])}) != []
 
 
 def test_random_dynamic_runs_conserve_energy_or_say_why_not():
-    """Of six draws, those that make no bearing, or one with more than 12 balls, are left out.
+    """Of six draws, no run violates a check, and at least three end with the status OK.
 
-    At least three runs end with the status OK.
+    Draws that make no bearing, or one with more than 12 balls, are left out.
     """
     runs = 0
 
@@ -150,12 +152,12 @@ def test_random_dynamic_runs_conserve_energy_or_say_why_not():
 
 
 def test_a_wrong_number_is_a_violation():
-    """The preload is wrong by 1e-3, QV is NaN, or the balance of power has an error of 1e-4."""
+    """Wrong are a preload by 1e-3, a QV of NaN, and the balance of power by 1e-4."""
     scene = load_scene(scene_file("gyro_s1"))
     values = solved_values(scene, "steady")
     assert violations(scene, "steady", values) == []
-    spoilt = values | {"residual_preload": 1.001 * values["residual_preload"]}
-    assert violations(scene, "steady", spoilt)
+    wrong_preload = values | {"residual_preload": 1.001 * values["residual_preload"]}
+    assert violations(scene, "steady", wrong_preload)
     (violation,) = violations(scene, "steady", values | {"total_qv": np.nan})
     assert violation.startswith("total_qv ")
     assert violations(scene, "steady", values | {"power_balance_error": 1e-4})
@@ -183,7 +185,7 @@ TWO_A_DECADE = KeyAxis(key="k", log=(1e-3, 1e3), points=13)
 
 
 def test_the_crossing_of_zero_is_bisected():
-    """The zero of log(y/7) lies between the values of the axis on either side of 7."""
+    """log(y/7) is zero at 7, between two values of the axis; the place is found to 1e-4."""
     values = [np.log(y / 7.0) for y in TWO_A_DECADE.values]
     place = crossing(TWO_A_DECADE, values, lambda y: np.log(y / 7.0))
     assert place == pytest.approx(7.0, rel=1e-4)
@@ -257,7 +259,7 @@ def test_a_few_points_are_the_same_bytes_twice(kind, solved_file):
 def test_each_figure_draws_its_kind_and_refuses_others(
     kind, figure, drawn_kind, solved_file, tmp_path
 ):
-    """Points of another kind than the figure's have exit status 2 and no file."""
+    """For points of another kind, it ends with status 2 and writes no file."""
     status = run(f"figures.{figure}", tmp_path / "few.svg", solved=solved_file(kind))
     assert status == (0 if kind == drawn_kind else 2)
     assert (tmp_path / "few.svg").exists() == (kind == drawn_kind)
@@ -285,7 +287,7 @@ def test_branches_have_no_ends_to_count(solved_file, tmp_path):
 def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     """One of two scenes gets a violation: the table counts it, the last step has exit status 3.
 
-    That step writes no verdict, and one line with the violation.
+    That step reports the violation, and writes no verdict.
     """
     solved, counts = tmp_path / "few.nc", tmp_path / "counts.nc"
     draw = {"name": "steady_stress", "count": 2, "seed": 3}

@@ -42,8 +42,9 @@ def are_covered(quantiles, exact):
 def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
     """Lives are lognormal: their log has the standard deviation 0.3 without wear.
 
-    wear: standard deviation of the log of the wear factor, which adds in squares; 0 for one factor.
-    rows: number of lives, drawn at random.
+    With wear factors, its variance is the sum of both variances. Without, each life stands once.
+
+    wear: standard deviation of the log of the wear factor. rows: number of lives, drawn at random.
     """
     draws = 64 if wear else 1
     # probabilities (rows, draws) of wear factors: evenly spread in each row and over all rows
@@ -61,9 +62,10 @@ def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
     assert np.sum(cover) >= stats.binom.ppf(1e-3, np.size(cover), 0.95)
     # width in log life of the interval of the mean of normal values; of their median, divided by
     # twice their density there. Binomial intervals of few rows are up to 1.5 times as wide.
-    normal_width = 2.0 * 1.96 * 0.3 / np.sqrt(rows)
-    normal_width *= 1.0 if wear else 0.5 / stats.norm.pdf(0.0)
-    assert normal_width < np.mean(widths_of_median) < 1.6 * normal_width
+    width = 2.0 * 1.96 * 0.3 / np.sqrt(rows)
+    if not wear:
+        width *= 0.5 / stats.norm.pdf(0.0)
+    assert width < np.mean(widths_of_median) < 1.6 * width
 
 
 def test_interval_of_one_factor_is_that_of_order_statistics():
@@ -109,7 +111,7 @@ def test_intervals_of_sobol_samples_cover_the_quantiles(inputs):
 @pytest.mark.parametrize("samples", [16, 128])
 @pytest.mark.parametrize("share", [0.003, 0.02])
 def test_intervals_allow_for_an_end_of_life_that_few_bearings_meet(samples, share):
-    """A share of the bearings, of low friction, lives a hundredth as long as the others.
+    """The bearings with the lowest friction, a share of all, live a hundredth of the others' life.
 
     Closed form: the distribution of lives is the sum of two lognormal ones, inverted by a table.
     """
@@ -121,10 +123,11 @@ def test_intervals_allow_for_an_end_of_life_that_few_bearings_meet(samples, shar
     cover = []
     for seed in range(SEEDS):
         sample = sample_of(scene, ALL_INPUTS, Sampling(samples=samples, seed=seed))
-        friction = np.log(sample.rows[:, 0] / scene.friction.ball_race) / np.log(1.2)  # deviates
+        friction_deviate = np.log(sample.rows[:, 0] / scene.friction.ball_race) / np.log(1.2)
+        has_low_friction = friction_deviate < stats.norm.ppf(share)
         # lives of the others differ by a millionth, as equal lives have an interval of no width
-        lives = np.where(friction < stats.norm.ppf(share), 0.01, 1.0 - 1e-6 * friction)
-        cover.append(are_covered(quantiles_of(lives, sample.factors), exact))
+        lives = np.where(has_low_friction, 0.01, 1.0 - 1e-6 * friction_deviate)
+        cover.append(covered(quantiles_of(lives, sample.factors), exact))
     # the widened intervals of each quantile cover in all 40 samples; two may miss
     assert np.mean(cover, axis=0).min() >= 0.95
 
@@ -134,7 +137,7 @@ LIVES, FACTORS = np.exp(np.random.default_rng(1).standard_normal(64)), np.ones((
 
 
 def test_quantiles_leave_out_lives_that_were_not_solved():
-    """Six NaN of 64 change nothing for the rest; without any life, the quantile is NaN."""
+    """Six NaN of 64 lives change no quantile of the others; without any life, quantiles are NaN."""
     is_solved = np.ones(64, dtype=bool)
     is_solved[3:9] = False
     with_unsolved = np.where(is_solved, LIVES, np.nan)
@@ -159,7 +162,7 @@ def test_an_end_of_an_interval_beyond_the_sample_is_not_known():
 
 
 def test_shares_in_which_a_method_has_the_longest_life():
-    """They are counted in pairs of lives, without the pairs that have an unsolved life.
+    """Shares are counted over pairs of lives, without pairs of which one life is not solved.
 
     Equal lives count as longest for neither method.
     """
@@ -182,8 +185,11 @@ def test_shares_in_which_a_method_has_the_longest_life():
     assert np.isnan(longest_shares(np.nan * life)).all()
 
 
-def saltelli(n, k, seed=1):
-    """Returns Saltelli's normal deviates (k + 2, n, k): A, B, and A with each column of B."""
+def saltelli_deviates(n, k, seed=1):
+    """Returns Saltelli's normal deviates (k + 2, n, k): A, B, and A with each column of B in turn.
+
+    n: base samples. k: uncertain values.
+    """
     a, b = np.hsplit(stats.norm.ppf(qmc.Sobol(2 * k, seed=seed).random(n)), 2)
     return np.stack([a, b, *(np.where(np.arange(k) == j, b, a) for j in range(k))])
 
@@ -194,7 +200,7 @@ def interacting_lives():
 
     x, y and z are independent and standard normal.
     """
-    x, y, z = np.moveaxis(saltelli(2048, 3), -1, 0)
+    x, y, z = np.moveaxis(saltelli_deviates(2048, 3), -1, 0)
     return np.exp(np.stack([x + 2.0 * y + x * z, 2.0 * x], axis=1))
 
 
@@ -216,14 +222,14 @@ def test_indices_leave_out_base_samples_with_a_life_of_zero_or_without_one(inter
     """SciPy requires a power of two: 1024 of 2046 usable samples, hence 0.05 in place of 0.03."""
     lives = interacting_lives.copy()
     lives[0, 0, 5], lives[3, 1, 8] = 0.0, np.nan
-    expected = sobol_indices(interacting_lives, seed=1)["total_index"]
-    assert_allclose(sobol_indices(lives, seed=1)["total_index"], expected, atol=0.05)
+    whole = sobol_indices(interacting_lives, seed=1)
+    assert_allclose(sobol_indices(lives, seed=1)["total_index"], whole["total_index"], atol=0.05)
     assert np.isnan(sobol_indices(0.0 * lives, seed=1)["total_index"]).all()
 
 
 def test_the_index_of_a_single_value_is_one():
-    """It is 1 to 0.1, by 64 base samples. Two outputs have equal lives."""
-    lives = np.exp(saltelli(64, 1)[..., 0])[:, None, :].repeat(2, axis=1)
+    """64 base samples give it to 0.1, for each of two methods with equal lives."""
+    lives = np.exp(saltelli_deviates(64, 1)[..., 0])[:, None, :].repeat(2, axis=1)
     indices = sobol_indices(lives, seed=1)
     assert indices["total_index"].shape == (2, 1)
     assert_allclose(indices["total_index"], 1.0, atol=0.1)

@@ -74,10 +74,10 @@ def test_a_point_of_the_map_has_the_life_of_life_and_its_time_to_a_slip_limit():
     assert_allclose(point["life"], values["life"], rtol=1e-12)
     assert point["end_criterion"] == values["end_criterion"]
     assert point["gyroscopic_slip_share"] == values["history_gyroscopic_slip_share"].max()
-    share = replace(scene.wear, end_of_life=EndOfLife(gyroscopic_slip_share=0.25))
-    until = life(replace(scene, wear=share)).values["life"]
-    assert_allclose(point["time_to_slip_limit"], until, rtol=1e-12)
-    assert np.all(until < values["life"])
+    wear = replace(scene.wear, end_of_life=EndOfLife(gyroscopic_slip_share=0.25))
+    life_to_slip_limit = life(replace(scene, wear=wear)).values["life"]
+    assert_allclose(point["time_to_slip_limit"], life_to_slip_limit, rtol=1e-12)
+    assert np.all(life_to_slip_limit < values["life"])
 
 
 def test_life_is_inverse_to_the_wear_coefficient():
@@ -122,9 +122,9 @@ def test_scaled_lives_are_the_solved_ones():
 
 
 def test_samples_of_a_batch_and_of_scatter_vary_their_own_values():
-    """Closed form: K_s of the batch is lognormal, H of its bearings uniform; life goes as H/K_s.
+    """Closed form: K_s of batches is lognormal, H of bearings uniform; life is C H/K_s.
 
-    Quantiles of 64 even samples agree to 2e-3.
+    64 evenly spaced samples give quantiles to 2e-3.
     """
     scene = with_spread(
         wear_coefficient={"distribution": "lognormal", "factor": 2.0},
@@ -147,6 +147,8 @@ def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
     """Known answer: K_s alone is uncertain, so life, proportional to 1/K_s, is lognormal.
 
     The 5 and 95 % points of 64 samples agree to 1 %.
+
+    64 samples give the 5 and 95 % points to 1 %.
 
     scatters: whether K_s differs between the bearings of a batch, or from batch to batch alone.
     """
@@ -224,12 +226,12 @@ def test_a_seed_decides_the_lives_whatever_the_processes():
 
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
 def test_sampled_lives_follow_grooves_where_life_does(method):
-    """They agree to 1 %, as sampled lives use fewer cells and longer steps."""
-    scene = with_preload(load_scene(scene_file("gyro_s1"), FOLLOWED), method, 7.0)
-    rows = sample_of(scene, ALL_BUT_WEAR, Sampling(samples=4)).rows
-    sampled = sampled_lives(scene, rows)
+    """Lives agree to 1 %, as sampled ones have fewer cells and longer steps."""
+    preloaded = with_preload(load_scene(scene_file("gyro_s1"), FOLLOWED), method, 7.0)
+    rows = sample_of(preloaded, ALL_BUT_WEAR, Sampling(samples=4)).rows
+    sampled = sampled_lives(preloaded, rows)
     for row, time in zip(rows, sampled.life, strict=True):
-        assert_allclose(time, scene_life(scene, row) / HOURS_PER_SECOND, rtol=0.01)
+        assert_allclose(time, scene_life(preloaded, row) / HOURS_PER_SECOND, rtol=0.01)
 
 
 def test_lives_that_fail_are_counted(tmp_path, capsys):
@@ -267,10 +269,9 @@ def test_the_spread_at_each_friction_is_that_of_the_scene_with_it(tmp_path):
     out, path = tmp_path / "uncertainty.nc", str(scene_file("gyro_s1"))
     few = ["--samples", "8", "--quiet", "-o"]
     assert main(["uncertainty", path, *few, str(out), "--friction", "0.02", "0.08"]) == 0
-    datasets = load_quantiles(out)
-    frictions = [plain_scene(dataset)["friction"]["ball_race"] for dataset in datasets]
-    assert frictions == [0.02, 0.08]
-    for dataset, mu in zip(datasets, ("0.02", "0.08"), strict=True):
+    both = load_quantiles(out)
+    assert [plain_scene(spread)["friction"]["ball_race"] for spread in both] == [0.02, 0.08]
+    for of_both, mu in zip(both, ("0.02", "0.08"), strict=True):
         file = tmp_path / f"{mu}.nc"
         assert main(["uncertainty", path, *few, str(file), "--friction", mu]) == 0
         (of_one_friction,) = load_quantiles(file)

@@ -88,9 +88,9 @@ def test_quantiles_of_the_values_are_those_of_their_distribution(scene, name, ex
 
 @pytest.mark.parametrize("rho", [0.6, -0.95])
 def test_wear_and_friction_have_the_given_correlation(scene, rho):
-    """The correlation is that of the logarithms; it leaves both distributions unchanged.
+    """Logarithms have the correlation, and each distribution is as it is without a correlation.
 
-    It is right to 0.002, and the distributions to 0.2 %, by 4096 points of a Sobol sequence.
+    4096 points of a Sobol sequence give the correlation to 0.002, mean and deviation to 0.2 %.
     """
     spread = {"ball_race": SPREAD, "wear_coefficient": {"distribution": "lognormal", "factor": 3}}
     uncorrelated = scene_from_dict(scene.to_dict() | {"uncertainty": spread})
@@ -114,10 +114,10 @@ def test_values_beyond_the_range_of_their_key_are_cut_off(scene):
 
 
 def test_other_balls_lie_between_the_same_grooves(scene):
-    """The radial play stays, hence the free contact angle of larger balls is smaller.
+    """Radii of grooves (r) and of the circles of their centres (R) stay as they are.
 
-    r are the groove radii, R those of the circles of groove centres. The distance BD of the centres
-    times the cosine of the free angle is their radial distance, which stays.
+    So does the radial distance of the groove centres, BD cos(alpha0); hence the free contact angle
+    of larger balls is smaller.
     """
     nominal = parameters.geometry(scene)
     larger = parameters.geometry(scene_with_values(scene, {"ball_diameter_mm": 2.0005}))
@@ -130,7 +130,7 @@ def test_other_balls_lie_between_the_same_grooves(scene):
 
 
 def test_balls_too_large_for_the_grooves_make_no_scene(scene):
-    """The function returns None; balls of gyro_s1 have 2 mm, and its grooves hold 2.015 mm."""
+    """The scene is None for balls of 2.1 mm; the grooves of gyro_s1 hold balls up to 2.015 mm."""
     assert scene_with_values(scene, {"ball_diameter_mm": 2.1}) is None
 
 
@@ -167,14 +167,14 @@ def test_wear_values_of_both_materials_go_together(scene):
     ],
 )
 def test_samplings_that_are_refused(option, problem, tmp_path, capsys):
-    """The exit status is 2; there is one line, and no file."""
+    """The exit status is 2, with one line and no file."""
     out = tmp_path / "out.nc"
     assert main(["uncertainty", str(scene_file("gyro_s1")), *option, "-o", str(out)]) == 2
     assert capsys.readouterr().err.strip() == problem and not out.exists()
 
 
 def test_every_value_that_is_sampled_arrives_in_the_scene():
-    """Keys of a film and of other blocks change together: none undoes another."""
+    """Keys of a film and of other blocks are set together: none undoes another."""
     film = load_scene(scene_file("mos2_gyro")).with_({"friction.film.thickness_um": 0.5})
     values = {"shear_strength_MPa": 30.0, "thickness_um": 0.4, "outer_groove_factor": 0.54}
     values |= {"preload_N": 8.0, "contact_angle_deg": 19.0, "inner_groove_factor": 0.53}

@@ -33,7 +33,7 @@ def spindle():
 
 @pytest.mark.parametrize("point", [new_point, design_point])
 def test_the_required_thermal_margin_of_a_point_is_that_of_the_case(spindle, point):
-    """They agree to 1e-3, new and along a life; the margin is least when new, at full speed."""
+    """A new bearing and a life have it to 1e-3; it is least when new, at the full speed."""
     limits = DesignLimits(thermal_margin=1.5)
     values = point(spindle, limits)
     with pytest.warns(UserWarning, match="no interference fit"):  # `solve` warns of it here
@@ -58,10 +58,10 @@ STIFF_TO_THE_END = {
 
 
 def test_the_thermal_margin_falls_evenly_with_the_preload():
-    """It is within 0.5 % of a straight line.
+    """Margins at six preloads are within 0.5 % of a straight line.
 
-    Computed heat jumps by 3e-4 of itself at some preloads: margins by differences over these would
-    be wrong by factors of 1.6 to 2.8, which were seen.
+    Computed heat jumps by 3e-4 of itself at some preloads. Differences over such jumps once made
+    margins wrong by factors of 1.6 to 2.8.
     """
     scene = warm_spindle().with_(STIFF_TO_THE_END)
     limits = DesignLimits(thermal_margin=1.5, at_speed_only=True)
@@ -101,7 +101,7 @@ def test_a_required_thermal_margin_limits_the_preload():
 
 
 def test_a_map_contains_the_thermal_margin_if_it_is_required():
-    """At each of three preloads, it is the margin of a design point."""
+    """It is that of a design point at each of three preloads."""
     scene = warm_spindle().with_(STIFF_TO_THE_END)
     preloads = (100.0, 140.0, 200.0)
     axes = MapAxes(
@@ -126,7 +126,7 @@ def test_the_thermal_margin_is_unknown_where_it_is_not_required(spindle):
 
 
 def test_a_required_thermal_margin_does_not_end_the_life(spindle):
-    """A margin of 1000, which the pair misses by far, leaves the life as it is.
+    """The life is the same with a required margin of 1000, which the pair misses by far.
 
     Lives agree to 1e-5: the solves of the margin change where those of the life start.
     """
@@ -136,9 +136,9 @@ def test_a_required_thermal_margin_does_not_end_the_life(spindle):
 
 
 def test_requirements_on_the_way_see_the_peaks_of_the_warm_up(spindle):
-    """The warm-up itself has the same peak pressure to 1 %, at a time to 20 %, as a peak is flat.
+    """The peak pressure is that of the warm-up to 1 %; its time to 20 %, as the peak is flat.
 
-    It is more than 5 % above that of the warm bearings.
+    It is more than 5 % above the pressure of the warm bearings.
     """
     limits = DesignLimits(maximum_pressure_GPa=2.0, at_speed_only=True)
     warm, warming = (
@@ -154,7 +154,7 @@ def test_requirements_on_the_way_see_the_peaks_of_the_warm_up(spindle):
 
 
 def test_no_warm_up_is_computed_where_a_requirement_is_broken_without_it(spindle, monkeypatch):
-    """Warm bearings exceed 0.1 GPa; a call of None would raise a TypeError."""
+    """Warm bearings exceed the 0.1 GPa; a warm-up would call None and raise a TypeError."""
     monkeypatch.setattr(design_map, "warm_up_extremes", None)
     limits = DesignLimits(maximum_pressure_GPa=0.1, warmup_s=10.0, at_speed_only=True)
     point = new_point(spindle, limits)
@@ -162,7 +162,9 @@ def test_no_warm_up_is_computed_where_a_requirement_is_broken_without_it(spindle
 
 
 def spring_pair(spindle, **arrangement):
-    """Returns a spring pair, 200 mm apart, on a shaft that warms within 5 s in a housing of 600 s.
+    """Returns a spring pair, 200 mm apart, whose shaft warms faster than its housing.
+
+    Their time constants are 5 s and 600 s.
 
     arrangement: other values of that block.
     """
@@ -199,7 +201,7 @@ def test_the_sliding_ring_needs_more_room_on_the_way_than_in_the_end(spindle):
 
 
 def test_a_stop_that_the_spring_reaches_is_named(spindle):
-    """The sheet of a warm-up names it with its time; a stop at 200 um is not reached, nor named."""
+    """The sheet of a warm-up names a stop at 100 um with its time; 200 um are not reached."""
     pair = spring_pair(spindle, orientation="face_to_face", stop_um=100.0)
     warmed = bearingwear.warmup(pair, seconds=10.0)
     text = str(bearingwear.show(warmed))
@@ -218,9 +220,9 @@ def test_a_rigid_pair_has_no_spring_that_travels(spindle):
 
 
 def test_a_bearing_that_lifts_off_on_the_way_breaks_the_requirement_that_none_does(spindle):
-    """Back to back, the warm shaft lets a stiff spring go slack: less than 1 % of preload is left.
+    """Back to back, the warm shaft unloads a stiff spring: less than 1 % of the preload is left.
 
-    That every bearing keeps 1 % is a requirement by itself wherever a warm-up counts.
+    Wherever a warm-up counts, each bearing is required to keep 1 %, though no limit says so.
     """
     pair = spring_pair(spindle, span_mm=800.0, spring_stiffness_N_um=3.0)
     limits = DesignLimits(maximum_pressure_GPa=2.0, at_speed_only=True)
@@ -255,7 +257,7 @@ def test_a_runaway_on_the_way_is_named(spindle):
 
 
 def test_a_warm_up_is_refused_without_heat_capacities(spindle):
-    """A required thermal margin is refused without a thermal network. The first check passes."""
+    """So is a required thermal margin without a thermal network; the complete scene passes."""
     limits = DesignLimits(warmup_s=10.0)
     limits.check(spindle, "mine.yaml")
     with pytest.raises(SceneError, match="heat_capacity_J_K"):
@@ -265,7 +267,7 @@ def test_a_warm_up_is_refused_without_heat_capacities(spindle):
 
 
 def test_a_warm_up_in_python_follows_its_course_to_its_duration(spindle):
-    """It takes 5 s from rest to 12000 r/min, and lasts 20 s; the inner ring never cools."""
+    """The course takes 5 s to 12000 r/min and lasts until 20 s; the inner ring never cools."""
     warmed = bearingwear.warmup(spindle, course=[(0.0, 0.0), (5.0, 12000.0)], duration=20.0)
     assert warmed["ending"].item() == "duration" and float(warmed["end_time"]) == 20.0
     peak = warmed["residual_preload"].max()

@@ -43,9 +43,9 @@ def set_constant_heat(monkeypatch, heat):
 
 
 def test_one_node_of_constant_heat_warms_exponentially(spindle, monkeypatch):
-    """The outer ring, with the other parts all but cut off: T = T_0 + P/G (1 - exp(-t G/C)).
+    """The outer ring, nearly insulated from the balls, has T = T_0 + P/G (1 - exp(-t G/C)).
 
-    It has 8 W, 4 W/K to the housing and 40 J/K, the latter by `warm_spindle`; T_0 is 20 degC.
+    It has 8 W and, by `warm_spindle`, 4 W/K to the housing and 40 J/K; T_0 is 20 degC.
     """
     P, G, C = 8.0, 4.0, 40.0
     set_constant_heat(monkeypatch, HeatFlow(inner=0.0, outer=0.0, drag=P))
@@ -58,10 +58,10 @@ def test_one_node_of_constant_heat_warms_exponentially(spindle, monkeypatch):
 
 
 def test_three_nodes_of_constant_heat_warm_by_the_matrix_exponential(spindle, monkeypatch):
-    """Rises of inner ring, balls and outer ring are steady - exp(-t G/C) steady, by SciPy.
+    """Rises of inner ring, balls and outer ring are (1 - exp(-t G/C)) times the steady ones.
 
-    G [W/K] and C [J/K] are those of `warm_spindle` as matrices. Half of the heat of a contact goes
-    into its ring, half into the balls; drag heats the outer ring.
+    G [W/K] and C [J/K] are those of `warm_spindle`. Half of the heat of a contact goes into its
+    ring, half into the balls; drag heats the outer ring. SciPy computes the exponential.
     """
     set_constant_heat(monkeypatch, HeatFlow(inner=8.0, outer=4.0, drag=1.0))
     G = np.array([[3.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 5.0]])
@@ -74,7 +74,7 @@ def test_three_nodes_of_constant_heat_warm_by_the_matrix_exponential(spindle, mo
 
 @pytest.mark.parametrize("changes", [{}, SLOW_HOUSING])
 def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
-    """Temperatures are as near to the steady solve as the end requires, the preload to 1 %."""
+    """Temperatures are within `SETTLED_TO` of the rise of the steady solve, the preload to 1 %."""
     scene = spindle.with_(changes)
     warming = warm_up(scene, ramp(20.0))
     states = solver_of(scene)
@@ -90,9 +90,8 @@ def test_a_warm_up_ends_in_the_steady_network(spindle, changes):
 def test_a_bearing_that_runs_away_alone_does_not_with_the_other():
     """Where the rotor is held at its first place, the first bearing alone has no heat balance.
 
-    That was found when the trial was examined, and is not checked here. On the free rotor both have
-    one, and the warm-up ends there. The numbers are those of trial 147 of
-    `benchmarks/random_warmups.py`, seed 1.
+    That is not checked here. On the free rotor both bearings have one, and the warm-up ends there.
+    The numbers are those of trial 147 of `benchmarks/random_warmups.py`, seed 1.
     """
     # 495 000 mm r/min, at a mean of bore and outside diameter of 54 mm
     scene = bearingwear.new(
@@ -114,7 +113,7 @@ def test_a_bearing_that_runs_away_alone_does_not_with_the_other():
 
 
 def test_a_slow_ramp_is_a_sweep_of_steady_states(spindle):
-    """Three or four instants of a ramp of 2e5 s are compared; time constants are below a minute."""
+    """The ramp takes 2e5 s, time constants are below a minute; a few instants are compared."""
     course = ramp(2e5)
     warming = warm_up(spindle, course, duration=2e5)
     rise = np.abs(warming.instants[-1].temperatures - 20.0).max()
@@ -176,7 +175,7 @@ def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
     """The peak preload is to stay below 220 N. It falls with the length of the ramp.
 
     Expected is the ramp at which peaks over a grid, by warm-ups with finer steps than those of the
-    search, cross the limit. The search stops at 2 %, rounded up to three digits: within 3 %.
+    search, cross the limit. The search stops at 2 % and rounds up to three digits: within 3 %.
     """
     scene, limit = spindle.with_(SLOW_HOUSING), 220.0
     ramps = np.geomspace(80.0, 400.0, 17)
@@ -207,11 +206,12 @@ def test_the_shortest_ramp_is_that_of_a_brute_force(spindle):
 def test_longer_ramps_that_break_a_limit_again_are_named(
     spindle, monkeypatch, kept, seconds, broken_by
 ):
-    """`kept` says of each ramp [s] whether it keeps the limit; the shortest one is `seconds`.
+    """The shortest ramp is found to 3 %; of longer ones, half a decade apart, the first are named.
 
-    broken_by: the first of the longer ramps among those tried, half a decade apart, that break it.
+    kept: whether a ramp [s] keeps the limit. seconds: the shortest such ramp.
+    broken_by: the first longer ramps tried [s] that break the limit.
     """
-    monkeypatch.setattr(shortest_ramps, "limits_hold", lambda _, s, *given: kept(s))
+    monkeypatch.setattr(shortest_ramps, "limits_hold", lambda _, s, *options: kept(s))
     shortest = shortest_ramp(spindle, {"preload": 1.0})
     assert seconds <= shortest.seconds <= 1.03 * seconds and kept(shortest.seconds)
     assert shortest.broken_by[: len(broken_by)] == broken_by
@@ -237,14 +237,14 @@ def test_a_limit_that_every_ramp_keeps_needs_none(spindle):
 
 
 def test_a_limit_that_no_ramp_keeps_has_no_shortest(spindle):
-    """A limit of 100 N on a preload of 140 N as mounted: the answer is None."""
+    """The limit is 100 N, the preload as mounted 140 N: the shortest ramp is None."""
     assert shortest_ramp(spindle.with_(SLOW_HOUSING), {"preload": 100.0}) is None
 
 
 def test_a_cold_housing_makes_a_rigid_preload_pass_its_steady_value(spindle):
-    """It exceeds it by 30 %, after the ramp of 10 s and before the housing has warmed in 300 s.
+    """The peak is at least 30 % higher, after the ramp of 10 s and within the 300 s of the housing.
 
-    The peak has an estimated error of 2 % at most.
+    Its estimated error is 2 % at most.
     """
     dataset = warm_up_dataset(spindle.with_(SLOW_HOUSING), ramp(10.0))
     assert dataset["peak_residual_preload"] > 1.3 * dataset["end_residual_preload"]
@@ -266,8 +266,8 @@ POOR = {"thermal.conductance_W_K.inner_ring_shaft": 0.2}
 def test_a_runaway_is_named(spindle):
     """Both the warm-up and the steady solve say that there is no steady state.
 
-    The steady solve ends with `warm_seizure` where its search sees heat and preload grow without
-    limit, and with `no_heat_balance` where it stops before; both are right.
+    The steady solve ends with `warm_seizure` if heat and preload grow without limit in its search,
+    or with `no_heat_balance` if it stops before. Both are right.
     """
     warming = warm_up(spindle.with_(POOR), ramp(10.0))
     assert warming.status != code.OK and warming.runs_away
@@ -275,9 +275,9 @@ def test_a_runaway_is_named(spindle):
 
 
 def test_the_margin_is_one_where_steady_states_end(spindle):
-    """The conductance to the shaft is bisected down to the last steady state, where it is 1.
+    """A bisection of the conductance to the shaft finds the last steady state; its margin is 1.
 
-    It is 1 to 1 %: the margin goes to 1 with the square root of the distance in conductance.
+    To 1 %, as margin - 1 is proportional to the square root of the distance in conductance.
     """
     key = "thermal.conductance_W_K.inner_ring_shaft"
     low, high = 0.2, 2.0  # W/K: seizes, and does not
@@ -303,12 +303,13 @@ def test_bearings_without_a_state_as_mounted_have_no_warm_up(spindle):
 
 
 def test_times_and_speeds_are_followed(spindle):
-    """A course of times [s] and shares of the full speed: instants stand at its corners and end."""
+    """A course has times [s] and shares of the full speed; its corners and the end are instants."""
     course = SpeedCourse((0.0, 5.0, 20.0), (0.0, 0.5, 1.0))
     warming = warm_up(spindle, course, duration=30.0)
     times = [instant.time for instant in warming.instants]
     assert {5.0, 20.0, 30.0} <= set(times)
-    assert_allclose([instant.share for instant in warming.instants], [course.at(t) for t in times])
+    shares = [instant.share for instant in warming.instants]
+    assert_allclose(shares, [course.at(time) for time in times])
 
 
 def test_a_scene_without_capacities_is_refused_in_one_line(spindle):
