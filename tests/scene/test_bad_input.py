@@ -254,9 +254,9 @@ def test_a_scene_that_is_no_file_is_refused(command, what, tmp_path, capsys):
         "folder": str(tmp_path),
         "line break": str(tmp_path / "no\nfile.yaml"),
         "zero byte": "no\0file.yaml",
-    }[kind]
+    }[what]
     line = refusal(capsys, [command, path, "-o", str(tmp_path / "x.nc")])
-    assert ("got a folder" if kind == "folder" else "cannot be read") in line
+    assert ("got a folder" if what == "folder" else "cannot be read") in line
     assert os.listdir(tmp_path) == []
 
 

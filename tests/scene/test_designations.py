@@ -10,6 +10,7 @@ from bearingwear.scene.new.assumed import size_of
 from bearingwear.scene.new.designations import (
     ANGLES,
     CLEARANCES,
+    Designation,
     clearance_range,
     designation_of,
 )

@@ -50,16 +50,16 @@ def test_there_are_scenes_of_the_project():
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_a_scene_of_the_project_is_the_same_when_read_again(path):
-    scene = load_scene(path)
+    scene = config.load_scene(path)
     plain = scene.to_dict()
-    again = scene_from_dict(json.loads(json.dumps(plain)))
+    again = config.scene_from_dict(json.loads(json.dumps(plain)))
     assert again == scene and list(again.to_dict()) == list(plain)
-    assert as_scene(scene) == as_scene(path) == as_scene(plain) == scene
+    assert config.as_scene(scene) == config.as_scene(path) == config.as_scene(plain) == scene
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_a_scene_of_the_project_has_the_name_of_its_file_and_says_what_is_assumed(path):
-    scene = load_scene(path)
+    scene = config.load_scene(path)
     assert scene.name == path.stem and scene.name in repr(scene)
     assert "assumed" in scene.description
 
@@ -67,27 +67,27 @@ def test_a_scene_of_the_project_has_the_name_of_its_file_and_says_what_is_assume
 @pytest.mark.parametrize("key", ["cage", "lubricant", "wear", "model"])
 def test_null_is_the_same_as_leaving_out(key, plain):
     left_out = {name: value for name, value in plain.items() if name != key}
-    assert scene_from_dict(plain | {key: None}) == scene_from_dict(left_out)
+    assert config.scene_from_dict(plain | {key: None}) == config.scene_from_dict(left_out)
 
 
 def test_numpy_values_are_accepted(plain):
     plain["operation"]["preload_N"] = np.float32(7.0)
     plain["bearing"]["ball_count"] = np.int64(9)
     plain["wear"]["ball_diameter_loss_um"] = np.linspace(0.1, 0.2, 9)
-    scene = scene_from_dict(plain)
+    scene = config.scene_from_dict(plain)
     assert scene.bearing.ball_count == 9
     assert scene.wear.ball_diameter_loss_um[8] == pytest.approx(0.2)
 
 
-def test_plain_data_are_not_changed(plain):
+def test_plain_data_are_left_alone(plain):
     unchanged = copy.deepcopy(plain)
-    scene_from_dict(plain)
+    config.scene_from_dict(plain)
     assert plain == unchanged
 
 
 def test_equal_losses_are_one_loss(plain):
     plain["wear"]["ball_diameter_loss_um"] = [0.3] * 9
-    scene = scene_from_dict(plain)
+    scene = config.scene_from_dict(plain)
     assert scene.wear.ball_diameter_loss_um == (0.3,)
     assert scene.to_dict()["wear"]["ball_diameter_loss_um"] == 0.3
 
@@ -103,7 +103,7 @@ def test_a_scene_cannot_be_changed(scene):
 
 
 def test_equal_scenes_have_one_hash(scene):
-    assert hash(scene) == hash(load_scene(S1))
+    assert hash(scene) == hash(config.load_scene(S1))
 
 
 def test_a_scene_survives_pickling_and_copying(scene):
@@ -115,7 +115,7 @@ def test_a_scene_built_in_python_is_checked(scene):
         dataclasses.replace(scene, bearing=dataclasses.replace(scene.bearing, ball_count=30))
     backwards = dataclasses.replace(scene.operation, shaft_speed_rpm=-1.0)
     with pytest.raises(SceneError, match="operation.shaft_speed_rpm: got -1.0"):
-        as_scene(dataclasses.replace(scene, operation=backwards))
+        config.as_scene(dataclasses.replace(scene, operation=backwards))
 
 
 @pytest.mark.parametrize("count", [3, 7, 11, 24, 100])
@@ -135,14 +135,14 @@ def test_an_error_survives_pickling():
 def test_plain_data_that_contain_themselves_are_refused(plain):
     plain["bearing"]["ball_count"] = plain
     with pytest.raises(SceneError, match="nested blocks"):
-        scene_from_dict(plain)
+        config.scene_from_dict(plain)
 
 
 # overrides
 
 
 def test_overrides_are_read_as_yaml():
-    scene = load_scene(
+    scene = config.load_scene(
         S1,
         [
             "operation.preload_N=9",
@@ -167,7 +167,7 @@ def test_json_is_read_as_a_scene(indent, plain, tmp_path):
     plain["description"] = 'assumed: "\u03bc/2" \\ 5'
     path = tmp_path / "scene.yaml"
     path.write_text(json.dumps(plain, indent=indent))
-    scene = load_scene(path)
+    scene = config.load_scene(path)
     assert scene.to_dict() == plain and "5e-06" in path.read_text()
 
 
@@ -201,7 +201,7 @@ def test_written_numbers_are_read_as_numbers(value):
 def test_a_byte_order_mark_is_ignored(tmp_path):
     path = tmp_path / "bom.yaml"
     path.write_bytes(b"\xef\xbb\xbf" + S1.read_bytes())
-    assert load_scene(path) == load_scene(S1)
+    assert config.load_scene(path) == config.load_scene(S1)
 
 
 # the schema
@@ -249,14 +249,14 @@ def test_wear_of_a_cage_takes_finer_steps(changes, expected):
     """The step tolerance of a preset is meant for balls; one that the scene has is kept."""
     gyro = variant(S1, changes)
     assert gyro.model.dynamic_tolerance == expected
-    assert as_scene(gyro) == gyro
+    assert config.as_scene(gyro) == gyro
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_the_schema_alone_accepts_the_scenes_of_the_project(path):
     """Editors use the schema without this program."""
     data = yaml.safe_load(path.read_text())
-    record = BasedOn if "based_on" in data else Scene
+    record = config.BasedOn if "based_on" in data else Scene
     jsonschema.Draft202012Validator(schema(record)).validate(data)
 
 

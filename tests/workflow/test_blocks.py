@@ -149,7 +149,7 @@ def run(tmp_path, monkeypatch):
 
     def by_shell(statement):
         lines = lines_of(statement)
-        if all(OUR_COMMAND.fullmatch(line) for line in lines):
+        if all(OURS.fullmatch(line) for line in lines):
             return "".join(printed(run_command, line) for line in lines)
         completed = subprocess.run(
             ["bash", "-eu", "-c", statement],

@@ -40,7 +40,7 @@ WITHOUT_PRIVILEGES = ("setpriv", "--bounding-set=-all", "--inh-caps=-all")
 @pytest.fixture(scope="session")
 def undisturbed(new_project):
     """Returns a project whose tiny study was run without a fault; no test may change it."""
-    project = with_tiny_study(new_project())
+    project = tiny(new_project())
     run = project.run()
     assert run.status == 0, run.text
     return project
@@ -49,10 +49,10 @@ def undisturbed(new_project):
 @pytest.fixture
 def project(new_project):
     """Returns a project with the tiny study, not yet run."""
-    return with_tiny_study(new_project())
+    return tiny(new_project())
 
 
-def with_tiny_study(project):
+def tiny(project):
     """Configures a project for TINY, and returns it.
 
     It has no map of preloads, which would take longer than all the rest.
@@ -147,7 +147,7 @@ def test_a_study_goes_on_after_a_job_is_killed(project, undisturbed):
     assert process.wait(timeout=120) != 0
     before = finished(project)
     assert 1 <= len(before) < len(CASES)
-    check_resumes(project, before, undisturbed)
+    resumes(project, before, undisturbed)
 
 
 @pytest.mark.faults
@@ -157,10 +157,10 @@ def test_a_study_goes_on_after_snakemake_alone_is_killed(project, undisturbed):
     After `--unlock`, one with `--rerun-incomplete` goes on.
     """
     process = project.start()
-    solvers = wait(lambda: finished(project) and solver_processes(process))
+    left = wait(lambda: finished(project) and solver_processes(process))
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
-    psutil.wait_procs(solvers, timeout=60)
+    psutil.wait_procs(left, timeout=60)
     before = finished(project)
     assert 1 <= len(before) < len(CASES)
     refused = project.run()
@@ -168,7 +168,7 @@ def test_a_study_goes_on_after_snakemake_alone_is_killed(project, undisturbed):
     assert refused.status == 1
     assert "--rerun-incomplete" in refused.text or "--unlock" in refused.text
     assert project.run("--unlock").status == 0
-    check_resumes(project, before, undisturbed, "--rerun-incomplete", ran_on=len(solvers))
+    resumes(project, before, undisturbed, "--rerun-incomplete", ran_on=len(left))
 
 
 @pytest.mark.faults
@@ -180,7 +180,7 @@ def test_a_study_goes_on_after_all_its_processes_are_killed(project, undisturbed
     process.wait()
     before = finished(project)
     assert project.run("--unlock").status == 0
-    check_resumes(project, before, undisturbed, "--rerun-incomplete")
+    resumes(project, before, undisturbed, "--rerun-incomplete")
 
 
 @pytest.mark.faults
@@ -393,7 +393,7 @@ def test_results_that_cannot_be_written_are_reported_in_one_line(solved_tiny_stu
     name = first_case.relative_to(solved_tiny_study.root)
     log = (solved_tiny_study.root / f"logs/solve/gyro_s1/{LINES[0]}.log").read_text()
     assert log == f"{name}: cannot be written (Permission denied)\n"
-    check_resumes(solved_tiny_study, before, undisturbed)
+    resumes(solved_tiny_study, before, undisturbed)
 
 
 @pytest.mark.faults

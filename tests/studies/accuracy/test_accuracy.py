@@ -212,7 +212,7 @@ def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
     """Refused are sweeps without their reference, files of different sources, and no file."""
     without = [path for path in files if path.name != "turbine-long.nc"]
     with pytest.raises(CaseFileError, match="turbine, .*: the reference long is missing"):
-        gathered_sweeps(without_reference)
+        gathered_sweeps(without)
     other = load(files[0]).assign_attrs(source_hash="2")
     write_dataset(other, tmp_path / "other.nc")
     with pytest.raises(CaseFileError, match="other.nc: source_hash differs"):

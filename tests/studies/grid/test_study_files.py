@@ -226,17 +226,17 @@ def line_of(losses, rate, preload, share=0.0, skid=0.0, status=None):
     status: (n,), zeros if omitted.
     """
     n = len(losses)
-    broadcast = np.broadcast_to
+    full = np.broadcast_to
     return xr.Dataset(
         {
             "status": ("ball_diameter_loss", np.zeros(n, int) if status is None else status),
-            "ball_diameter_loss_rate": ("ball_diameter_loss", broadcast(rate, n)),
-            "residual_preload": ("ball_diameter_loss", broadcast(preload, n)),
-            "skid_ratio": ("ball_diameter_loss", broadcast(skid, n)),
+            "ball_diameter_loss_rate": ("ball_diameter_loss", full(rate, n)),
+            "residual_preload": ("ball_diameter_loss", full(preload, n)),
+            "skid_ratio": ("ball_diameter_loss", full(skid, n)),
             "gyroscopic_slip_share": (
                 ("ball_diameter_loss", "ball", "race"),
                 # one ball; the inner race does not slip
-                np.stack([np.zeros(n), broadcast(share, n)], axis=1)[:, None, :],
+                np.stack([np.zeros(n), full(share, n)], axis=1)[:, None, :],
             ),
         },
         {"ball_diameter_loss": losses},
@@ -253,7 +253,7 @@ def ending(life) -> str:
 
 
 def test_a_life_at_a_constant_rate_is_loss_over_rate():
-    """The loss is 0.7 um, its rate 1e-12 m/s; the preload stays at 7 N."""
+    """0.7 um at 1e-12 m/s; the preload stays at 7 N."""
     interpolated = interpolated_life(
         [Line(line_of(LOSSES, 1e-12, 7.0), 7.0)],
         {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7},
@@ -278,8 +278,8 @@ def test_life_at_a_falling_rate_ends_where_the_preload_does():
     assert_allclose(interpolated["interpolated_loss_at_end"], x * 1e-6, rtol=1e-9)
     exact = (x + 0.5 * x * x) * 1e-6 / 1e-12 / HOUR
     assert_allclose(interpolated["interpolated_life"], exact, rtol=1e-3)
-    end_preload = interpolated["interpolated_history_residual_preload"][-1]
-    assert_allclose(end_preload, 0.4 * 7.0, rtol=1e-9)
+    left = interpolated["interpolated_history_residual_preload"][-1]
+    assert_allclose(left, 0.4 * 7.0, rtol=1e-9)
 
 
 def test_the_first_criterion_ends_the_life():
@@ -290,7 +290,7 @@ def test_the_first_criterion_ends_the_life():
         "skid_ratio": 0.1,
         "ball_diameter_loss_um": 0.65,
     }
-    # skid is met at 0.4, the slip share at 0.5, the preload at 0.6, and the loss at 0.65 um
+    # skid is met at 0.4, the slip share at 0.5, and the preload at 0.6 um
     line = line_of(LOSSES, 1e-12, 7.0 * (1.0 - LOSSES), share=LOSSES, skid=-LOSSES / 4.0)
     interpolated = interpolated_life([Line(line, 7.0)], criteria)
     assert ending(interpolated) == "skid_ratio"
@@ -389,9 +389,9 @@ def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path)
     lives = lives_between_cases(over_duty, losses, tmp_path)
     assert np.all(abs(lives["life_route_difference"]) < 2e-3)
     assert np.all(lives["interpolated_end_criterion"] == lives["end_criterion"])
-    end_preloads = lives["interpolated_history_residual_preload"].isel(interpolated_step=-1)
-    followed_preload = lives["history_residual_preload"].isel(preload_method=1)
-    assert_allclose(end_preloads.isel(preload_method=1), followed_preload.min(), rtol=1e-2)
+    ends = lives["interpolated_history_residual_preload"].isel(interpolated_step=-1)
+    left = lives["history_residual_preload"].isel(preload_method=1)
+    assert_allclose(ends.isel(preload_method=1), left.min(), rtol=1e-2)
     without_duty = lives_between_cases(alone, losses, tmp_path)
     ratio = lives["interpolated_life"] / without_duty["interpolated_life"]
     assert np.all(abs(ratio - 1.0) > 0.1)
@@ -450,7 +450,7 @@ def figure_words(path, bearing):
 
 
 def test_alike_bearings_of_a_pair_have_interpolated_lives_and_one_figure(alike_pair_study):
-    """Titles and summary name no bearing; they name pairs in place of preload methods.
+    """Titles and summary name no bearing, and pairs in place of preload methods.
 
     Three losses interpolate lives to 3 %. The table of cases has columns of both bearings.
     """
@@ -485,7 +485,7 @@ def test_unlike_bearings_of_a_pair_have_figures_of_their_own(unlike_pair_study):
 
 
 def test_the_verdict_fails_with_the_cases_and_lives_that_are_not_solved(folder, tmp_path, capsys):
-    """Half of 12 cases and of 4 lives have no friction: the exit status is 3, with no file."""
+    """Half of 12 cases and of 4 lives, those without friction: status 3, and no file."""
     files = [str(folder / name) for name in ("study.nc", "wear_life.nc")]
     checked, unsolved = unsolved_lines(files)
     assert checked == 12 + 4 and len(unsolved) == 6 + 2
@@ -655,7 +655,7 @@ def unsolved_folder(folder, tmp_path_factory):
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
-    ("name", "fixture"), [*((name, "unsolved_folder") for name in FIGURES), ("wear", "folder")]
+    ("name", "where"), [*((name, "unsolved_folder") for name in FIGURES), ("wear", "folder")]
 )
 def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_path, monkeypatch):
     """The name HOSTILE, which only a file from elsewhere can have, makes no script in an SVG.
@@ -673,7 +673,7 @@ def test_figures_show_failed_cases_and_names_as_text(name, where, request, tmp_p
 
     monkeypatch.setattr(draw_steps, "load_with_axes", renamed)
     inputs, settings = FIGURES[name]
-    if fixture == "unsolved_folder":  # which has nothing with a friction of 0.08
+    if where == "unsolved_folder":  # which has nothing with a friction of 0.08
         if "cases" in inputs:
             inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
         if "friction" in settings:

@@ -19,10 +19,10 @@ from bearingwear.studies.uncertainty.sample import sample_of
 from bearingwear.studies.uncertainty.variables import PROBABILITIES
 
 SEEDS = 40
-"""Samples of a test of coverage; each has an interval for each of the five PROBABILITIES."""
+"""Samples of a test of coverage; it has an interval for each of the five PROBABILITIES."""
 
 
-def is_covered(quantile, exact):
+def covers(quantile, exact):
     """Returns whether an interval contains the exact value; an end of NaN counts as infinite."""
     # a comparison with NaN is false
     return not (quantile.low > exact) and not (quantile.high < exact)
@@ -33,9 +33,9 @@ def quantiles_of(lives, factors):
     return [life_quantile(lives, factors, p) for p in PROBABILITIES]
 
 
-def are_covered(quantiles, exact):
+def covered(quantiles, exact):
     """Returns for each quantile whether its interval contains the exact life."""
-    return [is_covered(quantile, life) for quantile, life in zip(quantiles, exact, strict=True)]
+    return [covers(quantile, life) for quantile, life in zip(quantiles, exact, strict=True)]
 
 
 @pytest.mark.parametrize(("wear", "rows"), [(1.0, 128), (1.0, 32), (0.0, 128), (0.0, 32)])
@@ -55,7 +55,7 @@ def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
     for seed in range(SEEDS):
         random = np.random.default_rng(seed)
         quantiles = quantiles_of(np.exp(0.3 * random.standard_normal(rows)), factors)
-        cover.append(are_covered(quantiles, exact))
+        cover.append(covered(quantiles, exact))
         median = quantiles[len(PROBABILITIES) // 2]
         widths_of_median.append(np.log(median.high / median.low))
     # of 200 independent intervals of 95 %, 179 or more cover in all but 1 of 1000 samples
@@ -69,7 +69,7 @@ def test_intervals_of_independent_bearings_cover_as_often_as_stated(wear, rows):
 
 
 def test_interval_of_one_factor_is_that_of_order_statistics():
-    """The binomial interval (Clopper and Pearson 1934) of the share below is expressed as lives."""
+    """Clopper and Pearson (1934): the binomial interval of the share below, as lives."""
     lives = np.exp(np.random.default_rng(5).standard_normal(200))
     quantile = life_quantile(lives, np.ones((200, 1)), 0.1)  # 20 of the 200 lie below
     ends = stats.binomtest(20, 200).proportion_ci(0.95)
@@ -78,7 +78,7 @@ def test_interval_of_one_factor_is_that_of_order_statistics():
 
 def with_lognormal(**factors):
     """Returns gyro_s1 with lognormal inputs, by their names and factors exp(standard deviation)."""
-    spread = {name: {"distribution": "lognormal", "factor": f} for name, f in factors.items()}
+    spread = {name: {"distribution": "lognormal", "factor": by} for name, by in factors.items()}
     plain = load_scene(scene_file("gyro_s1")).to_dict()
     return scene_from_dict(plain | {"uncertainty": spread})
 
@@ -102,7 +102,7 @@ def test_intervals_of_sobol_samples_cover_the_quantiles(inputs):
         mu = sample.rows[:, 0] / scene.friction.ball_race
         preload = sample.rows[:, 1] / scene.operation.preload_N
         quantiles = quantiles_of(mu**-3 * preload**2, sample.factors)
-        cover.append(are_covered(quantiles, exact))
+        cover.append(covered(quantiles, exact))
         errors.append(np.log([quantile.value for quantile in quantiles] / exact))
     assert np.mean(cover) > 0.97  # random samples: 0.95, with a scatter of 0.015
     assert np.abs(np.mean(errors, axis=0)).max() < 0.03  # of log life
@@ -151,7 +151,7 @@ def test_equal_lives_have_an_interval_of_no_width():
 
 
 def test_one_life_has_no_interval():
-    """Both ends are NaN."""
+    """Both of its ends are NaN."""
     assert np.isnan(life_quantile(LIVES[:1], FACTORS[:1], 0.5)[1:]).all()
 
 
@@ -168,9 +168,7 @@ def test_shares_in_which_a_method_has_the_longest_life():
     """
     rng, n = np.random.default_rng(3), 400
     first, second = rng.lognormal(0.3, 1.0, n), rng.lognormal(0.0, 1.0, n)
-    first[:4] = 0.0
-    second[4:8] = np.nan
-    second[8:20] = first[8:20]
+    first[:4], second[4:8], second[8:20] = 0.0, np.nan, first[8:20]  # lost, unsolved, and equal
     life = np.stack([first, second])
     pairs = [(a, b) for a, b in zip(first, second, strict=True) if not np.isnan(b)]
     wins = sum(a > b for a, b in pairs)
@@ -210,7 +208,7 @@ def interacting_lives():
 def test_indices_of_a_sum_with_an_interaction(interacting_lives, name, of_sum):
     """Closed form: x, 2 y and x z have the variances 1, 4 and 1; x z counts in both totals.
 
-    Indices agree within 0.03, and within twice the half-width of their stated 95 % intervals.
+    Within 0.03, and within twice the half-width of their stated 95 % intervals.
     """
     indices, exact = sobol_indices(interacting_lives, seed=1), np.array(of_sum) / 6.0
     assert_allclose(indices[name][0], exact, atol=0.03)
@@ -219,7 +217,7 @@ def test_indices_of_a_sum_with_an_interaction(interacting_lives, name, of_sum):
 
 
 def test_indices_leave_out_base_samples_with_a_life_of_zero_or_without_one(interacting_lives):
-    """SciPy requires a power of two: 1024 of 2046 usable samples, hence 0.05 in place of 0.03."""
+    """SciPy takes a power of two: of 2046 usable samples 1024, hence 0.05 in place of 0.03."""
     lives = interacting_lives.copy()
     lives[0, 0, 5], lives[3, 1, 8] = 0.0, np.nan
     whole = sobol_indices(interacting_lives, seed=1)

@@ -83,8 +83,8 @@ def test_a_point_of_the_map_has_the_life_of_life_and_its_time_to_a_slip_limit():
 def test_life_is_inverse_to_the_wear_coefficient():
     """Known answer: with K_s alone uncertain, life is C/K_s, and one solve is enough.
 
-    Quantiles are those of evenly spaced factors, to 2e-4. As nothing else varies, both ends of
-    their intervals agree, too, and so do the sampled lives.
+    Quantiles are those of evenly spaced factors, to 2e-4; as nothing else varies, so are both ends
+    of their intervals.
     """
     scene = with_spread(wear_coefficient={"distribution": "uniform", "low": 2e-6, "high": 8e-6})
     quantiles = own_quantiles(scene, Sampling(samples=64)).squeeze()
@@ -144,9 +144,7 @@ def test_samples_of_a_batch_and_of_scatter_vary_their_own_values():
 
 @pytest.mark.parametrize("scatters", [False, True])
 def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
-    """Known answer: K_s alone is uncertain, so life, proportional to 1/K_s, is lognormal.
-
-    The 5 and 95 % points of 64 samples agree to 1 %.
+    """Known answer: K_s alone; life is proportional to 1/K_s, lognormal with a factor of 3.
 
     64 samples give the 5 and 95 % points to 1 %.
 
@@ -189,7 +187,7 @@ def test_wear_factors_go_with_the_friction_of_their_life(rho, expected):
 def test_indices_of_a_product_are_shares_of_log_variance():
     """log life = log H - log K_s + constant: the indices are the shares of the variance.
 
-    They agree within 0.03, and within twice the half-width of their stated intervals.
+    Within 0.03, and within twice the half-width of their stated intervals.
     """
     scene = with_spread(
         wear_coefficient={"distribution": "lognormal", "factor": 1.5},
@@ -235,7 +233,7 @@ def test_sampled_lives_follow_grooves_where_life_does(method):
 
 
 def test_lives_that_fail_are_counted(tmp_path, capsys):
-    """Balls that are too large for the grooves have no life.
+    """Balls that are too large for the grooves have no life; the others make the quantiles.
 
     The command solves 16 lives for each of three samples, and the nominal one.
     """
@@ -255,7 +253,7 @@ def test_lives_that_fail_are_counted(tmp_path, capsys):
 
 
 def test_a_scene_that_no_model_solves_is_refused_in_one_line(tmp_path, capsys):
-    """The scene combines worn contacts with slip over a line, which no model can solve."""
+    """Worn contacts cannot be combined with slip over a line."""
     path, out = tmp_path / "mine.yaml", tmp_path / "uncertainty.nc"
     settings = ["model.contact=worn", "model.slip_over=line"]
     bearingwear.save(load_scene(scene_file("gyro_s1"), settings), path)
@@ -275,7 +273,7 @@ def test_the_spread_at_each_friction_is_that_of_the_scene_with_it(tmp_path):
         file = tmp_path / f"{mu}.nc"
         assert main(["uncertainty", path, *few, str(file), "--friction", mu]) == 0
         (of_one_friction,) = load_quantiles(file)
-        assert dataset.equals(of_one_friction)
+        assert of_both.equals(of_one_friction)
 
 
 # a film of a thickness [um], whose wear the contacts do not follow
@@ -296,7 +294,7 @@ def film_scene(**changed):
 def test_lives_with_films_are_those_of_life():
     """Film and steel wear in proportion, so K_s scales a life exactly, through a film's end too.
 
-    The rows are those of one base sample; at least one life wears through the film of a race.
+    Rows of one base sample; the film of a race is worn through within at least one of the lives.
     """
     scene = film_scene(
         uncertainty=UNKNOWN_FILM,
