@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 import unicodedata
-from typing import Any, TextIO
+from typing import TextIO
 
 SUCCESS, BAD_INPUT, NOT_SOLVED, INFEASIBLE = 0, 2, 3, 4
 """Exit statuses of commands (`cli`)."""
@@ -58,8 +58,6 @@ class ProgressLines:
     source: file whose name begins each line; "" for none.
     """
 
-    left: Any = None  # `TimeLeft`, where it is known
-
     def __init__(self, source: str = "") -> None:
         self._source = f"{source}: " if source else ""
         self._last = time.monotonic()  # of the last line
@@ -80,7 +78,7 @@ class ProgressLines:
         self._write("")
 
     def __call__(self, text: str) -> None:
-        """Prints a line of progress, with the time left if that is known, and sets what runs.
+        """Prints a line of progress, and sets what runs.
 
         A line that cannot be written, as on a closed terminal, is left out.
 
@@ -89,7 +87,7 @@ class ProgressLines:
         self.running = text.partition(", about ")[0]
         # a closed terminal must not end the run
         with contextlib.suppress(OSError, ValueError):
-            self.print_line(one_line(f"{self._source}{text}{self._time_left()}"))
+            self.print_line(one_line(f"{self._source}{text}"))
 
     @property
     def running(self) -> str:
@@ -113,11 +111,6 @@ class ProgressLines:
             stream.write(text)
             stream.flush()
             self._last = time.monotonic()
-
-    def _time_left(self) -> str:
-        """Returns the time left in words, after a comma; "" if it is not known."""
-        seconds = self.left.seconds if self.left else 0.0
-        return f", about {seconds:.0f} s left" if seconds else ""
 
     def _write(self, text: str) -> None:
         """Shows a text as the line that is renewed; "" removes the line."""
@@ -144,7 +137,7 @@ class ProgressLines:
                     sys.stderr.flush()
 
     def _status(self) -> str:
-        """Returns what runs, for how long, and the time left if that is known."""
+        """Returns what runs, and for how long."""
         seconds = time.monotonic() - self._since
         running = f": {self.running}" if self.running else ""
-        return f"{self._source}running for {seconds:.0f} s{self._time_left()}{running}"
+        return f"{self._source}running for {seconds:.0f} s{running}"

@@ -62,7 +62,8 @@ def test_an_installed_package_has_its_example_catalogue_and_types(installed_pyth
     script = "import bearingwear as b; scene = b.new(designation='7010C', maker='NSK'); "
     script += "print(b.__file__, b.example().name, scene.bearing.ball_count)"
     completed = run([installed_python, "-c", script], tmp_path)
+    assert completed.returncode == 0, completed.stderr
     file, example_name, ball_count = completed.stdout.split()
-    assert Path(file).is_relative_to(installed_python.parents[1]), completed.stderr
+    assert Path(file).is_relative_to(installed_python.parents[1])
     assert (example_name, ball_count) == ("gyro_s1", "19")
     assert Path(file).with_name("py.typed").exists()  # types: tests/user_types.py

@@ -25,7 +25,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS, Measure, plain
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.quantiles import BY_WEAR, band_by_wear
-from bearingwear.results.units import display
+from bearingwear.results.units import counted_tests, display
 from bearingwear.results.variables import RACES
 
 LINEAR_LIFE, LINEAR_ERROR = "palmgren_miner_life", "palmgren_miner_error"
@@ -146,10 +146,7 @@ def _calibration_phrase(scene: Mapping[str, Any]) -> str:
     calibration = scene.get("calibrated")
     if not calibration:
         return ""
-    count = calibration["rows"]
-    return (
-        f"calibrated with {count} {'test' if count == 1 else 'tests'} from {calibration['tests']}"
-    )
+    return f"calibrated with {counted_tests(calibration['rows'])} from {calibration['tests']}"
 
 
 def _start_and_end_rows(file: Any, name: str) -> list[Row]:

@@ -62,13 +62,21 @@ def _life_rows(file: Any) -> tuple[Row, ...]:
 
 
 def _shorter_life_lines(file: Any) -> tuple[str, ...]:
-    """Returns why the life over the duty is shorter than in any phase alone; empty if it is not."""
+    """Returns a line on why the life over the duty is shorter than in any phase alone.
+
+    Empty if it is not shorter. The lives in a phase alone are without starts.
+    """
     if not float(variable_values(file, "life")) < np.min(variable_values(file, "phase_life")):
         return ()
-    name = str(file.phases).split()[int(variable_values(file, "ending_phase"))]
+    names = str(file.phases).split()
+    ending = names[int(variable_values(file, "ending_phase"))]
+    shorter = "The life over the duty is shorter than the life in any phase alone."
+    if np.any(variable_values(file, "start_wear_share") > 0.0):
+        others = "starts and stops" if len(names) == 1 else "the other phases, starts and stops"
+        return (f"{shorter} It ends in phase {ending}; {others} wear the bearing, too.",)
     return (
-        "The life over the duty is shorter than the life in any phase alone. All phases wear the "
-        f"bearing, and phase {name} meets its criterion at a wear that the others would survive.",
+        f"{shorter} All phases wear the bearing, and phase {ending} meets its criterion at a wear "
+        "that the others would survive.",
     )
 
 

@@ -223,6 +223,11 @@ def span(values: Iterable[float]) -> str:
     return " to ".join(dict.fromkeys(texts))
 
 
+def counted_tests(count: int) -> str:
+    """Returns a number of tests in words: `1 test`, `3 tests`."""
+    return f"{count} test" if count == 1 else f"{count} tests"
+
+
 def printed_unit(unit: str) -> str:
     """Returns a unit with its proper characters and no-break spaces: `N/um` as `N/µm`."""
     text = re.sub(r"u(?=[mNsJ])", "µ", unit).replace("degree", "°")

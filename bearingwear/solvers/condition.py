@@ -129,10 +129,10 @@ class Solver(Protocol):
         """Returns the heat of friction and drag in a solution."""
 
     def state(self, solution: SolvedBearing) -> State:
-        """Returns the state of a life that a solution is."""
+        """Returns a solution as a state along a life: its status, and result variables."""
 
     def case(self, solution: SolvedBearing) -> CaseValues:
-        """Returns all values and attributes of the case that a solution is."""
+        """Returns a solution as a case: all its values and attributes."""
 
 
 class Wrapper:

@@ -149,19 +149,20 @@ class Alone:
     def case(self) -> CaseValues:
         """Returns values and attributes of the scene as it is.
 
-        Of a symmetric pair they are those of both bearings, see `pair_case`, or the status alone
-        without a solution.
+        Of a symmetric pair they are those of both bearings, see `pair_case`; without a solution,
+        the status alone.
         """
         (side,) = self.sides
         (solution,) = self.solve(self.start).sides
         values, attrs = bearing_case(side, solution)
-        is_held_steady = isinstance(innermost(side), Steady) and is_held(side.scene)
-        if isinstance(side, Warm) and is_held_steady and solution.status == code.OK:
+        is_steady_at_fixed_position = isinstance(innermost(side), Steady) and is_held(side.scene)
+        if isinstance(side, Warm) and is_steady_at_fixed_position and solution.status == code.OK:
             attrs["preload_spread"] = preload_spread(side)
         if self.scene.pair is None:
             return values, attrs
         if "axial_stiffness" not in values:
             return {"status": values["status"]}, {"residual": "not solved"}
+        # the case may be another, stable state than the solution
         case_solution = solution._replace(
             status=values["status"],
             stiffness=float(values["axial_stiffness"]),

@@ -62,9 +62,9 @@ class State:
 
     @property
     def loss(self) -> float:
-        """Returns the loss of ball diameter, which includes that of the races if it counts [m].
+        """Returns the total wear depth [m], counted as a loss of ball diameter.
 
-        `wear.counts` of the scene says whether it does.
+        It includes the depths of both grooves if `wear.counts` of the scene does.
         """
         return self.values["ball_diameter_loss"]
 
@@ -111,7 +111,8 @@ def _mean_or_largest(name: str, values: Any) -> Any:
 
     A variable that is not of balls keeps its value.
 
-    values: (n,) of each ball, or (n, 2) of each contact; the result is then (2,).
+    values: (n,) of each ball, or (n, 2) of each contact. The latter give (2,) values, one for each
+        race; a variable of `_LARGEST` gives one.
     """
     if name in _LARGEST:
         return float(np.max(values))

@@ -273,9 +273,9 @@ def find_joint_heat_balance(
         return warm  # type: ignore[return-value]
 
     def heat_made(h: np.ndarray) -> np.ndarray:
-        """Returns the heats that the bearings make at the temperatures of heats `h`, counted.
+        """Returns the heats [W] that the bearings make at the temperatures that heats `h` cause.
 
-        Raises _Unsolved if they have no state there.
+        It counts in `solves`. Raises _Unsolved if the bearings have no state there.
         """
         nonlocal solves
         solves += 1

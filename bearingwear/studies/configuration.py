@@ -107,7 +107,7 @@ def scene_values(
     cage: bool = False,
     uncertainty: bool = False,
 ) -> Callable[[Any], str]:
-    """Returns a function of wildcards that hashes the values of a scene that a job reads.
+    """Returns a function of wildcards, which returns a hash of the values a job reads of a scene.
 
     Snakemake runs a job again when its params change. A value that the job reads changes the hash;
     comments, the description and other values do not.

@@ -75,6 +75,32 @@ def test_a_case_is_shown_in_units_for_people_with_its_limits(gyro_rows, name, un
     assert row.limit == pytest.approx(limit)
 
 
+@pytest.mark.parametrize(
+    ("more_phases", "reason"),
+    [
+        ({}, "phase nominal; starts and stops wear"),
+        ({"slow": {"hours": 1e-3}}, "phase slow; the other phases, starts and stops wear"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:the life has only .* cycles")
+def test_a_life_that_starts_shorten_says_so(more_phases, reason):
+    """In each start the balls warm before the outer ring, which raises the preload."""
+    capacities = {"inner_ring": 1.0, "balls": 0.3, "outer_ring": 15.0}
+    conductances = {"inner_ring_shaft": 0.02, "outer_ring_housing": 0.02, "ball_race": 0.02}
+    nominal = {"hours": 0.1, "starts": 1}
+    changes = {
+        "model.contact": "hertz",
+        "operation.preload_method": "fixed_position",
+        "thermal": {"conductance_W_K": conductances, "heat_capacity_J_K": capacities},
+        "cases": {"slow": {"operation.shaft_speed_rpm": 20000.0}},
+        "duty": {"phases": {"nominal": nominal} | more_phases, "start_s": 2.0, "warmup": True},
+    }
+    result = life(load_scene(SCENE).with_(changes))
+    lines = [line for block in sheet_of_result(result).blocks for line in block.lines]
+    (shorter,) = (line for line in lines if "shorter than the life in any phase alone" in line)
+    assert f"It ends in {reason}" in shorter
+
+
 def test_residuals_are_shown_only_with_the_option_all(tmp_path, capsys):
     file = tmp_path / "case.nc"
     printed(capsys, "solve", SCENE, "-o", file, "--quiet")

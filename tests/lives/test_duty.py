@@ -517,6 +517,7 @@ def test_films_wear_through_in_all_phases_at_once(scene):
     films_gone = []
 
     def has_ended(phase, worn):
+        """Removes films that are worn through; returns whether the largest loss is reached."""
         node = SimpleNamespace(states=phase.states(worn), worn=worn)
         # event 0 is the largest loss, the others are films: inner race, outer race, balls
         _, *films_left = phase.way.events(node)

@@ -391,6 +391,10 @@ def test_limits_of_slip_need_a_balance_of_friction():
     alone = load_scene(S1, [radial, "wear.end_of_life={skid_ratio: 0.1}"])
     with pytest.raises(NotAvailable, match="only skid_ratio,.* expected.*fidelity auto"):
         choice_for_life(alone, "race_control")
+    pair = alone.with_({"operation.preload_method": "fixed_position"})
+    pair = pair.with_({"arrangement": {"kind": "rigid_pair", "span_mm": 30.0}})
+    with pytest.raises(NotAvailable, match="only skid_ratio,.* expected another criterion$"):
+        choice_for_life(pair)  # no other model solves it
 
 
 @pytest.mark.parametrize("changes", [[], ["arrangement.kind=spring_pair"]])

@@ -89,12 +89,13 @@ def test_6_at_low_friction_with_drag_qv_falls_and_rises_again_with_gyroscopic_sl
     assert np.all(outer > 0.0) or np.all(outer < 0.0)
 
 
-def test_6_departs_at_the_last_loss_and_in_the_drag_that_it_takes(values):
-    """QV falls again a little from 0.6 to 0.7 um, and drag takes far more power than friction."""
+def test_6_qv_falls_again_at_the_last_loss_and_drag_exceeds_friction(values):
+    """Both depart from statement 6: QV falls a little from 0.6 to 0.7 um, and drag is so large."""
     fixed = {"method": POSITION, "mu": 0.02, "drag": 250.0}
-    v, last = values(loss=0.6, **fixed), values(loss=0.7, **fixed)
-    assert 0.97 < last["total_qv"] / v["total_qv"] < 1.0
-    assert v["drag_power"] > 10.0 * 9 * v["friction_heat"].sum()  # of 9 balls
+    before_last, last = values(loss=0.6, **fixed), values(loss=0.7, **fixed)
+    assert 0.97 < last["total_qv"] / before_last["total_qv"] < 1.0
+    friction_power = 9 * before_last["friction_heat"].sum()  # of nine equal balls
+    assert before_last["drag_power"] > 10.0 * friction_power
 
 
 def test_6_without_drag_qv_never_rises(values):

@@ -46,9 +46,10 @@ def test_1_qv_falls_with_friction_on_the_ellipse_too(hertz):
 
 @pytest.mark.parametrize("mu, inside", [(0.02, 1), (0.08, 2)])
 def test_finding_2_needs_the_line_contact_at_low_friction(hertz, mu, inside):
-    """Pure-rolling points inside are two at high friction, and one at low friction; outside one.
+    """The inner contact has two points of pure rolling at high friction, and one at low friction.
 
-    On the line there are two inside at either friction. Slip changes sign at each of them.
+    The outer contact has one. Slip changes sign at each. On the line, the inner contact has two at
+    either friction (test_paper.py).
     """
     slip = hertz(mu=mu)["rolling_slip"][0]
     assert [(np.diff(np.sign(s)) != 0).sum() for s in slip] == [inside, 1]

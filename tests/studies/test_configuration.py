@@ -130,15 +130,18 @@ def test_configurations_against_the_schema_are_refused_in_one_line(keys, value, 
 
 
 def test_the_configurations_of_the_project_pass_their_checks():
-    """They are the files of design, lives and uncertainty; a missing file is read as nothing.
+    """They are the files of design, lives and uncertainty.
 
-    Files may omit `set` and `limits`, in whose place checked plans have empty blocks.
+    Files may omit `set` and `limits`; their schema makes these empty, as the test does here.
     """
     lives = configuration.read_config("config/lives.yaml")["lives"]
     configuration.check_lives({"lives": {name: {"set": {}} | lives[name] for name in lives}})
     scenes = configuration.read_config("config/design.yaml")["scenes"]
     configuration.check_design({"scenes": {name: {"limits": {}} | scenes[name] for name in scenes}})
     configuration.check_sampled(configuration.read_config("config/uncertainty.yaml"))
+
+
+def test_a_missing_configuration_is_empty():
     assert configuration.read_config("config/none.yaml") == {}
 
 

@@ -159,7 +159,7 @@ def test_workers_and_what_are_checked(coarse):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_combination_that_makes_no_bearing_leaves_the_others(coarse, workers):
-    """The largest of these balls do not fit side by side."""
+    """Ten of the larger balls fit side by side, but their pockets in the cage overlap."""
     axes = {"bearing.ball_count": [8, 10], "bearing.ball_diameter_mm": [1.9, 2.3]}
     with pytest.warns(UserWarning, match="1 of 4 points .*none 1"):
         dataset = bearingwear.sweep(coarse, axes, workers=workers)

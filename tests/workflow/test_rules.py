@@ -36,7 +36,7 @@ def test_a_rule_says_in_a_sentence_what_it_makes():
 def test_the_table_of_rules_is_up_to_date():
     """It has each rule with a line of the shell, and the Python that the line runs.
 
-    That is a function for a step, or a module for another program; both can be imported.
+    For a step that is a function, for another command a module or nothing; all can be imported.
     """
     text = (ROOT / "docs/studies.md").read_text(encoding="utf-8")
     assert RULE_TABLE.renewed(text) == text, "run: python benchmarks/rule_table.py docs/studies.md"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -270,11 +270,11 @@ def _draw_life(panel: Any, ensemble: xr.Dataset) -> None:
     panel.legend()
 
 
-def mean_with_interval(mean: float, ends: Any, unit: Any) -> str:
-    """Returns a mean and its interval in a unit as text, `1.5 (1.2 to 1.8)`.
+def mean_with_interval(mean: float, ends: Iterable[float], unit: Display) -> str:
+    """Returns a mean and its interval as text, `1.5 (1.2 to 1.8)`, to the digits of the interval.
 
-    mean, ends: in the unit of files; NaN where it is not known.
-    unit: in which the text states them, with the digits that the interval makes significant.
+    mean, ends: in the unit of files; NaN where not known.
+    unit: of the text.
     """
     low, high = (float(unit.of(float(end))) for end in ends)
     half_width = 0.5 * (high - low)

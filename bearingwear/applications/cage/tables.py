@@ -16,7 +16,7 @@ from bearingwear.applications.cage.show import mean_with_interval, shares_in_wor
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
-from bearingwear.results.units import digits, display
+from bearingwear.results.units import Display, digits, display
 from bearingwear.results.words import plain_scene
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
@@ -81,7 +81,7 @@ def _cage_rows(motions: xr.Dataset) -> tuple[Row, ...]:
         """Returns a property of the cages, which a page shows as a column."""
         return Row(label, unit, tuple(texts))
 
-    def means(name: str, unit: object) -> list[str]:
+    def means(name: str, unit: Display) -> list[str]:
         """Returns the mean of a variable over all runs of each cage, with its interval, as text."""
         return [
             mean_with_interval(

@@ -201,9 +201,10 @@ def _refuse_unusable_tests(
 ) -> None:
     """Raises CaseFileError for tests that cannot calibrate a scene.
 
-    Such tests have calibrated it already, or are torques although its friction is not uncertain.
+    Such tests have calibrated it already, or are torques although no uncertain friction is the
+    same for all bearings of a batch.
 
-    friction: name of the uncertain friction, empty without one.
+    friction: name of such a friction, empty without one.
     digest: SHA-256 of the file of the tests.
     """
     if scene.calibrated and scene.calibrated.sha256 == digest:
@@ -214,8 +215,8 @@ def _refuse_unusable_tests(
         if test.seen == SEEN_TORQUE and not friction:
             key = "ball_race" if scene.friction.film is None else "shear_strength_MPa"
             raise CaseFileError(
-                f"{path}: row {test.row}: {SEEN_TORQUE}: got a result that would determine "
-                f"uncertainty.{key}, which the scene does not contain"
+                f"{path}: row {test.row}: {SEEN_TORQUE}: got a torque, expected uncertainty.{key} "
+                "in the scene, the same for all bearings of a batch"
             )
 
 

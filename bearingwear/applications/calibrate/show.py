@@ -26,7 +26,7 @@ from bearingwear.plotting.drawing import (
     key,
     new_figure,
 )
-from bearingwear.results.units import Interval, digits
+from bearingwear.results.units import Interval, counted_tests, digits
 from bearingwear.results.words import plain_scene
 
 _UNLIKELY = 0.01
@@ -72,10 +72,9 @@ def calibration_sheet(file: Any) -> Document:
     if _has_uncertain_friction(file):
         intervals = _stage_intervals(file, "friction_interval")
         rows.insert(0, Row(f"{words}, 90 % of batches", unit, intervals))
-    tests = "1 test" if calibration["rows"] == 1 else f"{calibration['rows']} tests"
     heading = (
-        f"{scene['name']}: calibrated with {tests} from {calibration['tests']} (SHA-256 "
-        f"{calibration['sha256'][:12]})",
+        f"{scene['name']}: calibrated with {counted_tests(calibration['rows'])} from "
+        f"{calibration['tests']} (SHA-256 {calibration['sha256'][:12]})",
         *(f"conflict: {sentence}" for sentence in conflict_sentences),
     )
     facts = {"kind": "calibration", "conflicts": conflict_sentences, **calibration}

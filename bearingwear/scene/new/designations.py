@@ -251,7 +251,12 @@ def _gmn_names(designation: str, prefix: str) -> str:
 
 
 def _gmn_spindle(designation: str) -> Designation | None:
-    """Reads a spindle bearing of GMN, whether in its catalogue or not; None for any other."""
+    """Reads a spindle bearing of GMN, whether in its catalogue or not.
+
+    None for any other designation, and for a bore code without a size.
+
+    SceneError: it is neither in the catalogue nor of a series whose sizes are known.
+    """
     parts = gmn_parts(designation)
     if parts is None:
         return None

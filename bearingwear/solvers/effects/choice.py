@@ -158,10 +158,13 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     unevaluated = unevaluated_criteria(scene, chosen)
     end = scene.wear.end_of_life
     if unevaluated and end is not None and unevaluated.keys() == end.criteria.keys():
-        alternative = "fidelity auto" if unevaluated.keys() <= NEEDS_SLIP else "fidelity dynamic"
+        alternatives = "another criterion"
+        if scene.pair is None:  # no other model solves a pair
+            needs_cage = not unevaluated.keys() <= NEEDS_SLIP
+            alternatives += ", or fidelity " + ("dynamic" if needs_cage else "auto")
         raise NotAvailable(
             f"{scene.name}: wear.end_of_life: got only {', '.join(unevaluated)}, which fidelity "
-            f"{chosen.fidelity} does not evaluate, expected another criterion, or {alternative}"
+            f"{chosen.fidelity} does not evaluate, expected {alternatives}"
         )
     return replace(chosen, of_life=True)
 

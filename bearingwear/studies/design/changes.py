@@ -208,11 +208,13 @@ def _log_ratio(life: float, other_life: float) -> float:
     It is +inf if only the other is zero, -inf if only the first is, NaN if one is NaN or both are
     zero.
     """
-    if not max(life, other_life) > 0.0 or math.isnan(life + other_life):
+    if math.isnan(life) or math.isnan(other_life) or life == other_life == 0.0:
         return math.nan
-    if not min(life, other_life) > 0.0:
-        return math.copysign(math.inf, life - other_life)
-    return math.log(life / other_life)
+    if other_life == 0.0:
+        return math.inf
+    if life == 0.0:
+        return -math.inf
+    return math.log(life) - math.log(other_life)
 
 
 def _share_to_zero(start: float, end: float) -> float:

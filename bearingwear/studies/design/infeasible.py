@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -224,13 +225,11 @@ def _where_words(values: Mapping[str, Any], name: str, has_cases: bool) -> str:
     has_cases: whether to name the case.
     """
     measure = LIMITED[name]
-    deciding = values.get(DECIDING, {})
-    conditions = [deciding[extreme] for extreme in measure.extremes if extreme in deciding]
-    if not conditions or not measure.of_speed:
+    if not measure.of_speed:
         return ""
-    worst_of = min if measure.falls else max
-    worst = worst_of(conditions, key=lambda condition: abs(condition["value"]))
-    return f" ({condition_words(worst, has_cases)})"
+    _, extreme = measure.critical_extreme(lambda key: values.get(key, math.nan))
+    condition = values.get(DECIDING, {}).get(extreme)
+    return f" ({condition_words(condition, has_cases)})" if condition else ""
 
 
 def _unsolved_words(points: Sequence[PreloadPoint], has_cases: bool) -> str:

@@ -41,7 +41,10 @@ class SampledLives(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """Bearings of which some of the uncertain values vary; the others are at their medians."""
+    """Bearings of which some of the uncertain values vary; the others are at their medians.
+
+    With `ALL_BUT_WEAR`, wear is as the scene states it.
+    """
 
     rows: np.ndarray  # values, with the wear coefficient and hardness of the scene (n, names)
     factors: np.ndarray  # by which wear coefficient and hardness scale each life (n, draws)
@@ -77,16 +80,14 @@ def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:
     """Returns a sample of bearings in which some uncertain values vary.
 
     Samples of a scene share their points, so that a life which two of them need is solved once.
-    Wear coefficient and hardness vary by the factors, not in the rows. If they vary, there are
-    enough factors for `POOLED` lives; else each life has one.
+    Wear coefficient and hardness vary by the factors, not in the rows.
 
     inputs: flag of `UNCERTAIN_INPUTS`, see `varied_names`.
     plan: size and seed.
     """
     names = list(scene.uncertainty or {})
     is_varied = np.isin(names, varied_names(scene, inputs))
-    wear = _wear_columns(names)
-    others = _other_columns(names)
+    wear, others = _wear_columns(names), _other_columns(names)
     points = np.full((plan.samples, len(names)), 0.5)
     points[:, others] = _sobol_points(len(others), plan.samples, plan.seed)
     points[:, ~is_varied] = 0.5
@@ -94,9 +95,25 @@ def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:
     rows[:, wear] = [scene.nominal(names[k]) for k in wear]
     if inputs == ALL_BUT_WEAR or not wear:
         return Sample(rows, np.ones((plan.samples, 1)))
+    return Sample(rows, _wear_factors(scene, points, is_varied, plan))
+
+
+def _wear_factors(
+    scene: Scene, points: np.ndarray, is_varied: np.ndarray, plan: Sampling
+) -> np.ndarray:
+    """Returns factors (n, draws) by which wear coefficient and hardness scale each life.
+
+    If these vary, there are enough factors for `POOLED` lives; else each life has one.
+
+    points: in the unit cube, one for each life (n, names). Each factor has the friction of its
+        life, with which the wear coefficient may correlate.
+    is_varied: by name (names,).
+    """
+    names = list(scene.uncertainty or {})
+    wear = _wear_columns(names)
     draws = max(POOLED // plan.samples, 1) if is_varied[wear].any() else 1
-    # Each life gets a block of consecutive Sobol points, which spread evenly over the factors. The
-    # order of the blocks is random, because their points and the other values follow one sequence.
+    # Each life gets a block of consecutive Sobol points, which spread evenly over the factors. In
+    # their own order, blocks would correlate with `points`: both are scrambled from one sequence.
     blocks = _sobol_points(len(wear), plan.samples * draws, plan.seed + 1)
     blocks = np.random.default_rng(plan.seed).permutation(blocks.reshape(plan.samples, draws, -1))
     drawn_points = np.repeat(points, draws, axis=0)
@@ -104,7 +121,7 @@ def sample_of(scene: Scene, inputs: int, plan: Sampling) -> Sample:
     drawn_points[:, ~is_varied] = 0.5
     wear_values = sampled_values(scene, names, drawn_points)[:, wear]
     factors = wear_factor(scene, [names[k] for k in wear], wear_values)
-    return Sample(rows, factors.reshape(plan.samples, draws))
+    return factors.reshape(plan.samples, draws)
 
 
 def _sobol_points(dimensions: int, count: int, seed: int) -> np.ndarray:

@@ -122,7 +122,7 @@ def test_a_missing_file_of_tests_is_refused(tmp_path):
     [
         ("wear_coefficient", "uncertainty.wear_coefficient: got no value that tests could"),
         ("wear_scatter", "uncertainty: got no value that varies"),
-        ("ball_race", "row 2: torque_Nmm: got a result that would determine uncertainty.ball_race"),
+        ("ball_race", "row 2: torque_Nmm: got a torque, expected uncertainty.ball_race in the sc"),
     ],
 )
 def test_a_scene_without_a_distribution_that_tests_need_is_refused(tmp_path, name, problem):

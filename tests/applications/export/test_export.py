@@ -234,8 +234,12 @@ def test_critical_speed_of_a_jeffcott_rotor(ross, pair):
 
 
 def test_the_radial_natural_frequency_is_that_of_ross_for_a_stiff_shaft(ross, pair):
+    """The shaft of ROSS, 0.4 m thick and nearly massless, is rigid.
+
+    The translation of a symmetric rotor depends on neither span nor gyroscopic moments.
+    """
     scene = pair.with_({"operation.shaft_speed_rpm": 5000.0})
-    radial_frequency = solve(scene).values["natural_frequency"][1]
+    radial_frequency = solve(scene).values["natural_frequency"][1]  # axial, radial, conical
     bearings = [bearingwear.to_ross(pair, SPEEDS, node) for node in (0, 4)]
     rotor = jeffcott_rotor(ross, bearings, diameter=0.4, density=1e-3)
     modes = rotor.run_modal(speed=RAD_S * 5000.0).wn

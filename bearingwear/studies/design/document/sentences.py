@@ -14,7 +14,7 @@ from bearingwear.document.rows import film_lines
 from bearingwear.measures import LIMITED
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
-from bearingwear.results.units import digits, printed_unit
+from bearingwear.results.units import counted_tests, digits, printed_unit
 from bearingwear.results.words import methods, percent_in_text, plain_scene
 from bearingwear.scene.arrangement import with_method
 from bearingwear.scene.new.minimum_preload import minimum_preload_lines, minimum_preload_words
@@ -54,7 +54,7 @@ SHORT_LIFE = 500.0
 _RUNS_APART = 1.5
 """Ratio of running and initial preload, the larger over the smaller, above which both are named."""
 
-CALIBRATED = "Wear and friction were calibrated with {rows} tests ({tests})"
+CALIBRATED = "Wear and friction were calibrated with {count} ({tests})"
 
 
 class RecommendedPoint(NamedTuple):
@@ -217,11 +217,15 @@ def makers_minimum_sentences(recommendation: xr.Dataset) -> list[str]:
 
 
 def trust_sentence(recommendation: xr.Dataset) -> str:
-    """Returns sentences on what the life may be used for: comparison, or more if calibrated."""
+    """Returns sentences on how far to trust the life: its calibration, or that it only compares.
+
+    recommendation: with at least one preload.
+    """
     scene = plain_scene(recommendation)
     calibration = scene.get("calibrated")
     if calibration:
-        return f"{CALIBRATED.format(**calibration)}."
+        count = counted_tests(calibration["rows"])
+        return f"{CALIBRATED.format(count=count, tests=calibration['tests'])}."
     film_sentences = film_lines(scene)
     if film_sentences:
         return " ".join([f"{NO_CLOCK}.", *film_sentences])

@@ -33,7 +33,7 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread_of
-from bearingwear.results.units import Display, Interval, digits, display
+from bearingwear.results.units import Display, Interval, display, span
 from bearingwear.results.words import friction_text, methods, percent, plain_scene
 
 WEAR_RATE = display("m3 s-1")
@@ -373,9 +373,9 @@ def _draw_life_column(
 
 
 def _life_range_phrase(lives: xr.Dataset, frictions: Sequence[float]) -> str:
-    """Returns a phrase on the range of the lives [h] that a criterion ends, or that none does.
+    """Returns a phrase on the range of the lives [h] that end by a criterion, or that none ends so.
 
-    The phrase names preload method and friction of a single life.
+    Of a single life, it also names preload method and friction.
 
     frictions: coefficients of the lives drawn.
     """
@@ -389,12 +389,10 @@ def _life_range_phrase(lives: xr.Dataset, frictions: Sequence[float]) -> str:
                 hours_by_condition[condition] = float(life["life"])
     if not hours_by_condition:
         return "no end of life was found"
-    ends = (min(hours_by_condition.values()), max(hours_by_condition.values()))
-    range_text = " to ".join(dict.fromkeys(digits(hours) for hours in ends))
     details = f"wear of {counted_words(scene)}"
     if len(hours_by_condition) == 1:
         details += f"; {next(iter(hours_by_condition))}"
-    return f"life {range_text} h ({details})"
+    return f"life {span(hours_by_condition.values())} h ({details})"
 
 
 def _spread_sentence(
