@@ -363,8 +363,8 @@ def uncertainty(args: argparse.Namespace) -> int:
 def recommend(args: argparse.Namespace) -> int:
     """Prints the recommended preload of a scene; without requirements, lives over preload.
 
-    Returns `NOT_SOLVED` if no life could be computed, `INFEASIBLE` if no preload satisfies the
-    requirements.
+    Returns `INFEASIBLE` if no preload satisfies the requirements, and `NOT_SOLVED` if there are no
+    requirements and no life could be computed.
     """
     with ProgressLines(args.scene) as tell:
         from bearingwear.studies.solve import life_scene

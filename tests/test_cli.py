@@ -639,7 +639,7 @@ def test_recommend_without_a_solved_life_has_exit_status_3(capsys):
     assert output == "" and line.startswith(f"{SCENE}: no life")
 
 
-def test_a_requirement_that_no_solved_life_meets_has_exit_status_4(capsys):
+def test_recommend_with_a_requirement_but_no_solved_life_has_exit_status_4(capsys):
     words = ["recommend", str(SCENE), "--set", "friction.ball_race=0", "--pressure", "2"]
     assert main(words) == console.INFEASIBLE
     output, error = capsys.readouterr()

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.checking.errors import SceneError, leaves, shown
-from bearingwear.scene.checking.records import keyed, reduced_record, setting
+from bearingwear.scene.checking.records import keyed, record_hash, reduced_record, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -112,9 +112,8 @@ class Arrangement:
         _check_kind(self)
 
     def __hash__(self) -> int:
-        """Returns a hash of some fields, although a mapping proxy has none of its own."""
-        second = repr(dict(self.second))
-        return hash((self.kind, self.orientation, self.tandem, self.external_axial_N, second))
+        """Returns a hash of all fields, of `second` the keys."""
+        return record_hash(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Returns what pickle makes a copy from."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.checking.errors import SceneError, shown
-from bearingwear.scene.checking.records import NAME, keyed, reduced_record, setting
+from bearingwear.scene.checking.records import NAME, keyed, record_hash, reduced_record, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -60,8 +60,8 @@ class Duty:
             raise SceneError("phases", problem, ("start_s", "stop_s"))
 
     def __hash__(self) -> int:
-        """Returns a hash of all fields, although a mapping proxy has none of its own."""
-        return hash((tuple(self.phases.items()), self.start_s, self.stop_s, self.warmup))
+        """Returns a hash of all fields, of `phases` the names."""
+        return record_hash(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Returns what pickle makes a copy from."""

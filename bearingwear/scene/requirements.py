@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from bearingwear.scene.checking.errors import SceneError
-from bearingwear.scene.checking.records import keyed, reduced_record, setting
+from bearingwear.scene.checking.records import keyed, record_hash, reduced_record, setting
 
 _G, _DENSITY = "[0, 1e5]", "(0, 1e4]"
 
@@ -127,8 +127,8 @@ class Drive:
                 raise SceneError(f"resistances_Nm.{name}", problem, ("standard",))
 
     def __hash__(self) -> int:
-        """Returns a hash of the text of all fields, since mapping proxies have none."""
-        return hash(repr(self))
+        """Returns a hash of all fields, of mappings the keys."""
+        return record_hash(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Returns what pickle makes a copy from."""

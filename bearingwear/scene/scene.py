@@ -38,6 +38,7 @@ from bearingwear.scene.checking.records import (
     file_part,
     keyed,
     part_at,
+    record_hash,
     reduced_record,
     setting,
 )
@@ -205,17 +206,8 @@ class Scene:
         return f"<details><summary>{escape(repr(self))}</summary><table>{rows}</table></details>"
 
     def __hash__(self) -> int:
-        """Returns a hash of all values, although mapping proxies have none of their own."""
-        hashable: list[Any] = []
-        for name in _field_names(Scene):
-            value = getattr(self, name)
-            if name == "cases":  # holds lists, too
-                hashable.append(repr(dict(value or {})))
-            elif isinstance(value, Mapping):
-                hashable.append(tuple(value.items()))
-            else:
-                hashable.append(value)
-        return hash(tuple(hashable))
+        """Returns a hash of all fields, of mappings the keys."""
+        return record_hash(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Returns what pickle makes a copy from, which is checked if the scene is."""

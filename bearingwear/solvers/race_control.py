@@ -149,7 +149,7 @@ class RaceControl:
     def with_motion_of_case(
         self, solution: SolvedBearing, values: dict[str, Any]
     ) -> SolvedBearing | None:
-        """Returns None: there is one solution, which the case keeps."""
+        """Returns None: race control has a single solution, so a case has its motion."""
         return None
 
 

@@ -329,9 +329,9 @@ def heat_of_parts(heats: Sequence[HeatFlow]) -> np.ndarray:
 
 
 def heat_slopes(heats: PartHeats, temperatures: np.ndarray) -> np.ndarray | None:
-    """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K].
+    """Returns derivatives of the heat of all parts by their temperatures (parts, parts) [W/K].
 
-    None where a state beside this one is missing.
+    None where states beside this one are missing for each of `DIFFERENCES`.
 
     temperatures: (bearing, part) [degC].
     """

@@ -83,7 +83,7 @@ def test_a_case_is_shown_in_units_for_people_with_its_limits(gyro_rows, name, un
     ],
 )
 @pytest.mark.filterwarnings("ignore:the life has only .* cycles")
-def test_a_life_that_starts_shorten_says_so(more_phases, reason):
+def test_a_sheet_says_that_starts_shorten_the_life(more_phases, reason):
     """In each start the balls warm before the outer ring, which raises the preload."""
     capacities = {"inner_ring": 1.0, "balls": 0.3, "outer_ring": 15.0}
     conductances = {"inner_ring_shaft": 0.02, "outer_ring_housing": 0.02, "ball_race": 0.02}

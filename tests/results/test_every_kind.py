@@ -212,7 +212,7 @@ def test_one_changed_number_is_shown_with_its_percentage(
     assert re.search(r" \+0\.1$", capsys.readouterr().out, re.M)
 
 
-def test_keys_and_attributes_that_differ_stand_below(file_of, tmp_path, capsys):
+def test_keys_and_attributes_that_differ_have_blocks_of_their_own(file_of, tmp_path, capsys):
     """The second file is solved with two other keys, and gets another source hash and `mine`."""
     changed = tmp_path / "changed.nc"
     changes = "operation.preload_N=9", "friction.ball_race=0.05"
@@ -220,11 +220,11 @@ def test_keys_and_attributes_that_differ_stand_below(file_of, tmp_path, capsys):
     with netCDF4.Dataset(changed, "a") as file:
         file.source_hash, file.mine = "0123456789abcdef", [1.0, 2.0]
     sheet, rows = compared(capsys, file_of["steady case"], changed)
-    below = "keys of the scene that differ"
-    differing = {name for block, name in rows if block == below}
+    block_title = "keys of the scene that differ"
+    differing = {name for block, name in rows if block == block_title}
     assert differing == {"operation.preload_N", "friction.ball_race"}
     # 9 N against the scene's 7 N
-    assert rows[below, "operation.preload_N"]["difference, %"] == pytest.approx(200.0 / 7.0)
+    assert rows[block_title, "operation.preload_N"]["difference, %"] == pytest.approx(200.0 / 7.0)
     attributes = sheet["sentences"]["attributes that differ"]
     assert any("B 0123456789abcdef" in line for line in attributes)
     assert "mine: A –; B [1.0, 2.0]" in attributes

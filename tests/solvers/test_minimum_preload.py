@@ -57,7 +57,8 @@ def test_least_preload_of_gmn_needs_one_friction(minimum, gmn):
 def test_least_preload_of_gmn_is_a_share_of_the_rating(minimum):
     """Each series and angle has one share, within the rounding of printed values: 2.6 %.
 
-    The medians [N/N] are regression values; `minimum.preloads_over_rating()` prints them anew.
+    The medians [N/N] of the ratios from `minimum.preloads_over_rating()` are regression values, in
+    its order.
     """
     shares = (0.0257, 0.0364, 0.0303, 0.0342, 0.0382, 0.0360, 0.0479)
     for (group, ratio), share in zip(minimum.preloads_over_rating().items(), shares, strict=True):

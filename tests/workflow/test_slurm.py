@@ -172,9 +172,10 @@ def test_a_study_on_slurm_has_the_same_bytes(study_on_slurm, new_project):
 
 
 def test_the_lines_of_a_study_are_one_job_of_the_cluster_and_its_lives_another(study_on_slurm):
-    """The queue has only these two: jobs of a second run where Snakemake runs.
+    """The queue has only these two: rules that take about a second run beside Snakemake.
 
-    Four lines of cases run one after the other, in four minutes with memory and core of one line.
+    Four lines of cases run one after the other: their time limit is that of four lines, memory and
+    core are those of one. Later tests of this file add jobs to the queue.
     """
     assert [line.split() for line in queued("%T %l %C %m")] == [
         ["COMPLETED", "1:00", "1", "1000M"],  # the lives, the newest first
@@ -200,10 +201,10 @@ def test_a_map_on_slurm_has_the_same_bytes(cluster, new_project):
     assert queued("%T %l")[0].split() == ["COMPLETED", "8:00"]
 
 
-def test_a_cancelled_group_of_jobs_leaves_no_outdated_case(study_on_slurm):
+def test_the_run_after_a_cancelled_group_of_jobs_solves_all_its_lines_again(study_on_slurm):
     """A run with another preload is cancelled after its first case, and ends with status 1.
 
-    The next run solves all lines of the group again; no case has its old contents.
+    After the next run, no case has its old contents.
     """
     project, _ = study_on_slurm
     project.edit("config/scenes/gyro_s1.yaml", "preload_N: 7", "preload_N: 8")
@@ -216,6 +217,8 @@ def test_a_cancelled_group_of_jobs_leaves_no_outdated_case(study_on_slurm):
                 if contents.items() - before.items():
                     break
             time.sleep(0.05)
+        else:
+            pytest.fail("no new case within a minute")
         call("scancel", queued("%A")[0])
         assert run.wait(120) == 1
     finally:

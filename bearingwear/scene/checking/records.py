@@ -103,6 +103,16 @@ def keyed(record_type: type[R]) -> type[R]:
     return dataclass(frozen=True, kw_only=True)(record_type)
 
 
+def record_hash(record: Any) -> int:
+    """Returns what `__hash__` returns for a record with mapping proxies, which have none.
+
+    Only the keys of a mapping count: equal ones may differ in order and in 9 and 9.0, and their
+    values may be lists.
+    """
+    values = (getattr(record, record_field.name) for record_field in fields(record))
+    return hash(tuple(frozenset(v) if isinstance(v, Mapping) else v for v in values))
+
+
 def reduced_record(record: Any) -> tuple[Any, ...]:
     """Returns what `__reduce__` returns for a record with mapping proxies.
 

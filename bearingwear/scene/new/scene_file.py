@@ -294,7 +294,10 @@ def _designation_notes(scene: _NewScene) -> list[str]:
 
 
 def _comparison_line(entry: CatalogueBearing, D: float, Z: int) -> str:
-    """Returns a line that compares a maker's bearing with Z balls of diameter D [mm]."""
+    """Returns a line that compares a maker's bearing with one of Z balls of diameter D [mm].
+
+    Both have the same contact angle.
+    """
     rated = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)  # as `CatalogueBearing.rated`
     return (
         f"{entry.maker}'s {entry.designation} has {entry.balls} balls of {entry.ball:.4g} mm "

@@ -89,11 +89,11 @@ class RaceControlProblem:
         packed_states = np.empty((len(self.D), race.PACKED))
         delta = np.array([self.delta_a, 0.0, 0.0])
         if self.constant_force and self.F[0] > 0.0:
-            # Worn balls: start where the thrust alone would press the race to.
+            # worn balls may be loose at the mounted place: start where thrust alone presses them
             delta[0], _ = thrust_equilibrium(
                 self.g, self.D.mean(), load, self.F[0], self.delta_a, True, cold_start()
             )
-        first = 0 if self.constant_force else 1
+        first = 0 if self.constant_force else 1  # of the free translations: axial, along Y and Z
         status, _, stiffness = race.race_equilibrium(
             self.g, self.D, loads, self.psi, self.F, self.tilt, first, delta, packed_states
         )

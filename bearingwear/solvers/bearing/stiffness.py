@@ -97,8 +97,9 @@ def race_control_matrix(
 ) -> np.ndarray:
     """Returns the quasi-static stiffness (5, 5) under race control [N/m, N, N m].
 
-    Its forces follow the displacement at once. Rows and columns: displacements along X, Y and Z,
-    tilts about Y and Z. A ball off the inner race counts as 0.
+    The forces of race control on a ball follow its place at once, whatever the orbit rate. Rows and
+    columns: displacements along X, Y and Z, tilts about Y and Z. A ball off the inner race counts
+    as 0.
 
     D, loads, states: of the n balls solved, one if it represents all.
     delta: displacement of the inner race (3,) along X, Y and Z [m].

@@ -196,9 +196,9 @@ class ThermalBearings:
         return bearings
 
     def heat_slopes(self, instant: Instant) -> np.ndarray | None:
-        """Returns the change of the heat of all parts by their temperatures (parts, parts) [W/K].
+        """Returns derivatives of the heat of all parts by their temperatures (parts, parts) [W/K].
 
-        None where a state beside that of the instant is missing.
+        None where states beside that of the instant are missing for each of `DIFFERENCES`.
         """
 
         def heats(temperatures: np.ndarray) -> np.ndarray | None:

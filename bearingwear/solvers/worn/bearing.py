@@ -87,6 +87,10 @@ class _Start(NamedTuple):
     rows_added: np.ndarray
 
 
+_SolvedState = tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]
+"""Seat, with the status, motion, races and friction buffers of a solve."""
+
+
 class WornBearing:
     """A bearing under thrust whose contacts follow its worn grooves.
 
@@ -198,49 +202,60 @@ class WornBearing:
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
         """Returns the steady state with some wear, solved from the last state.
 
-        It is rough if `on_the_way`. Where the last state is too far away, other starts are tried,
-        and a state past a fold is sought. A state that is not found leaves the bearing as it was.
+        It is rough if `on_the_way`. Where there is no state, the next solve starts from where this
+        one did, with fresh pressures.
 
         problem: with another geometry or preload than those of the new bearing.
         """
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
-        starts: tuple[Callable[[int, ThrustProblem, float, WornDepths], bool], ...]
-        if self.wears:
-            starts = (
-                self._start_from_even_wear,
-                self._start_at_present_loads,
-                self._start_with_less_friction,
-            )
-        else:
+        if not self.wears:
             self._start_from_nearest(p, wear)
-            starts = (self._start_through_grooves,)
         kept = _Start(self.seat, self.u, self.reference, self.races, self.ends, self.rows_added)
-        seat, u, races, work = self._state_in_cells(p, D, wear)
-        for start in starts:
-            if seat.status not in _FAR:
-                break
-            self.seat, self.u = kept.seat, kept.u
-            self._take_cells(kept)
-            if start(seat.status, p, D, wear):
-                seat, u, races, work = self._state_in_cells(p, D, wear)
-        has_jumped = seat.status == code.OK and self._has_jumped(kept.seat, seat, work.slip)
-        if self.wears and p.preload.constant_force and (seat.status in _FAR or has_jumped):
-            farthest = seat.delta_a if has_jumped else None
-            nearest = self._state_past_fold(kept, farthest, p, D, wear)
-            seat, u, races, work = nearest or (seat, u, races, work)
+        seat, u, races, work = self._nearest_state(kept, p, D, wear)
         status = seat.status
         if status in _FAR and self.even not in (code.OK, code.NOT_CONVERGED):
             status = self.even  # nothing holds the balls, however they are worn
         if status != code.OK:
-            self.seat, self.u, self.reference = kept.seat, kept.u, kept.reference
-            self._take_cells(kept)  # those added in vain would be slow
+            self._return_to(kept)  # cells added in vain would be slow
+            self.reference = kept.reference
             self._reset_pressures()
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
         self.slip_shares = work.slip[:, _SLIP_SHARE].copy()
         self._keep_start(p)
         return self._checked_point(p, D, wear, work)
+
+    def _nearest_state(
+        self, start: _Start, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> _SolvedState:
+        """Returns the state that a solve from `start` finds, or from another start if it fails.
+
+        Where a constant force moves the race past a fold, it is the nearest state beyond.
+
+        D: worn ball diameter [m].
+        """
+        other_starts: tuple[Callable[[int, ThrustProblem, float, WornDepths], bool], ...] = (
+            self._start_from_even_wear,
+            self._start_at_present_loads,
+            self._start_with_less_friction,
+        )
+        if not self.wears:
+            other_starts = (self._start_through_grooves,)
+        solved = self._state_in_cells(p, D, wear)
+        for set_start in other_starts:
+            status = solved[0].status
+            if status not in _FAR:
+                break
+            self._return_to(start)  # the depths counted from stay as another start has set them
+            if set_start(status, p, D, wear):
+                solved = self._state_in_cells(p, D, wear)
+        seat, _, _, work = solved
+        has_jumped = seat.status == code.OK and self._has_jumped(start.seat, seat, work.slip)
+        if self.wears and p.preload.constant_force and (seat.status in _FAR or has_jumped):
+            farthest = seat.delta_a if has_jumped else None
+            return self._state_past_fold(start, farthest, p, D, wear) or solved
+        return solved
 
     def _checked_point(
         self, p: ThrustProblem, D: float, wear: WornDepths, work: FrictionWork
@@ -337,7 +352,7 @@ class WornBearing:
 
     def _state_past_fold(
         self, start: _Start, farthest: float | None, p: ThrustProblem, D: float, wear: WornDepths
-    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork] | None:
+    ) -> _SolvedState | None:
         """Returns the next state to which a constant force moves the race, as `_state_in_cells`.
 
         As slip of a contact sets in, the axial force falls while the race moves on. Once wear has
@@ -350,8 +365,7 @@ class WornBearing:
         D: worn ball diameter [m].
         """
         held = copy.copy(self)
-        held.seat, held.u = start.seat, start.u
-        held._take_cells(start)
+        held._return_to(start)
         held.races = tuple(held._unworn_race(k) for k in range(2))
         held.state, held._work = state_work(), None
         left, step, has_fallen = 0.0, 0.0, False
@@ -378,8 +392,9 @@ class WornBearing:
         vars(self).update(vars(held))
         return state
 
-    def _take_cells(self, start: _Start) -> None:
-        """Takes the cells of a start, with the pressures that they have now."""
+    def _return_to(self, start: _Start) -> None:
+        """Takes places, motion and cells of a start, with the pressures that these have now."""
+        self.seat, self.u = start.seat, start.u
         self.races, self.ends, self.rows_added = start.races, start.ends, start.rows_added
 
     def _reset_pressures(self) -> None:
@@ -508,9 +523,7 @@ class WornBearing:
             self.u = now.u + share * (now.u - before.u)
             self.slip_shares = now.slip[:, _SLIP_SHARE]
 
-    def _state_in_cells(
-        self, p: ThrustProblem, D: float, wear: WornDepths
-    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
+    def _state_in_cells(self, p: ThrustProblem, D: float, wear: WornDepths) -> _SolvedState:
         """Returns seat, motion, races and friction buffers, with the cells that the state needs.
 
         Cells are added until the contacts fit, `_MOST_WIDENINGS` times at most. Sets `loaded`.

@@ -356,6 +356,7 @@ def test_the_stated_interval_of_wear_is_that_of_the_calibrated_scene(tmp_path):
         (["torque_Nmm,run_out_h", "1.7e-5,", ",3"], r"row 2, torque: 0.00\d+ [^;]*", "N mm"),
         # each is likely in the scene, but not the other one beside it
         (["life_h", "1", "40"], r"row 2, life: 0.0\d+ [^;]*; row 3, life: [\d.]+ [^;]*", None),
+        # minutes in place of hours would be 60 times the life; this is more
         (["life_h,bearings", "1200,1"], r"row 2, life: \d+ [^;]*", "h"),
     ],
 )
@@ -369,4 +370,7 @@ def test_impossible_results_are_refused(tmp_path, capsys, lines, rows, unit):
     *_, line = errors.strip().splitlines()
     assert output == "" and not calibrated.exists()
     assert line.startswith(f"{path}: got ") and re.search(f": {rows}; ", line)
-    assert (f"expected {unit})" in line) == (unit is not None)
+    if unit is None:
+        assert "wrong unit" not in line
+    else:
+        assert f"suggests a wrong unit; expected {unit})" in line

@@ -28,6 +28,7 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
 from bearingwear.studies.dataset import write_dataset
+from bearingwear.studies.design.figures.uncertainty_figure import uncertainty_figure
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.sampling import Sampling, scene_with_values
 from bearingwear.studies.uncertainty.plan import OWN
@@ -212,6 +213,20 @@ def test_indices_of_a_product_are_shares_of_log_variance():
     assert_allclose(one_at_a_time[0], factors, rtol=1e-9)
 
 
+def test_a_life_that_was_not_solved_has_a_dash_among_the_changes():
+    """The changes in the figure are those of one value at its 10 and its 90 % quantile."""
+    wear = {"distribution": "lognormal", "factor": 1.5}
+    scene = with_spread(wear_coefficient=wear, brinell_hardness_GPa=wear)
+    preloads = {("constant_force", OWN): 7.0}
+    dataset = life_quantiles([scene], preloads, Sampling(samples=16), with_indices=True)
+    dataset["life_one_at_a_time"][..., 0, 0] = np.nan
+    _, tornado, _ = uncertainty_figure(dataset).axes
+    factors = sorted(100.0 * (1.5 ** stats.norm.ppf([0.1, 0.9]) - 1.0))
+    texts = [text.get_text() for text in tornado.texts]
+    assert texts[0] == f"{factors[0]:+.1f} … – %"
+    assert texts[1] == f"{factors[0]:+.1f} … {factors[1]:+.1f} %"
+
+
 def test_a_seed_decides_the_lives_whatever_the_processes():
     """One process and two give the same dataset; another seed gives other lives."""
     scene = load_scene(scene_file("gyro_s1"))
@@ -235,7 +250,8 @@ def test_sampled_lives_follow_grooves_where_life_does(method):
 def test_lives_that_fail_are_counted(tmp_path, capsys):
     """Balls that are too large for the grooves have no life; the others make the quantiles.
 
-    The command solves 16 lives for each of three samples, and the nominal one.
+    There are 16 bearings in each of three samples, and the nominal one. The median ball is too
+    large, as in the nominal bearing and all of the sample of batches, whose diameters do not vary.
     """
     diameter = {"distribution": "uniform", "low": 1.99, "high": 2.1}
     plain = load_scene(scene_file("gyro_s1")).to_dict()
@@ -245,10 +261,13 @@ def test_lives_that_fail_are_counted(tmp_path, capsys):
     dataset = load(out).squeeze()
     names = dataset["life_status"].attrs["flag_meanings"].split()
     counts = dict(zip(names, dataset["status_count"].values.tolist(), strict=True))
-    # grooves with radii of 1.08 and 1.17 mm hold balls up to 2.25 - 0.25 cos 20 deg = 2.015 mm;
-    # most of the range lies above, so that more than a few lives fail
-    assert counts["beyond_groove"] > 3 and sum(counts.values()) == 3 * 16 + 1
+    # grooves with radii of 1.08 and 1.17 mm hold balls up to 2.25 - 0.25 cos 20 deg = 2.015 mm,
+    # beyond which 13 of the 16 diameters lie
+    assert counts["beyond_groove"] == 2 * 13 + 16 + 1 and counts["ok"] == 2 * 3
     assert float(dataset["solved_share"]) == pytest.approx(counts["ok"] / (3 * 16 + 1))
+    medians = dataset["life_quantile"].sel(probability=0.5)
+    assert medians.sel(uncertain_inputs=ALL_INPUTS) > 0.0
+    assert np.isnan(medians.sel(uncertain_inputs=BATCH_ONLY)) and np.isnan(dataset["nominal_life"])
     assert "beyond groove" in capsys.readouterr().out
 
 

@@ -128,7 +128,7 @@ def test_the_thermal_margin_is_unknown_where_it_is_not_required(spindle):
 def test_a_required_thermal_margin_does_not_end_the_life(spindle):
     """The life is the same with a required margin of 1000, which the pair misses by far.
 
-    Lives agree to 1e-5: the solves of the margin change where those of the life start.
+    Lives agree to 1e-5, as the solves for the margin give those of the life other starting values.
     """
     expected = design_point(spindle, DesignLimits())["life"]
     required = design_point(spindle, DesignLimits(thermal_margin=1e3))["life"]

@@ -122,8 +122,16 @@ def _places(ratios: np.ndarray) -> np.ndarray:
     ratios: as from `_life_ratios`.
     """
     least_ratio = 1e-6  # a life may be zero, which has no logarithm
-    effects = np.abs(np.log(np.maximum(ratios, least_ratio))).max(axis=1)
+    # the larger effect; that of a life that was not solved does not count
+    effects = np.fmax.reduce(np.abs(np.log(np.maximum(ratios, least_ratio))), axis=1)
     return np.argsort(np.argsort(np.nan_to_num(effects)))  # sorted twice: the rank of each effect
+
+
+def _change_text(ratio: float) -> str:
+    """Returns a ratio of lives as a signed change [%], a dash for a life that was not solved."""
+    if not np.isfinite(ratio):
+        return "–"
+    return f"{round(100.0 * (ratio - 1.0), 1) + 0.0:+.1f}"  # adding 0.0 leaves no minus zero
 
 
 def _draw_tornado(panel: Any, lives: xr.Dataset, names: list[str], colour: str) -> None:
@@ -141,10 +149,9 @@ def _draw_tornado(panel: Any, lives: xr.Dataset, names: list[str], colour: str) 
     for place, ends, value_ratios in zip(places, octaves, ratios, strict=True):
         panel.barh(place, ends[0], color=colour, alpha=0.45, height=0.7)
         panel.barh(place, ends[1], color=colour, alpha=0.9, height=0.7)
-        # adding 0.0 to a rounded number leaves no minus before a zero
-        low, high = (round(100.0 * (ratio - 1.0), 1) + 0.0 for ratio in sorted(value_ratios))
+        low, high = map(_change_text, np.sort(value_ratios))
         panel.annotate(
-            f"{low:+.1f} … {high:+.1f} %",
+            f"{low} … {high} %",
             (max(ends.max(), 0.0), place),
             xytext=(3, 0),
             textcoords="offset points",
