@@ -71,12 +71,13 @@ def _shorter_life_lines(file: Any) -> tuple[str, ...]:
     names = str(file.phases).split()
     ending = names[int(variable_values(file, "ending_phase"))]
     shorter = "The life over the duty is shorter than the life in any phase alone."
-    if np.any(variable_values(file, "start_wear_share") > 0.0):
-        others = "starts and stops" if len(names) == 1 else "the other phases, starts and stops"
-        return (f"{shorter} It ends in phase {ending}; {others} wear the bearing, too.",)
+    if len(names) == 1:
+        return (f"{shorter} Starts and stops wear the bearing, too.",)
+    starts_wear = np.any(variable_values(file, "start_wear_share") > 0.0)
+    all_wear = "All phases, starts and stops wear" if starts_wear else "All phases wear"
     return (
-        f"{shorter} All phases wear the bearing, and phase {ending} meets its criterion at a wear "
-        "that the others would survive.",
+        f"{shorter} {all_wear} the bearing, and phase {ending} meets its criterion at a wear that "
+        "the others would survive.",
     )
 
 

@@ -112,7 +112,7 @@ class Arrangement:
         _check_kind(self)
 
     def __hash__(self) -> int:
-        """Returns a hash of all fields, of `second` the keys."""
+        """Returns a hash of all fields, although a mapping proxy has none of its own."""
         return record_hash(self)
 
     def __reduce__(self) -> tuple[Any, ...]:

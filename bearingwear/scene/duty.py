@@ -60,7 +60,7 @@ class Duty:
             raise SceneError("phases", problem, ("start_s", "stop_s"))
 
     def __hash__(self) -> int:
-        """Returns a hash of all fields, of `phases` the names."""
+        """Returns a hash of all fields, although a mapping proxy has none of its own."""
         return record_hash(self)
 
     def __reduce__(self) -> tuple[Any, ...]:

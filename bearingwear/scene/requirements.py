@@ -127,7 +127,7 @@ class Drive:
                 raise SceneError(f"resistances_Nm.{name}", problem, ("standard",))
 
     def __hash__(self) -> int:
-        """Returns a hash of all fields, of mappings the keys."""
+        """Returns a hash of all fields, although a mapping proxy has none of its own."""
         return record_hash(self)
 
     def __reduce__(self) -> tuple[Any, ...]:

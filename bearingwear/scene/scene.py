@@ -206,7 +206,7 @@ class Scene:
         return f"<details><summary>{escape(repr(self))}</summary><table>{rows}</table></details>"
 
     def __hash__(self) -> int:
-        """Returns a hash of all fields, of mappings the keys."""
+        """Returns a hash of all fields, although a mapping proxy has none of its own."""
         return record_hash(self)
 
     def __reduce__(self) -> tuple[Any, ...]:

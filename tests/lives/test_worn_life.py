@@ -28,7 +28,8 @@ from bearingwear.lives.many import HertzianLives
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.checking.errors import NotAvailable
 from bearingwear.scene.read import load_scene
-from bearingwear.solvers.worn.depths import WornDepths
+from bearingwear.solvers.worn.bearing import WornBearing
+from bearingwear.solvers.worn.depths import WornDepths, WornPoint
 
 HOUR = 3600.0
 UM = 1e-6
@@ -360,13 +361,17 @@ def test_a_criterion_met_at_the_start_gives_a_life_of_zero():
     assert life(scene.with_({"wear.ball_diameter_loss_um": 0.5})).values["life"] == 0.0
 
 
-def test_grooves_that_wear_beyond_the_solver_end_without_a_criterion():
-    """Coarse steps and cells are to reach a skid ratio that is never reached.
+def test_grooves_that_wear_beyond_the_solver_end_without_a_criterion(monkeypatch):
+    """No state is found with a groove deeper than 0.1 um; the skid ratio is never reached."""
+    solve = WornBearing.solve
 
-    Which status says that no state is found does not matter.
-    """
-    scene = scene_of(end_of_life=EndOfLife(skid_ratio=0.9))
-    course = Grooves(scene, EXACT_GROOVES._replace(step=2.0, cells=(24, 5)))
-    groove_life = follow_grooves(course)
-    assert groove_life.status != code.OK
+    def solved_if_shallow(bearing, wear, problem=None):
+        if wear.grooves.max() > 0.1 * UM:
+            return WornPoint(code.NOT_CONVERGED, wear, problem or bearing.problem)
+        return solve(bearing, wear, problem)
+
+    monkeypatch.setattr(WornBearing, "solve", solved_if_shallow)
+    groove_life = follow_grooves(Grooves(scene_of(end_of_life=EndOfLife(skid_ratio=0.9))))
+    assert groove_life.status == code.NOT_CONVERGED
+    assert groove_life.last.worn[0].grooves.max() > 0.09 * UM
     assert CRITERIA[groove_life.criterion] == "none"

@@ -106,11 +106,16 @@ def keyed(record_type: type[R]) -> type[R]:
 def record_hash(record: Any) -> int:
     """Returns what `__hash__` returns for a record with mapping proxies, which have none.
 
-    Only the keys of a mapping count: equal ones may differ in order and in 9 and 9.0, and their
-    values may be lists.
+    The order of keys does not count, as it does not for equality.
     """
-    values = (getattr(record, record_field.name) for record_field in fields(record))
-    return hash(tuple(frozenset(v) if isinstance(v, Mapping) else v for v in values))
+    return hash(tuple(_hashable(getattr(record, part.name)) for part in fields(record)))
+
+
+def _hashable(value: Any) -> Any:
+    """Returns a value with mappings and lists replaced by what has a hash."""
+    if isinstance(value, Mapping):
+        return frozenset((key, _hashable(value[key])) for key in value)
+    return tuple(map(_hashable, value)) if isinstance(value, list | tuple) else value
 
 
 def reduced_record(record: Any) -> tuple[Any, ...]:
