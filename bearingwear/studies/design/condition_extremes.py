@@ -377,8 +377,9 @@ def _worse_share(
     """Returns the share of the full speed at which a value should be solved next, or None.
 
     It is where a parabola through three neighbours is worse than all known values, by more than
-    `SPEED_FOUND_TO`. Otherwise it is beside a bad value whose neighbours are far from each other.
-    None for fewer than three values, for a worst margin above `near`, or without such a place.
+    `SPEED_FOUND_TO`. Otherwise it is beside a bad value whose neighbours are far from each other,
+    or, at a limit, where a flank of the worst value leads to a worse one. None for fewer than three
+    values, for a worst margin above `near`, or without such a place.
 
     values: of an extreme of the measure [SI], by shares, which rise.
     near: largest magnitude of the relative margin at which a share is looked for.
@@ -399,8 +400,10 @@ def _worse_share(
     best = min(new_points, key=lambda point: point.y, default=_LowestPoint(math.nan, math.inf))
     if best.y < least - SPEED_FOUND_TO * abs(least):
         return best.x
-    refinement = 1.0 if margin > _AT_LIMIT else 1.0 / 8.0
-    return _share_in_wide_gap(x, y, lowest, _WIDE * refinement, _CLOSE * refinement)
+    if margin > _AT_LIMIT:
+        return _share_in_wide_gap(x, y, lowest, _WIDE, _CLOSE)
+    share = _share_in_wide_gap(x, y, lowest, _WIDE / 8.0, _CLOSE / 8.0)
+    return share if share is not None else _share_beyond_flank(x, y)
 
 
 def _share_in_wide_gap(
@@ -429,6 +432,26 @@ def _share_in_wide_gap(
         left = x[k] - x[k - 1]
         right = x[k + 1] - x[k]
         return float(x[k] - 0.5 * left if left > right else x[k] + 0.5 * right)
+    return None
+
+
+def _share_beyond_flank(x: np.ndarray, y: np.ndarray) -> float | None:
+    """Returns the middle between the lowest value and a neighbour, if a flank leads lower there.
+
+    A value that jumps, as slip does where control changes to the other race, is worst just beside
+    the jump, which no parabola finds. None if neither flank leads lower by more than
+    `SPEED_FOUND_TO` of the lowest value.
+
+    x, y: (n,) places, rising, and values; lower ones are worse.
+    """
+    k = int(np.argmin(y))
+    if not 0 < k < len(x) - 1:
+        return None
+    for flank, neighbour in ((k - 1, k + 1), (k + 1, k - 1)):
+        step = 0.5 * (x[neighbour] - x[k])
+        slope = (y[k] - y[flank]) / (x[k] - x[flank])
+        if abs(step) > _NARROW and slope * step < -SPEED_FOUND_TO * abs(y[k]):
+            return float(x[k] + step)
     return None
 
 

@@ -131,16 +131,18 @@ def test_slip_that_peaks_between_rest_and_speed_is_found_worn(bearing, preload):
     assert point["gyroscopic_slip_share"] == pytest.approx(highest, rel=0.02)
 
 
-def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found():
-    """Worn, slip has a hump at 0.6 of the speed and a higher, narrow peak at 0.46.
+@pytest.mark.parametrize("preload", [250.0, 250.01])
+def test_a_peak_of_slip_nearly_as_high_as_the_highest_known_speed_is_found(preload):
+    """Worn, slip has a hump at 0.6 of the speed and a higher, narrow peak at 0.47.
 
-    The peak is found to 0.5 % of the highest of eight solves about both.
+    The peak is found to 0.5 % of the highest of eight solves about both. Its upper flank is a jump,
+    and the search meets a speed just above it with one of the preloads [N] only.
     """
     plain = bearingwear.new(
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
         speed=18000.0, preload=120.0,
     )  # fmt: skip
-    preloaded = with_method(plain, "fixed_position", 250.0)
+    preloaded = with_method(plain, "fixed_position", preload)
     point = design_point(preloaded, DesignLimits(gyroscopic_slip_share=0.36))
     shares = (0.375, 0.44, 0.45, 0.46, 0.47, 0.48, 0.5, 0.6)
     highest = max(slip_by_share(preloaded, shares).values())
