@@ -125,32 +125,38 @@ def test_lives_over_light_preloads_have_no_gaps(designation):
         assert log_time[k] == pytest.approx(between, abs=0.05), lives[k]
 
 
-def test_a_life_ends_where_slip_sets_in_at_once():
+@pytest.mark.parametrize(
+    "mode, scatter",
+    [pytest.param(EXACT_GROOVES, 0.02, marks=pytest.mark.long), (QUICK_GROOVES, 0.05)],
+    ids=["exact", "quick"],
+)
+def test_a_life_ends_where_slip_sets_in_at_once(mode, scatter):
     """As wear takes the peak of the axial force below the preload, the race jumps to much slip.
 
     Lives change little from preload to preload, on both sides of the one above which the jump
     stays below the limit of the slip share.
+
+    scatter: largest difference of the logarithm of a life from a parabola over the preloads.
     """
     warm = {"inner_ring_C": 30.0, "balls_C": 28.0, "outer_ring_C": 20.0}
     keys = {"temperature": warm, "model.contact": "worn", "cage": None}
     keys |= {"operation.preload_method": "constant_force"}
     keys |= {"wear.end_of_life.gyroscopic_slip_share": 0.5}
     warmed = bearingwear.new(designation="7000AC", speed=8000.0).with_(keys)
-    for mode, scatter in ((EXACT_GROOVES, 0.02), (QUICK_GROOVES, 0.05)):
-        times, slips = [], []
-        for preload in (6.25, 6.5, 6.75, 7.0, 7.25, 7.5, 7.75):
-            life = follow_grooves(Grooves(warmed.with_({"operation.preload_N": preload}), mode))
-            assert STATUS_NAMES[life.status] == "ok", preload
-            before, last = (state["gyroscopic_slip_share"].max() for state in life.states[-2:])
-            assert before < 0.35 and last > 0.5, preload
-            times.append(np.log(life.last.time))
-            slips.append(last)
-        line = np.polyfit(np.arange(7), times, 2)
-        assert times == pytest.approx(np.polyval(line, np.arange(7)), abs=scatter)
-        assert (np.diff(slips) < 0.0).all()  # up to a preload at which the life is not ended by it
-        beyond = follow_grooves(Grooves(warmed.with_({"operation.preload_N": 8.0}), mode))
-        assert STATUS_NAMES[beyond.status] == "ok" and np.log(beyond.last.time) > times[-1] + 2.0
-        assert max(state["gyroscopic_slip_share"].max() for state in beyond.states) < 0.5
+    times, slips = [], []
+    for preload in (6.25, 6.5, 6.75, 7.0, 7.25, 7.5, 7.75):
+        life = follow_grooves(Grooves(warmed.with_({"operation.preload_N": preload}), mode))
+        assert STATUS_NAMES[life.status] == "ok", preload
+        before, last = (state["gyroscopic_slip_share"].max() for state in life.states[-2:])
+        assert before < 0.35 and last > 0.5, preload
+        times.append(np.log(life.last.time))
+        slips.append(last)
+    line = np.polyfit(np.arange(7), times, 2)
+    assert times == pytest.approx(np.polyval(line, np.arange(7)), abs=scatter)
+    assert (np.diff(slips) < 0.0).all()  # up to a preload at which the life is not ended by it
+    beyond = follow_grooves(Grooves(warmed.with_({"operation.preload_N": 8.0}), mode))
+    assert STATUS_NAMES[beyond.status] == "ok" and np.log(beyond.last.time) > times[-1] + 2.0
+    assert max(state["gyroscopic_slip_share"].max() for state in beyond.states) < 0.5
 
 
 def test_a_search_past_a_fold_in_vain_changes_nothing(monkeypatch):

@@ -42,6 +42,7 @@ def study(folder, *arguments):
     return completed
 
 
+@pytest.mark.long  # a whole study
 def test_a_case_without_a_solution_is_recorded_and_reported_at_the_end(folder):
     """Without friction the rotation of a ball is undetermined. All else of the study is made.
 

@@ -321,6 +321,7 @@ def test_a_case_at_standstill_changes_no_life(spindle):
     assert np.isfinite(recommended["life_error_estimate"]).all()
 
 
+@pytest.mark.long  # searches that end without a preload
 def test_the_case_that_forbids_every_preload_is_named(spindle):
     """A hot outer ring unloads every fixed position, in the case `hot` alone.
 

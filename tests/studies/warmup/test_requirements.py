@@ -84,6 +84,7 @@ def flag_name(values):
     return values.attrs["flag_meanings"].split()[int(values)]
 
 
+@pytest.mark.long  # a search whose every state has its margin solved
 def test_a_required_thermal_margin_limits_the_preload():
     """With 5 % more preload the pair would live longer, but with less than the required margin."""
     scene = warm_spindle().with_(STIFF_TO_THE_END)
