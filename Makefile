@@ -27,7 +27,6 @@ test: $(STAMP) # on all cores; the solver is compiled while the text is checked
 	$(BIN)/codespell && \
 	$(BIN)/mypy && \
 	$(BIN)/python tests/compile_solver.py worn && \
-	wait $$compiling
 	$(BIN)/python -m pytest $(ALL_CORES)
 
 quick: $(STAMP) # half a minute: what solves little and starts no other programs

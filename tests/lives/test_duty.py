@@ -807,6 +807,7 @@ def test_the_page_names_the_phase_without_a_life(scene, tmp_path):
     assert "no life over the duty: in phase still" in stored
 
 
+@pytest.mark.long  # two searches for a preload
 def test_the_page_has_the_duty_at_the_recommended_preload(scene, tmp_path):
     """Where no life is long enough, it takes the preload of the longest one.
 

@@ -301,6 +301,7 @@ def test_a_pressure_or_temperature_beyond_the_tests_is_warned_of(scene, changes,
     assert all(words in f"{warning['sentence']} {warning['advice']}" for warning in of_films)
 
 
+@pytest.mark.long  # the bound is a search
 def test_coefficients_are_those_of_the_row_whose_life_is_one():
     """`MOS2_WEAR` are two K_s/H [m2/N] at 1500 MPa and 23 degC, with two digits: 1 %.
 

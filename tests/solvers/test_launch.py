@@ -355,6 +355,7 @@ def test_a_launch_after_some_wear_is_checked_new_and_with_it(pair):
     assert fully_worn < launches[after_wear].opening_g < launches["new"].opening_g
 
 
+@pytest.mark.long  # a search for a preload
 def test_a_required_acceleration_at_launch_holds_worn():
     """The preload of docs/launch.md: 30 g in the balance of a rotor on balls worn as at its end."""
     plain = bearingwear.new(designation="7001C", maker="NSK", preload_class="L", speed=600.0,

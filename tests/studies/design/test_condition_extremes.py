@@ -276,6 +276,7 @@ def recommended_pair(pair):
     return recommendation(pair, DesignLimits(system_axial_stiffness_N_um=60.0))
 
 
+@pytest.mark.long  # a search for a preload
 def test_a_pair_is_stiff_enough_and_carries_load_cold_and_slow(pair, recommended_pair):
     """Plain solves at six speeds have 60 N/um, and both bearings keep at least 1 % of the preload.
 
@@ -294,6 +295,7 @@ def test_a_pair_is_stiff_enough_and_carries_load_cold_and_slow(pair, recommended
             assert solved.values["residual_preload"].min() >= LEAST_KEPT * preload
 
 
+@pytest.mark.long  # of the same search
 def test_a_recommendation_lists_its_conditions(recommended_pair):
     """They are rest with running and with mounting temperatures, full speed only with running."""
     conditions = [

@@ -360,8 +360,11 @@ def lives_between_cases(scene, losses, folder):
 
 @pytest.mark.parametrize(
     "kind",
-    [{}, {"arrangement": {"kind": "spring_pair"}}, {"wear.counts": "ball"}],
-    ids=["single", "pair", "balls"],
+    [
+        pytest.param({}, id="single"),
+        pytest.param({"arrangement": {"kind": "spring_pair"}}, id="pair", marks=pytest.mark.long),
+        pytest.param({"wear.counts": "ball"}, id="balls", marks=pytest.mark.long),
+    ],
 )
 def test_interpolated_lives_agree_with_followed_ones_over_a_duty(kind, tmp_path):
     """Lives agree to 0.2 %, the error of losses 0.1 um apart; criterion and last preload are equal.

@@ -134,7 +134,10 @@ WARMED_FAST = SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0}
         pytest.param(WARMED_FAST, 10.0, id="ramp"),
         pytest.param(WARMED_FAST, 0.0, id="at once"),
         pytest.param(
-            {"thermal.shaft_C": 40.0, "thermal.shaft_time_constant_s": 20.0}, 20.0, id="warm shaft"
+            {"thermal.shaft_C": 40.0, "thermal.shaft_time_constant_s": 20.0},
+            20.0,
+            id="warm shaft",
+            marks=pytest.mark.long,
         ),
         pytest.param(
             WARMED_FAST | {"operation.preload_method": "constant_force"}, 5.0, id="constant force"
@@ -143,6 +146,7 @@ WARMED_FAST = SLOW_HOUSING | {"thermal.housing_time_constant_s": 30.0}
             WARMED_FAST | {"bearing.contact_angle_deg": 25.0, "operation.preload_N": 300.0},
             15.0,
             id="25 degrees",
+            marks=pytest.mark.long,
         ),
     ],
 )
