@@ -33,7 +33,7 @@ quick: $(STAMP) # half a minute: what solves little and starts no other programs
 	$(BIN)/python -m pytest $(ALL_CORES) tests/kernels tests/scene tests/plotting tests/test_names.py \
 		tests/test_provenance.py --ignore tests/kernels/test_kernel_cache.py
 
-test-long: $(STAMP) # whole studies run again and again, not part of `make test`
+test-long: $(STAMP) # slow tests, as of whole studies: not part of `make test`
 	# cf: only its own test needs it, which is skipped where it cannot be installed
 	-$(PIP_INSTALL) -q -e '.[cf]'
 	$(BIN)/python -m pytest $(ALL_CORES) -m long

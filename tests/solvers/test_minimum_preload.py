@@ -10,6 +10,8 @@ import bearingwear
 from bearingwear.scene.coefficients import M2_PER_N, MEASURED_WEAR
 from bearingwear.scene.new.catalogue import entry_of
 
+pytestmark = pytest.mark.long  # 324 bearings of catalogues
+
 
 @pytest.fixture(scope="module")
 def minimum():

@@ -17,6 +17,8 @@ from bearingwear.studies.design.map import design_point, new_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.recommend import WORST_CASES, recommendation
 
+pytestmark = pytest.mark.long  # a search in three cases; one in two: test_condition_extremes.py
+
 LIMITS = DesignLimits(launch_g=30.0, torque_margin=0.5)
 """No bearing opens up to 30 g, and the drive has half as much torque again as is needed."""
 
