@@ -18,6 +18,7 @@ from bearingwear.solvers.state import State
 from kerneljit.interrupt import check_interrupt
 
 _MET = 0.02  # margin left where a criterion counts as met, over that at the last node before
+_NARROW_GAP = 0.02  # of a step: without states, and passed on the way to a criterion
 _ROOT_RTOL = 1e-15  # of a root of Brent's method, as in double precision: `xtol` decides
 
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
@@ -364,10 +365,16 @@ class _Margin:
         """Returns the unsolved node at which a root search ended; None if the criterion is met.
 
         It counts as met where the margin of the last solved place up to the root is at most `_MET`
-        of that at the start.
+        of that at the start. It also does where the next place at which the criterion is met lies
+        beyond a `_NARROW_GAP`: states of contacts that hardly carry any load scatter.
         """
         last = max(x for x in self.values if x <= root)
-        return self.failed if self.values[last] > _MET * self.values[start] else None
+        met = min(
+            (x for x, value in self.values.items() if x > root and value <= 0.0), default=root
+        )
+        is_narrow = met - last <= _NARROW_GAP * (max(self.values) - start)
+        is_met = self.values[last] <= _MET * self.values[start]
+        return None if is_met or is_narrow else self.failed
 
 
 def _first_zero(
